@@ -18,10 +18,9 @@ import numpy as np
 
 import tippetop
 from tippetop.benchmark import Case, case, names
-from tippetop.benchmark.case_files import sample_times, scaled
-from tippetop.benchmark.truth import Truth, truth
+from tippetop.benchmark.case_files import scaled
+from tippetop.benchmark.truth import Truth, differences, length_of, sample_times, truth
 from tippetop.engine.derivatives.growth import growth
-from tippetop.exchange.motion import angle_between, theta_of
 
 
 PATH = Path(tippetop.__file__).parent / "benchmark" / "certificates.json"
@@ -29,25 +28,6 @@ LARGEST = 1e-10
 APART = 1e-12
 BLIND = 1e7
 """Growth of an error of the start beyond which results say nothing about an engine."""
-
-
-def differences(a: Truth, b: Truth) -> dict[str, np.ndarray]:
-    """Return the differences of two motions, (rows,) each."""
-    result = {
-        "attitude [rad]": angle_between(a.quaternion, b.quaternion),
-        "theta [rad]": np.abs(theta_of(a.quaternion) - theta_of(b.quaternion)),
-    }
-    units = {"position": "m", "velocity": "m/s", "omega": "rad/s", "force": "N"}
-    for name, unit in units.items():
-        difference = getattr(a, name) - getattr(b, name)
-        result[f"{name} [{unit}]"] = np.linalg.norm(difference, axis=1)
-    return result
-
-
-def length_of(each: Case) -> float:
-    """Return the radius of a body, or the distance from its tip to its centre of mass [m]."""
-    body = each.problem.body()
-    return float(body.R or abs(body.c))
 
 
 def growth_of(each: Case, double: Truth) -> tuple[str, np.ndarray]:
@@ -61,7 +41,7 @@ def growth_of(each: Case, double: Truth) -> tuple[str, np.ndarray]:
         moved["omega3"] *= 1 + APART
     near, _ = truth(dataclasses.replace(problem, initial=moved), t)
     apart = differences(near, double)
-    size = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(each))
+    size = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(problem))
     return "two runs started 1e-12 apart", size / APART
 
 
@@ -83,7 +63,7 @@ def certificate(name: str) -> dict[str, Any]:
     beyond = np.flatnonzero(factor > BLIND)
     rows = len(times) if not len(beyond) else int(beyond[0])
     off = {key: float(curve[:rows].max()) for key, curve in differences(double, exact).items()}
-    error = max(off["attitude [rad]"], off["position [m]"] / length_of(each))
+    error = max(off["attitude [rad]"], off["position [m]"] / length_of(each.problem))
     return {
         "error": float(f"{error:.1e}"),
         "against": "the run in 80-bit numbers, which is exported",

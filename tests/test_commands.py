@@ -27,6 +27,7 @@ SHORTER = {
     "--step 1e-5": "--step 1e-3",
     "benchmark export DIR": "benchmark export DIR joint",
     "benchmark export cases  ": "benchmark export cases joint",
+    "ENGINE/SETTING/mine": "cases/mine/reference.csv",
     "mine.csv --case bounce": "ENGINE/best/joint/dt=1e-3.csv --case joint",
 }
 DONE_ALREADY = ("resume RUN.zarr  ", "resume LONG.zarr  ")

@@ -1,7 +1,8 @@
 """MuJoCo: soft contact as a convex optimisation, in the coordinates of the joints.
 
 `best` follows the manual: XML reference, option: impratio and cone (against slip), and Modeling,
-"Solver parameters" (solref; a dampratio below 1 for a rebound).
+"Solver parameters" (solref; a dampratio below 1 for a rebound). `exported` is the rule of the
+exported MJCF, solref = 2 timestep: its contact becomes stiffer as the step shrinks.
 """
 
 import math
@@ -16,6 +17,7 @@ SETTINGS = {
     "default": {"cone": "pyramidal", "integrator": "Euler", "impratio": 1.0, "timeconst": 0.02},
     "best": {"cone": "elliptic", "integrator": "RK4", "impratio": 10.0, "timeconst": 0.004},
 }
+SETTINGS["exported"] = {**SETTINGS["best"], "timeconst": None}
 SCAN = ("timeconst", (0.02, 0.004, 0.002, 0.001, 0.0005))
 
 
@@ -39,6 +41,7 @@ def _model(case: Case, setting: dict, step: float):
     import mujoco
 
     frame = origin(case, setting)
+    timeconst = setting["timeconst"] or 2 * step
     friction = f"{case.mu} {case.torsion} {case.rolling}"
     condim = 6 if case.rolling else 4 if case.torsion else 3 if case.mu else 1
     bounce = math.log(max(case.restitution, 1e-9))
@@ -56,7 +59,7 @@ def _model(case: Case, setting: dict, step: float):
   <option timestep="{step!r}" gravity="0 0 {-case.gravity!r}" cone="{setting["cone"]}"
     integrator="{setting["integrator"]}" impratio="{setting["impratio"]}"/>
   <default>
-    <geom condim="{condim}" friction="{friction}" solref="{setting["timeconst"]} {damping}"/>
+    <geom condim="{condim}" friction="{friction}" solref="{timeconst} {damping}"/>
   </default>
   <worldbody>
     <geom type="plane" size="1 1 1"/>

@@ -1,7 +1,8 @@
 """Tables and a figure of the score: `python -m bench.simulators.report OUT`.
 
 OUT holds the results of `python -m bench.simulators DIR OUT`. Writes results.json, results.md and
-error-against-step.png there.
+error-against-step.png there. `--recorded` adds the rows of an earlier results.json for engines that
+OUT lacks.
 """
 
 import argparse
@@ -32,28 +33,40 @@ def _markdown(rows: list[list[str]]) -> str:
     return "\n".join([head, "|" + " --- |" * len(rows[0]), *body])
 
 
-def _cell(steps: list[dict] | None) -> str:
-    """Return the largest errors at the smallest step, and whether the outcome is right."""
-    if not steps:
-        return ""
-    last = steps[-1]
-    largest = last["largest"]
-    errors = f"{largest['attitude']:.1g} rad, {1e3 * largest['position']:.1g} mm"
-    judged = {True: "", False: " (wrong)", None: " (not judged)"}[last["outcome_is_right"]]
-    return errors + judged
+def _cell(row: dict, note: str = "") -> str:
+    """Return the largest errors of a result, its setting and step, and whether it is right."""
+    largest = row["largest"]
+    errors = f"{largest['attitude']:.2g} rad, {1e3 * largest['position']:.2g} mm"
+    judged = {True: "", False: " (wrong)", None: " (not judged)"}[row["outcome_is_right"]]
+    return f"{errors}; {note}{1e3 * row['step']:g} ms{judged}"
+
+
+def _goodness(row: dict) -> tuple:
+    """Return a key that is smaller for better results: a right outcome first, then the errors."""
+    largest = row["largest"]
+    return row["outcome_is_right"] is not True, largest["attitude"], largest["position"]
 
 
 def tables(results: dict[tuple[str, str, str], list[dict]]) -> str:
-    """Return case by engine, and the contact models varied at a fixed step, as Markdown."""
+    """Return case by engine, and the contact models varied at a fixed step, as Markdown.
+
+    Of each setting the smallest step counts; of the settings of an engine the best of the case.
+    """
+    last = {names: steps[-1] for names, steps in results.items()}
     rows = [["case", "setting", *LOOKS]]
     for case in dict.fromkeys(case for case, _, _ in results):
-        for setting in ("best", "default"):
-            cells = [_cell(results.get((case, engine, setting))) for engine in LOOKS]
-            rows.append([case, setting, *cells])
-    scans = [["case", "engine", "setting", "step [s]", "errors"]]
-    for (case, engine, setting), steps in results.items():
-        if "=" in setting:
-            scans.append([case, engine, setting, f"{steps[-1]['step']:g}", _cell(steps)])
+        best, default = [case, "best of all"], [case, "default"]
+        for engine in LOOKS:
+            of_engine = [row for names, row in last.items() if names[:2] == (case, engine)]
+            found = min(of_engine, key=_goodness, default=None)
+            best.append(_cell(found, f"{found['setting']}, ") if found else "")
+            given = last.get((case, engine, "default"))
+            default.append(_cell(given) if given else "")
+        rows += [best, default]
+    scans = [["case", "engine", "setting", "errors"]]
+    for (case, engine, setting), row in last.items():
+        if "=" in setting or setting == "exported":
+            scans.append([case, engine, setting, _cell(row)])
     return f"{_markdown(rows)}\n\n{_markdown(scans)}\n"
 
 
@@ -68,13 +81,13 @@ def draw(results: dict[tuple[str, str, str], list[dict]], path: Path) -> None:
     for (case, engine, setting), steps in results.items():
         if "=" in setting:
             continue
-        best = setting == "best"
+        marker, dashes = {"best": ("o", "-"), "exported": ("s", "--")}.get(setting, ("x", ":"))
         moved = "attitude" if steps[0]["largest"]["attitude"] else "position"
         (handles[f"{engine}, {setting}"],) = panels[case].loglog(
             [row["step"] for row in steps],
             [row["largest"][moved] for row in steps],
-            marker="o" if best else "x",
-            ls="-" if best else ":",
+            marker=marker,
+            ls=dashes,
             color=LOOKS[engine],
         )
     for case, axes in panels.items():
@@ -95,10 +108,17 @@ def main() -> None:
     """Write the tables and the figure."""
     parser = argparse.ArgumentParser(prog="python -m bench.simulators.report")
     parser.add_argument("out", type=Path, metavar="OUT")
-    out = parser.parse_args().out
-    scored = benchmark.score(out).to_dict()
+    parser.add_argument("--recorded", type=Path, metavar="RESULTS.json")
+    given = parser.parse_args()
+    out, scored = given.out, benchmark.score(given.out).to_dict()
     for row in scored:
-        del row["file"]
+        for name in ("file", "at", "rms", "mean"):
+            del row[name]
+    if given.recorded:
+        fresh = {row["engine"] for row in scored}
+        earlier = json.loads(given.recorded.read_text(encoding="utf-8"))
+        scored += [row for row in earlier if row["engine"] not in fresh]
+        scored.sort(key=lambda row: (row["case"], row["engine"], row["setting"], -row["step"]))
     names = [(row["case"], row["engine"], row["setting"]) for row in scored]
     results: dict[tuple[str, str, str], list[dict]] = {name: [] for name in names}
     for name, row in zip(names, scored, strict=True):

@@ -15,8 +15,8 @@ from typed import typed
 
 import tippetop as tt
 from tippetop import benchmark
-from tippetop.benchmark.case_files import sample_times, scaled
-from tippetop.benchmark.truth import truth
+from tippetop.benchmark.case_files import scaled
+from tippetop.benchmark.truth import VECTORS, sample_times, truth
 from tippetop.exchange.simulators import text_of
 
 
@@ -64,6 +64,95 @@ def test_description_fits_the_schema(exported):
         assert set(described["files"]) | {"case.json"} == {
             path.name for path in (exported / name).iterdir()
         }
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_numbers_of_body_law_and_start_are_those_of_the_scenario(exported, name):
+    described = json.loads((exported / name / "case.json").read_text())
+    problem, start = benchmark.case(name).problem, described["start"]
+    body, given = problem.body(), described["body"]
+    assert (given["mass"], given["gravity"]) == (body.m, body.g)
+    assert given["moments_of_inertia"] == [body.I1, body.I1, body.I3]
+    assert described["law"].get("contact", {}).get("e_n", 0.0) == (0.5 if name == "bounce" else 0.0)
+    assert described["law"].get("friction", {}).get("mu") == getattr(problem.friction, "mu", None)
+    row = pd.read_csv(exported / name / "reference.csv").iloc[0]
+    for key, values in start.items():
+        assert values == row[VECTORS[key]].tolist()
+    axis = Rotation.from_quat(np.roll(start["quaternion"], -1)).apply([0.0, 0.0, 1.0])
+    if name == "joint":
+        np.testing.assert_allclose(start["position"] + given["fixed_point"] * axis, 0, atol=1e-11)
+        assert given["balls"] == {}
+        return
+    ball = given["balls"]["body"]
+    gap = start["position"][2] + ball["offset"] * axis[2] - ball["radius"]
+    expected = {"bounce": 0.05, "stem-landing": 0.014}.get(name, 0.0)
+    assert gap == pytest.approx(expected, abs=1e-12)
+
+
+def test_readme_names_every_outcome(exported):
+    text = (exported / "README.md").read_text()
+    scores = [benchmark.score(exported / name / "reference.csv", name) for name in CASES]
+    seen = {outcome for score in scores for outcome in score.results[0].expected}
+    assert "rises as high" in seen
+    assert all(f"| `{outcome}` |" in text for outcome in seen)
+
+
+MINE = """
+system = "tippe-top"
+parameters = { m = 0.03, R = 0.025, alpha = 0.25, I1 = 7e-6, I3 = 7.4e-6, g = 9.81 }
+friction = { law = "coulomb", mu = 0.2 }
+contact = { e_n = 0.3 }
+initial = { theta = 0.3, omega3 = 80.0, nu_x = 0.0, nu_y = 0.0, gap = 0.01 }
+run = { until = 0.2, output_step = 1e-3 }
+"""
+
+
+def test_a_scenario_of_the_user_is_a_case(tmp_path, capsys):
+    jsonschema = pytest.importorskip("jsonschema")
+    mine, cases = tmp_path / "mine.toml", tmp_path / "cases"
+    mine.write_text(MINE)
+    assert typed(f"benchmark export {cases} joint --scenario {mine}") == 0
+    described = json.loads((cases / "mine" / "case.json").read_text())
+    jsonschema.validate(described, json.loads((cases / "case.schema.json").read_text()))
+    assert described["certified_error"] < 1e-10
+    assert described["horizon"] == described["until"] == 0.2
+    assert described["law"] == {
+        "friction": {"law": "coulomb", "mu": 0.2},
+        "contact": {"restitution": "energetic", "e_n": 0.3},
+    }
+    assert re.search(r"`joint`.*\n\| `mine` \| ", (cases / "README.md").read_text())
+    result = tmp_path / "engine" / "best" / "mine"
+    result.mkdir(parents=True)
+    (result / "dt=1e-3.csv").write_bytes((cases / "mine" / "reference.csv").read_bytes())
+    capsys.readouterr()
+    assert typed(f"benchmark score {result} --case {mine} --fail-above 1e-9 --json") == 0
+    [row] = json.loads(capsys.readouterr().out)["results"]
+    assert (row["case"], row["engine"], row["setting"]) == ("mine", "engine", "best")
+    assert row["largest"]["position"] < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        ("bounce", ("", ""), "must not have the name of a case"),
+        (
+            "mine",
+            ('"coulomb", mu = 0.2 }\ncontact', '"viscous", mu = 0.2 }\n#'),
+            "a table [contact]",
+        ),
+        ("mine", ("until = 0.2", 'on_liftoff = "stop", until = 0.2'), "must reach `run.until`"),
+        ("mine", ("mu = 0.2", "mu = -1.0"), "`friction.mu`"),
+    ],
+)
+def test_scenarios_that_are_no_cases(tmp_path, capsys, name, change, message):
+    mine = tmp_path / f"{name}.toml"
+    hops = MINE.replace("omega3 = 80.0", "theta_dot = 80.0").replace(", gap = 0.01", "")
+    if "viscous" in change:  # exact Coulomb friction opens the contact by itself
+        hops = hops.replace("contact =", "#")
+    mine.write_text(hops.replace(*change))
+    assert typed(f"benchmark export {tmp_path / 'cases'} --scenario {mine}") == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "cases").exists()
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -207,3 +296,5 @@ def test_command_line(tmp_path, capsys):
     assert typed("benchmark list bounce") == 2
     assert typed("benchmark export") == 2
     assert typed("benchmark list --markdown") == 2
+    assert typed("benchmark score . --scenario mine.toml") == 2
+    assert typed(f"benchmark export {tmp_path} --fail-above 1") == 2

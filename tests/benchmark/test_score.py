@@ -1,17 +1,21 @@
 """The score of results with known errors."""
 
 import json
+import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from examples import turned
+from scipy.spatial.transform import Rotation
 from typed import typed
 
 from tippetop import benchmark
 from tippetop.benchmark.truth import VECTORS, truth
 from tippetop.errors import InputError
+from tippetop.figures.errors_by_step import errors_by_step
 
 
 def result(name: str, turn: float = 0.0, count: int = 101) -> pd.DataFrame:
@@ -61,6 +65,9 @@ def test_a_known_turn_is_scored_as_it_is(tmp_path):
     plain = benchmark.Score([only]).to_dict()[0]
     assert plain["largest"]["attitude"] == pytest.approx(0.2, abs=1e-10)
     assert plain["largest"]["theta"] < 1e-12
+    assert plain["at"]["attitude"] == 2.0
+    assert plain["mean"]["attitude"] == pytest.approx(0.1)
+    assert plain["rms"]["attitude"] == pytest.approx(0.2 * math.sqrt(201 / 600))
     assert plain["leaves"] == {"0.001": 0.02, "0.01": 0.12, "0.1": pytest.approx(1.0, abs=0.03)}
     assert plain["step"] == 1e-3
 
@@ -89,6 +96,19 @@ def test_order_of_convergence(tmp_path):
     assert [row["step"] for row in rows] == [1e-3, 5e-4, 2.5e-4]
     assert rows[0]["order"] is None
     assert rows[2]["order"] == pytest.approx(2, abs=1e-6)
+    ratio = rows[1]["rms"]["attitude"] / rows[2]["rms"]["attitude"]
+    assert rows[2]["order"] == pytest.approx(math.log2(ratio))  # as documented
+
+
+@pytest.mark.parametrize(("turn", "blank"), [(0.49, False), (0.51, True), (0.0, True)])
+def test_the_order_is_blank_where_an_error_is_saturated_or_rounding(tmp_path, turn, blank):
+    """The attitude is off by 1 rad after 2 s with a turn of 0.5 rad/s."""
+    for step in (1e-3, 5e-4):
+        write(tmp_path, result("coulomb-sticking", turn=turn * step / 1e-3), step=f"{step:g}")
+    scored = benchmark.score(tmp_path)
+    assert (scored.to_dict()[1]["order"] is None) == blank
+    lines = scored.to_markdown().splitlines()[2:]
+    assert [line.split(" | ")[-2] == "-" for line in lines] == [True, blank]
 
 
 def test_only_quaternions_are_required(tmp_path):
@@ -113,7 +133,8 @@ def test_an_outcome_that_the_rows_do_not_show_is_not_judged(tmp_path, rows, unse
 @pytest.mark.parametrize(("factor", "right"), [(0.1, False), (0.9, True)])
 def test_a_low_rebound_is_wrong(tmp_path, factor, right):
     table, body = result("bounce"), benchmark.case("bounce").problem.body()
-    table["z [m]"] = body.R - body.c + factor * (table["z [m]"] - body.R + body.c)
+    rest, bounced = body.R - body.c, table["t [s]"] > 0.101
+    table.loc[bounced, "z [m]"] = rest + factor * (table.loc[bounced, "z [m]"] - rest)
     [only] = benchmark.score(write(tmp_path, table, "bounce")).results
     assert only.wrong == ([] if right else ["rises as high"])
 
@@ -184,6 +205,36 @@ def other_start(table):
     table[VECTORS["quaternion"]] = [0.0, 1.0, 0.0, 0.0]
 
 
+def far(table):
+    table["x [m]"] += 5.0
+
+
+def other_spin(table):
+    table["omega_z [rad/s]"] /= 2
+
+
+def centre_of_ball(table):
+    table[VECTORS["position"]] += arm(table)
+
+
+def velocity_of_centre_of_ball(table):
+    table[VECTORS["velocity"]] += np.cross(table[VECTORS["omega"]], arm(table))
+
+
+def body_axes(table):
+    q = table[VECTORS["quaternion"]].to_numpy() * [1, -1, -1, -1]
+    table[VECTORS["omega"]] = rotated(q, table[VECTORS["omega"]].to_numpy())
+
+
+def arm(table):
+    """Return the vector from the centre of mass to the centre of the ball: 6 mm along the axis."""
+    return rotated(table[VECTORS["quaternion"]].to_numpy(), np.array([0.0, 0.0, 0.006]))
+
+
+def rotated(q, v):
+    return Rotation.from_quat(q[:, [1, 2, 3, 0]]).apply(v)
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
@@ -191,8 +242,13 @@ def other_start(table):
         (all_nan, "is missing or NaN in row 6"),
         (late, "times must be from 0 to 2 s"),
         (no_quaternion, "q_w, q_x, q_y, q_z"),
-        (rolled, "its order is x, y, z, w"),
-        (other_start, "check the order of the quaternion, the frames and the start"),
+        (rolled, "the order of the quaternion is x, y, z, w"),
+        (other_start, "check the start, the frames, the units and the order of the quaternion"),
+        (far, r"position \[m\] at 0 s must be near the reference, but differs by 5; check"),
+        (other_spin, r"omega \[rad/s\] at 0 s must be near the reference"),
+        (centre_of_ball, "differs by 0.006; it is that of the centre of the ball"),
+        (velocity_of_centre_of_ball, r"velocity \[m/s\].*it is that of the centre of the ball"),
+        (body_axes, "it is in body axes: name the columns omega_body_x"),
     ],
 )
 def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
@@ -203,7 +259,33 @@ def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
         benchmark.score(path)
     assert len(error.value.sentences) == 1
     assert typed(f"benchmark score {path}") == 2
-    assert message in " ".join(capsys.readouterr().err.split())
+    assert re.search(message, " ".join(capsys.readouterr().err.split()))
+
+
+@pytest.mark.parametrize("name", ["mujoco-tutorial", "torque-free", "joint", "rocking-cylinder"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_other_conventions_are_noticed_in_every_case_and_without_the_first_row(
+    tmp_path, name, first
+):
+    table, c = result(name, count=1001), benchmark.case(name).problem.body().c
+    table[VECTORS["position"]] += arm(table) * c / 0.006
+    with pytest.raises(InputError, match="that of the centre of the ball"):
+        benchmark.score(write(tmp_path, table.iloc[first:], name))
+    if name != "rocking-cylinder":  # it turns about an axis that is fixed in both frames
+        table = result(name, count=1001)
+        body_axes(table)
+        with pytest.raises(InputError, match="in body axes"):
+            benchmark.score(write(tmp_path, table.iloc[first:], name))
+
+
+@pytest.mark.parametrize("name", benchmark.names())
+def test_an_inaccurate_result_of_the_right_conventions_is_scored(tmp_path, name):
+    """Errors that grow to 1 rad, and to 30 % of every vector, are not those of another start."""
+    table = result(name, turn=1.0 / benchmark.case(name).problem.until)
+    for key in ("position", "velocity", "omega"):
+        grown = np.linspace(0, 0.3, len(table)) * np.abs(table[VECTORS[key]]).to_numpy().max()
+        table[VECTORS[key]] += grown[:, None]
+    assert len(benchmark.score(write(tmp_path, table, name)).results) == 1
 
 
 def test_a_conjugated_quaternion_of_an_upright_top_is_noticed(tmp_path):
@@ -219,6 +301,50 @@ def test_unknown_case_and_nothing_to_score(tmp_path, capsys):
     assert "is in the folder `no-case`" in capsys.readouterr().err
     assert typed("benchmark score") == 2
     assert typed(f"benchmark score {path} --case bounce") == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        ("--fail-above 0.21", 0, ""),
+        ("--fail-above 0.19", 4, "the error of attitude must be at most 0.19, but is 0.2."),
+        ("--fail-above attitude=0.19 --fail-above 0.21", 0, ""),
+        ("--fail-above 1 --fail-above position=1e-9", 0, ""),
+        ("--fail-above force=1e-9", 4, "force must be at most 1e-09, but its columns are missing"),
+        ("--fail-above speed=1", 2, "must be one of attitude, theta, position"),
+        ("--fail-above much", 2, "`--fail-above` must be"),
+    ],
+)
+def test_exit_code_for_continuous_integration(tmp_path, capsys, options, code, words):
+    table = result("coulomb-sticking", turn=0.1).drop(columns=VECTORS["force"])
+    path = write(tmp_path, table)
+    assert typed(f"benchmark score {path} {options}") == code
+    assert words in " ".join(capsys.readouterr().err.split())
+
+
+def test_wrong_outcomes_and_missing_rows_fail_where_a_limit_is_given(tmp_path, capsys):
+    table = result("bounce")
+    short = write(tmp_path, table.iloc[:50], "bounce")
+    assert typed(f"benchmark score {short}") == 0
+    assert typed(f"benchmark score {short} --fail-above 1") == 4
+    assert "not judged: no rows from 0.245" in capsys.readouterr().err
+    table.loc[table["t [s]"] > 0.101, "z [m]"] = 0.014
+    low = write(tmp_path, table, "bounce", "1e-4")
+    assert typed(f"benchmark score {low} --fail-above 1") == 4
+    assert "must be right, but is wrong: lifts off, rises as high" in capsys.readouterr().err
+    low.write_text("t [s]\n0\n")
+    assert typed(f"benchmark score {tmp_path} --fail-above 1") == 2
+
+
+def test_the_figure_of_an_upright_case_shows_the_height(tmp_path):
+    drawn = {}
+    for name in ("bounce", "stem-landing"):
+        results = benchmark.score(write(tmp_path, result(name), name)).results
+        drawn[name] = errors_by_step(name, results).axes[1]
+    assert "height" in drawn["bounce"].get_ylabel()
+    heights = drawn["bounce"].lines[0].get_ydata()
+    np.testing.assert_allclose(heights, result("bounce")["z [m]"], rtol=1e-14)
+    assert drawn["stem-landing"].get_ylabel() == "theta [rad]"
 
 
 def test_json_and_figures(tmp_path, capsys):

@@ -20,7 +20,7 @@ from ..scenario import build
 from ..store import files as disk
 from .named_cases import Case, case, names
 from .outcome import outcome
-from .truth import VECTORS, Truth, truth
+from .truth import VECTORS, Truth, sample_times, truth
 
 
 VERSION = "1"
@@ -53,7 +53,8 @@ CONTENT = {
 README = """# Contact benchmark of tippetop, version {version}
 
 Exact motions of rigid bodies with friction, spin and impacts, for developers of contact simulators.
-Each folder is a case; `case.json` describes it (`case.schema.json` is its schema).
+Each folder is a case; `case.json` describes it, with the
+numbers of its body, law and start (`case.schema.json` is its schema).
 
 1. Read `model.mjcf.xml`, `model.urdf` or `model.sdf`.
    The first row of `reference.csv` is the start.
@@ -69,6 +70,10 @@ Numbers have 12 significant digits of the largest number of their vector.
 
 The score compares each row of a result with the reference at its time, up to the horizon.
 STEP is in seconds; with several steps the score prints the order of convergence.
+`order` is log(e1/e2)/log(h1/h2) of the root mean square error e of the attitude at this step h2 and
+the next larger one h1.
+It is blank (`-`) without such a step, where one of the two attitudes is ever off by more than 1 rad
+(its error is saturated and hardly depends on the step), and where the errors are rounding errors.
 Rows may start later than at 0: an engine that has no contact force there leaves out that row.
 
 | score | largest difference of |
@@ -79,8 +84,19 @@ Rows may start later than at 0: an engine that has no contact force there leaves
 | `energy` | the energy, relative to that at the start |
 | `force` | the force of the plane on the body, a vector, by its weight; not the mean over a step |
 
-The outcome is judged by the rows alone: `turns over` (theta passes pi/2), `lifts off` and `lands on
-the stem` (need the position), `sticks` (needs position, velocity and angular velocity).
+`rms` and `mean` are the root mean square and the mean of such differences over the rows, `at` is
+the time of the largest one.
+
+The outcome is judged by the rows alone:
+
+| outcome | meaning | needs |
+| --- | --- | --- |
+| `turns over` | theta passes pi/2 | the quaternion |
+| `lifts off` | the body rises by more than 1 % of its radius after a contact | the position |
+| `rises as high` | the largest rise after a contact is within a factor of two | the position |
+| `lands on the stem` | the stem touches the plane | the position |
+| `sticks` | the contact point is slower than 2 % of sqrt(g R) at the end | all but the force |
+
 The velocity has no score of its own.
 
 `phases.csv` lists the phases of the contact with start, end and the ball that touches.
@@ -116,15 +132,17 @@ https://creativecommons.org/publicdomain/zero/1.0/
 """
 
 
-def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = False) -> list[Path]:
+def export(
+    folder: str | Path, cases: Iterable[str | Path] = (), *, overwrite: bool = False
+) -> list[Path]:
     """Write cases as files.
 
     Parameters
     ----------
     folder : str or path
         Created if missing.
-    cases : iterable of str, optional
-        Names; by default all.
+    cases : iterable of str or path, optional
+        Names, or TOML files of scenarios; by default all names.
     overwrite : bool, optional
         Replace existing files.
 
@@ -136,7 +154,7 @@ def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = F
     Raises
     ------
     InputError
-        If a case is unknown.
+        If a case is unknown, or a scenario is no case; see `case`.
     StoreError
         If a file exists or cannot be written.
     """
@@ -155,14 +173,18 @@ def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = F
         for name, text in _texts(each, root / each.name, overwrite).items():
             write(f"{each.name}/{name}", text)
         made.append(root / each.name / "reference.parquet")
-    present = [case(name) for name in names() if (root / name / "case.json").is_file()]
-    rows = "\n".join(f"| `{each.name}` | {each.title} |" for each in present)
+    present = sorted(path.parent.name for path in root.glob("*/case.json"))
+    present.sort(key=[*names(), *present].index)
+    titles = [
+        json.loads((root / name / "case.json").read_text("utf-8"))["title"] for name in present
+    ]
+    rows = "\n".join(map("| `{}` | {} |".format, present, titles))
     write("README.md", README.format(version=VERSION, rows=rows))
     write("LICENSE", LICENSE)
     write("VERSION", f"{VERSION}\n")
     schema = (files(__package__) / "case.schema.json").read_text(encoding="utf-8")
     write("case.schema.json", schema)
-    others = [root / each.name / name for each in present for name in (*CONTENT, "case.json")]
+    others = [root / each / name for each in present for name in (*CONTENT, "case.json")]
     sums = [
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}"
         for path in sorted({*made, *others})
@@ -172,17 +194,11 @@ def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = F
     return made
 
 
-def sample_times(problem: Any) -> np.ndarray:
-    """Return the times of the rows of a reference [s]."""
-    count = round(problem.until / problem.output_step)
-    return np.linspace(0.0, problem.until, count + 1)
-
-
 def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     """Return the text files of a case by name; write the Parquet file."""
-    problem = given.problem
+    problem, body, tables = given.problem, given.problem.body(), _scenario(given)
     motion, run = truth(problem, sample_times(problem), "longdouble")
-    columns = _columns(motion, given.certificate["rounding"])
+    columns = _columns(motion, given.certificate.get("rounding", {}))
     if problem.contact is not None:
         state, _ = run.problem.variables.split(run.rows.T)
         labels = np.array(PHASES)[np.rint(state.phase.astype(float)).astype(int)]
@@ -190,19 +206,20 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         labels = np.full(len(motion.t), "joint")
     columns["phase"] = labels
     texts = {
-        "scenario.toml": toml_of(_scenario(given)).strip() + "\n",
+        "scenario.toml": toml_of(tables).strip() + "\n",
         **{name: text_of(problem, to) for to, name in MODELS.items()},
         "reference.csv": _csv(columns),
         **{f"{name}.csv": _csv(table) for name, table in _tables(run).items() if table},
     }
     _parquet(columns, folder / "reference.parquet", overwrite)
     content = {name: CONTENT[name] for name in CONTENT if name in {*texts, "reference.parquet"}}
+    start = ("position", "quaternion", "velocity", "omega")
     description = {
         "name": given.name,
         "version": VERSION,
         "title": given.title,
         "text": given.text,
-        "page": f"docs/benchmark.md#{given.name}",
+        "page": f"docs/benchmark.md#{given.name}" if given.name in names() else "",
         "until": problem.until,
         "horizon": given.horizon,
         "certified_error": given.certificate["error"],
@@ -211,7 +228,20 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             for key, value in given.certificate.items()
             if key not in ("error", "rounding")
         },
+        "body": {
+            "mass": body.m,
+            "moments_of_inertia": [body.I1, body.I1, body.I3],
+            "gravity": body.g,
+            "balls": {
+                name: {"offset": offset, "radius": radius}
+                for name, (offset, radius) in problem.balls.items()
+                if radius
+            },
+            "fixed_point": body.c if problem.contact is None else None,
+        },
         "friction_law": given.law["words"],
+        "law": {name: tables[name] for name in ("friction", "contact") if name in tables},
+        "start": {name: [float(columns[h][0]) for h in VECTORS[name]] for name in start},
         "settings": given.settings,
         "frames": FRAMES,
         "units": UNITS,
@@ -236,7 +266,7 @@ def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.nda
     """
     columns = {"t [s]": rounded_to_digits(motion.t)}
     for header, (values, power) in scaled(motion).items():
-        columns[header] = np.floor(values + 1 - thresholds[header]) / power + 0.0
+        columns[header] = np.floor(values + 1 - thresholds.get(header, 0.5)) / power + 0.0
     return columns
 
 

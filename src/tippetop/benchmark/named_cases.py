@@ -3,15 +3,23 @@
 import json
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ..errors import InputError, suggestion
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import reading
+from .truth import differences, length_of, sample_times, truth
 
+
+LARGEST = 1e-10
+"""Largest error of a reference: of the attitude [rad], and of the position by the radius."""
 
 TABLES = ("parameters", "friction", "contact", "initial", "run")
 
@@ -28,7 +36,7 @@ class Case(NamedTuple):
     problem
         The scenario of the reference.
     certificate
-        The error of the reference, its horizon and its rounding; empty before `bench.certificates`.
+        The error of the reference and its horizon; of a named case also its rounding.
     """
 
     name: str
@@ -68,14 +76,13 @@ def names() -> tuple[str, ...]:
     return tuple(data("cases.toml"))
 
 
-@cache
-def case(name: str) -> Case:
+def case(name: str | Path) -> Case:
     """Return a case of the benchmark.
 
     Parameters
     ----------
-    name : str
-        One of `names()`.
+    name : str or path
+        One of `names()`, or the TOML file of a scenario, which is run to find its certificate.
 
     Returns
     -------
@@ -85,8 +92,42 @@ def case(name: str) -> Case:
     Raises
     ------
     InputError
-        If no case has this name.
+        If no case has this name, or the scenario has no contact that may open or ends early.
     """
+    return _own(Path(name)) if Path(name).suffix == ".toml" else _named(str(name))
+
+
+def _own(path: Path) -> Case:
+    """Return a scenario as a case. Raises InputError."""
+    problem = replace(starting.load(path), orientation=True)
+    if path.stem in names():
+        raise InputError(f"`{path}` must not have the name of a case, but {path.stem} is one.")
+    if problem.contact is None and problem.system.name != "heavy-top":
+        raise InputError(
+            f"`{path}` must have a table [contact], because a body can lift off in a simulator, "
+            "but has none."
+        )
+    times = sample_times(problem)
+    runs = [truth(problem, times, precision) for precision in ("double", "longdouble")]
+    for motion, run in runs:
+        if len(motion.t) < len(times):
+            raise InputError(f"`{path}` must reach `run.until`, but ends before: {run.reason}.")
+    apart = differences(runs[0][0], runs[1][0])
+    error = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(problem))
+    certified = np.logical_and.accumulate(error <= LARGEST)
+    certificate = {
+        "error": float(f"{error[certified].max():.1e}"),
+        "against": "the run in 80-bit numbers, which is exported",
+        "horizon": float(times[certified][-1]),
+        "horizon_by": f"the runs in double and in 80-bit numbers agree to {LARGEST:g}",
+    }
+    law = {"words": problem.law.long_name, "exact": {}}
+    return Case(path.stem, problem.system.title, "", law, problem, certificate)
+
+
+@cache
+def _named(name: str) -> Case:
+    """Return the case of a name. Raises InputError."""
     cases = data("cases.toml")
     if name not in cases:
         raise InputError(

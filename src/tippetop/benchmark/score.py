@@ -1,8 +1,8 @@
 """The score of an engine: how far its results are from the references."""
 
 import itertools
-from collections.abc import Callable, Iterable
-from functools import cached_property
+import math
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,23 +10,39 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import STEP, Compared, energy, orders, size_of
-from ..exchange.motion import angle_between, axis_of, motion, theta_of
+from ..exchange.comparison import ROUNDING, STEP, Compared, energy, size_of
+from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
+from ..problem import Problem
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
-from .truth import VECTORS, Truth, truth
+from .truth import VECTORS, Truth, differences, length_of, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
 """Units of the errors: rad, rad, m, rad/s, relative to the first value, and in units of m g."""
 
 WRONG_START = 0.1
-"""Difference of the first attitude [rad] above which a file is not a result of its case."""
+"""Difference of the first row above which a file is not a result of its case.
+
+In rad, and in the units of the length of the body and gravity."""
+
+NOTICED = 1e-4
+"""Least difference, in the same units, for which another reading of a file is considered."""
+
+BETTER = 10.0
+"""Ratio of the differences of a file as it is and as another reading, which is then the right one.
+"""
 
 TURNED = 0.5
 """Angle [rad] after which the sense of rotation of a file is compared."""
+
+WORDS = {"largest": "max", "at": "at", "rms": "rms", "mean": "mean"}
+"""Plain data of each quantity -> the number of the comparison."""
+
+SATURATED = 1.0
+"""Error of an attitude [rad] from which it no longer grows with the step."""
 
 GAP = 0.01
 """Longest time between rows of a result whose outcome is judged, by the length of the case."""
@@ -36,8 +52,8 @@ SINGLE = 1e-6
 
 HEAD = (
     *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
-    *("spin [rad/s]", "energy", "force [m g]", "leaves 1e-3, 1e-2, 1e-1 rad at [s]"),
-    *("order", "outcome"),
+    *("spin [rad/s]", "energy", "force [m g]", "mean", "attitude rms", "worst at [s]"),
+    *("leaves 1e-3, 1e-2, 1e-1 rad at [s]", "order", "outcome"),
 )
 
 
@@ -52,6 +68,8 @@ class Result(NamedTuple):
         Times up to the horizon, errors by quantity, theta of both, and the numbers of the score.
     outcome, expected
         The outcome of the result, and that of the reference.
+    heights
+        Height of the centre of mass of both, up to the horizon [m]; NaN where it is missing.
     unseen
         The longest time without a row (start, end) [s] if it is too long to judge the outcome.
     """
@@ -62,6 +80,7 @@ class Result(NamedTuple):
     compared: Compared
     outcome: dict[str, bool]
     expected: dict[str, bool]
+    heights: tuple[np.ndarray, np.ndarray]
     unseen: tuple[float, float] | None
 
     @property
@@ -93,12 +112,6 @@ class Score:
     def __init__(self, results: list[Result]):
         self.results = sorted(results, key=lambda r: (*r[:3], -(r.compared.step or 0.0)))
 
-    @cached_property
-    def orders(self) -> dict[tuple[str, str, str], list[dict[str, Any]]]:
-        """Orders of convergence in the step, by case, engine and setting."""
-        groups = itertools.groupby(self.results, key=lambda r: r[:3])
-        return {key: orders([r.compared for r in group]) for key, group in groups}
-
     def to_dict(self) -> list[dict[str, Any]]:
         """Return everything as plain data, a mapping for each result."""
         return [
@@ -108,23 +121,46 @@ class Score:
                 "setting": r.setting,
                 "step": r.compared.step,
                 "file": str(r.compared.path),
-                "largest": {name: r.compared.numbers[name]["max"] for name in r.compared.curves},
+                **{
+                    word: {name: r.compared.numbers[name][key] for name in r.compared.curves}
+                    for word, key in WORDS.items()
+                },
                 "leaves": r.compared.numbers["attitude"]["leaves"],
-                "order": self._order(r),
+                "order": _order(before.compared, r.compared) if before[:3] == r[:3] else None,
                 "outcome": r.outcome,
                 "expected": r.expected,
                 "outcome_is_right": {"right": True, "wrong": False}.get(r.judgement.split(":")[0]),
                 "judgement": r.judgement,
             }
-            for r in self.results
+            for before, r in itertools.pairwise([*self.results[:1], *self.results])
         ]
 
-    def _order(self, result: Result) -> float | None:
-        """Return the order of the attitude between a step and the next larger one."""
-        for pair in self.orders[result[:3]]:
-            if pair["steps"][1] == result.compared.step:
-                return pair.get("attitude")
-        return None
+    def failures(self, limits: Mapping[str, float]) -> list[str]:
+        """Return a sentence for each way in which a result fails.
+
+        Parameters
+        ----------
+        limits : mapping of str to float
+            Of the largest errors, by quantity: attitude, theta, position, spin, energy or force, in
+            the units of the table.
+
+        Returns
+        -------
+        list of str
+            On errors beyond a limit or unknown for lack of columns, wrong outcomes, and results
+            that end early or have no rows for a part of the case.
+        """
+        sentences = []
+        for r in self.results:
+            fails = r.wrong or r.unseen
+            faults = [f"outcome must be right, but is {r.judgement}"] if fails else []
+            for name, limit in limits.items():
+                size = r.compared.numbers.get(name)
+                if size is None or size["max"] > limit:
+                    found = f"is {size['max']:.3g}" if size else "its columns are missing"
+                    faults.append(f"error of {name} must be at most {limit:g}, but {found}")
+            sentences += [f"`{r.compared.path}`: the {fault}." for fault in faults]
+        return sentences
 
     def to_markdown(self) -> str:
         """Return the table as Markdown."""
@@ -140,19 +176,32 @@ class Score:
         """Return a row of text for each result; `-` for what its file lacks."""
         rows = []
         for r, plain in zip(self.results, self.to_dict(), strict=True):
-            largest, order = plain["largest"], plain["order"]
+            largest, order, means = plain["largest"], plain["order"], plain["mean"]
             errors = [f"{largest[n]:.2g}" if n in largest else "-" for n in QUANTITIES]
             leaves = ["never" if t is None else f"{t:.3g}" for t in plain["leaves"].values()]
             named = (r.case, r.engine, r.setting, f"{step:g}" if (step := r.compared.step) else "-")
-            rows.append(
-                (*named, *errors, ", ".join(leaves), f"{order:.2f}" if order else "-", r.judgement)
-            )
+            mean = f"{means['force']:.2g}" if "force" in means else "-"
+            of_attitude = f"{plain['rms']['attitude']:.2g}", f"{plain['at']['attitude']:.3g}"
+            leaves_and_order = ", ".join(leaves), f"{order:.2f}" if order else "-"
+            rows.append((*named, *errors, mean, *of_attitude, *leaves_and_order, r.judgement))
         return rows
+
+
+def _order(coarse: Compared, fine: Compared) -> float | None:
+    """Return the order of the rms attitude between two steps.
+
+    None if the first is not the larger one, or an error is saturated or made by rounding.
+    """
+    sizes = [c.numbers["attitude"] for c in (coarse, fine)]
+    ratio = (coarse.step or 0.0) / (fine.step or math.inf)
+    if ratio <= 1 or any(s["max"] > SATURATED or s["rms"] < ROUNDING for s in sizes):
+        return None
+    return math.log(sizes[0]["rms"] / sizes[1]["rms"]) / math.log(ratio)
 
 
 def score(
     results: str | Path | Iterable[str | Path],
-    name: str | None = None,
+    name: str | Path | None = None,
     *,
     skip: Callable[[InputError], None] | None = None,
 ) -> Score:
@@ -164,8 +213,8 @@ def score(
         CSV or Parquet files ENGINE/SETTING/CASE/dt=STEP.csv, or folders that contain them. The
         columns `t [s]`, `q_w`, `q_x`, `q_y`, `q_z` are required; those of the centre of mass
         (`x [m]` ..., `vx [m/s]` ...), `omega_x [rad/s]` ... and `force_x [N]` ... are optional.
-    name : str, optional
-        The case of all files; by default the name of their folder.
+    name : str or path, optional
+        The case of all files, or the TOML file of a scenario; by default the name of their folder.
     skip : callable, optional
         Called with the error of each file that cannot be scored; the others are scored. By default
         the first error is raised.
@@ -184,10 +233,11 @@ def score(
     if not paths:
         raise InputError("at least one result must be given: ENGINE/SETTING/CASE/dt=STEP.csv.")
     known: dict[tuple[str, bytes], Truth] = {}
+    chosen = case(name) if name else None
     found = []
     for path in paths:
         try:
-            found.append(_result(path, _case_of(path, name), known))
+            found.append(_result(path, _case_of(path, chosen), known))
         except InputError as error:
             if skip is None:
                 raise
@@ -211,17 +261,17 @@ def _is_reference(path: Path) -> bool:
     return path.name in CONTENT and (path.parent / "case.json").exists()
 
 
-def _case_of(path: Path, name: str | None) -> Case:
+def _case_of(path: Path, chosen: Case | None) -> Case:
     """Return the case of a file. Raises InputError if it is unknown."""
     if not path.exists():
         raise InputError(f"`{path}`: no such file or folder.")
     folder = path.resolve().parent.name
-    if name is None and folder not in names():
+    if chosen is None and folder not in names():
         raise InputError(
             f"`--case CASE` is required for a file outside ENGINE/SETTING/CASE/, but `{path}` is "
             f"in the folder `{folder}`.{suggestion(folder, names())}"
         )
-    return case(name or folder)
+    return chosen or case(folder)
 
 
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
@@ -234,7 +284,7 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
         whole = truth(each.problem, times)[0]
         known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
     exact, there = known[key], _motion(table)
-    _check_start(path, there, exact)
+    _check_start(path, there, exact, each.problem)
     within = t <= each.horizon * (1 + 1e-12)
     curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
     thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
@@ -251,8 +301,9 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     engine, setting = path.stem, "-"
     if folders[-1] == each.name and not _is_reference(path):
         *_, engine, setting = ("-", "-", *folders[:-1])
+    heights = there.position[within, 2], exact.position[within, 2]
     unseen = _unseen(t, each.problem.until)
-    return Result(each.name, engine, setting, compared, seen, whole_outcome, unseen)
+    return Result(each.name, engine, setting, compared, seen, whole_outcome, heights, unseen)
 
 
 def _unseen(t: np.ndarray, until: float) -> tuple[float, float] | None:
@@ -294,31 +345,46 @@ def _motion(table: Table) -> Truth:
     return Truth(given.t, position, given.orientation, velocity, omega, force)
 
 
-def _check_start(path: Path, there: Truth, exact: Truth) -> None:
-    """Raise InputError if the first row is not near the reference, or turns the other way."""
-    turned = angle_between(exact.quaternion, exact.quaternion[:1]) > TURNED
-    for row in {0, int(turned.argmax())}:
-        given, expected = there.quaternion[[row]], exact.quaternion[[row]]
-        off = angle_between(given, expected)[0]
-        if off < WRONG_START:
-            continue
-        ways = {
-            "its order is x, y, z, w: name the columns accordingly.": np.roll(given, 1, axis=1),
-            "it turns space axes into body axes: change the sign of q_x, q_y, q_z.": given
-            * [1.0, -1.0, -1.0, -1.0],
-        }
-        hints = [h for h, q in ways.items() if angle_between(q, expected)[0] < WRONG_START]
-        if hints or row == 0:
-            hints.append("check the order of the quaternion, the frames and the start.")
+def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> None:
+    """Raise InputError if a result starts elsewhere, or if another reading of it fits better.
+
+    The first row is compared, and one where the body has turned, so that frames differ.
+    """
+    q, body, size = there.quaternion, problem.body(), length_of(problem)
+    rate, arm = math.sqrt(body.g / size), body.c * axis_of(q)
+    units = {"attitude [rad]": 1.0, "position [m]": size, "velocity [m/s]": size * rate}
+    units["omega [rad/s]"] = rate
+    readings = {
+        "the order of the quaternion is x, y, z, w: name the columns accordingly.": there._replace(
+            quaternion=np.roll(q, 1, axis=1)
+        ),
+        "the quaternion turns space axes into body axes: change the sign of q_x, q_y, q_z.": (
+            there._replace(quaternion=q * [1.0, -1.0, -1.0, -1.0])
+        ),
+        "it is that of the centre of the ball: give those of the centre of mass.": there._replace(
+            position=there.position - arm, velocity=there.velocity - np.cross(there.omega, arm)
+        ),
+        "it is in body axes: name the columns omega_body_x, omega_body_y, omega_body_z.": (
+            there._replace(omega=turned(q, there.omega))
+        ),
+    }
+    apart, *others = (differences(motion, exact) for motion in (there, *readings.values()))
+    turns = angle_between(exact.quaternion, exact.quaternion[:1]) > TURNED
+    for row, (name, unit) in itertools.product({0, int(turns.argmax())}, units.items()):
+        off = apart[name][row]
+        hints = [h for h, o in zip(readings, others, strict=True) if o[name][row] < off / BETTER]
+        begins = row == 0 and (there.t[0] == 0 or name == "attitude [rad]")
+        if (hints and off > NOTICED * unit) or (begins and off > WRONG_START * unit):
+            hints.append("check the start, the frames, the units and the order of the quaternion.")
             raise InputError(
-                f"`{path}`: the quaternion at {there.t[row]:g} s must be near that of the "
-                f"reference, but differs by {off:.3g} rad; {hints[0]}"
+                f"`{path}`: {name} at {there.t[row]:g} s must be near the reference, but differs "
+                f"by {off:.3g}; {hints[0]}"
             )
 
 
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
-    body = each.problem.body()
+    body, apart = each.problem.body(), differences(there, exact)
     axes = [axis_of(m.quaternion) for m in (there, exact)]
     spins = [(m.omega * u).sum(axis=1) for m, u in zip((there, exact), axes, strict=True)]
     energies = [
@@ -326,10 +392,10 @@ def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
         for m, u in zip((there, exact), axes, strict=True)
     ]
     return {
-        "attitude": angle_between(there.quaternion, exact.quaternion),
-        "theta": np.abs(theta_of(there.quaternion) - theta_of(exact.quaternion)),
-        "position": np.linalg.norm(there.position - exact.position, axis=1),
+        "attitude": apart["attitude [rad]"],
+        "theta": apart["theta [rad]"],
+        "position": apart["position [m]"],
         "spin": np.abs(spins[0] - spins[1]),
         "energy": np.abs((energies[0] - energies[1]) / energies[1][0]),
-        "force": np.linalg.norm(there.force - exact.force, axis=1) / (body.m * body.g),
+        "force": apart["force [N]"] / (body.m * body.g),
     }

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..exchange.motion import angle_between, theta_of
 from ..exchange.simulators import motion_of
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
@@ -29,6 +30,17 @@ class Truth(NamedTuple):
     force: np.ndarray
 
 
+def sample_times(problem: Problem) -> np.ndarray:
+    """Return the times of the rows of a reference [s]."""
+    return np.union1d(0.0, problem.times[:])
+
+
+def length_of(problem: Problem) -> float:
+    """Return the radius of a body, or the distance from its tip to its centre of mass [m]."""
+    body = problem.body()
+    return float(body.R or abs(body.c))
+
+
 def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tuple[Truth, Solution]:
     """Return the motion of a problem at ascending times [s], and its run.
 
@@ -40,3 +52,16 @@ def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tup
     signs = np.cumprod(np.where(flips, -1.0, 1.0))
     motion.quaternion[1:] *= signs[:, None]
     return motion, run
+
+
+def differences(a: Truth, b: Truth) -> dict[str, np.ndarray]:
+    """Return the differences of two motions, (rows,) each; NaN where one lacks columns."""
+    result = {
+        "attitude [rad]": angle_between(a.quaternion, b.quaternion),
+        "theta [rad]": np.abs(theta_of(a.quaternion) - theta_of(b.quaternion)),
+    }
+    units = {"position": "m", "velocity": "m/s", "omega": "rad/s", "force": "N"}
+    for name, unit in units.items():
+        difference = getattr(a, name) - getattr(b, name)
+        result[f"{name} [{unit}]"] = np.linalg.norm(difference, axis=1)
+    return result

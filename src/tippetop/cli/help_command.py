@@ -18,7 +18,8 @@ EXIT_CODES = {
     1: "a bug: please report it",
     2: "usage or configuration: each sentence gives the requirement and the value found",
     3: "the motion could not be continued: a non-finite state, or steps that became too short",
-    4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
+    4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised; or "
+    "a result fails in benchmark score --fail-above",
     5: "the store or the disk",
     6: "some chunks of a sweep failed; the same command without --overwrite tries them again",
     130: "interrupted by Ctrl-C; data on the disk are kept",

@@ -204,12 +204,14 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
-    """Return the largest and the root mean square difference, and when it exceeds each level."""
+    """Return the largest difference and its time, means, and when it exceeds each level."""
     given = np.isfinite(curve)
     t, curve = t[given], curve[given]
     beyond = {f"{level:g}": np.flatnonzero(curve > level) for level in LEVELS}
     return {
         "max": float(curve.max()),
+        "at": float(t[curve.argmax()]),
+        "mean": float(curve.mean()),
         "rms": float(np.sqrt(np.mean(curve**2))),
         "leaves": {
             level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()
