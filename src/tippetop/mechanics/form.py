@@ -221,8 +221,11 @@ CLOCK = "clock"
 ENDS = ("ended", "liftoff", "fallen", "stalled")
 """Statuses with which a jump may end a run."""
 
-KINDS = {"ends": str, "logged": tuple, "zeros": dict, "sides": dict, "rows": dict}
+KINDS = dict(ends=str, message=str, logged=tuple, zeros=dict, sides=dict, rows=dict)
 """Types of fields of a Next."""
+
+MOST_LOGGED = 1024
+"""Events that a jump may log."""
 
 
 @dataclass(frozen=True)
@@ -257,6 +260,8 @@ class Exit:
         for what, kind in KINDS.items():
             if not isinstance(value := getattr(n, what), kind):
                 return f"have a {kind.__name__} in `{what}`, but has {value!r:.60}"
+        if len(n.logged) > MOST_LOGGED:
+            return f"log at most {MOST_LOGGED} events, but logs {len(n.logged)}"
         if n.phase not in self.to and not n.ends:
             return f"lead to {' or '.join(self.to)}, as its Exit declares, but leads to {n.phase!r}"
         if type(n.x) is not type(x):
