@@ -520,6 +520,10 @@ class HybridDriver(Driver):
             ends += sampled_in_next_step(self)
         when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
+        high, low = self.clock
+        runs = self.status[0] == RUNNING
+        if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step
+            self.status[0] = Status.FINISHED.code
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
