@@ -173,15 +173,17 @@ class Next:
         If it has a field `carried`, that field is the new record of the integrals of the run;
         otherwise the integrals keep their values.
     delay
-        Time that passes during the jump. Times and `x` are in internal units.
+        Time that passes during the jump, finite. Times and `x` are in internal units.
     series
         The motion during `delay`: series(t) -> the states of the next phase and the integrals at
         times t, (n,). None: the jump is too short to contain events; rows in it have the
         state at its end.
     logged
-        Names of events that the jump adds to the event log, because no step finds their zeros.
+        Names of events that the jump adds to the event log, because no step finds their zeros; at
+        most 1024.
     logged_after
-        The part of `delay` that passes before these events.
+        The part of `delay` that passes before these events; after the end of the run there are
+        none.
     zeros
         The event functions of the next phase that are zero at its start: multiplicity of the root,
         by name.
