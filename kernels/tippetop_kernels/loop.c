@@ -481,7 +481,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         if ((!event->watched || keeps_sign(tally, f)) && (!event->ranged || keeps_range))
             continue;
         integer count = search(l, e, lane, p, zeros);
-        bool ends = event->ends != 0 && e != ending; /* what follows may end by it at once */
+        bool ends = event->ends != 0 && e != ending; /* the next phase finds it */
         for (integer k = 0; k < count && (ends ? zeros[k] < upto : zeros[k] <= upto); k++)
             take_passage(l, e, lane, t, h, zeros[k]);
         if (!event->ranged)
@@ -742,7 +742,7 @@ typedef struct {
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
     const Event *events;      /* of the run */
     real *made;               /* of each change: time, phase and event, then the last registers */
-    real began, end, chatter, at_end;
+    real began, end, chatter;
     integer present, count, most, numbers, width;
 } Phases;
 
@@ -821,7 +821,7 @@ static bool change_phase(Phases *p) {
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
-    bool at_end = p->end - when <= p->at_end * p->end;
+    bool at_end = p->end - when <= p->chatter * p->end;
     if (!(tally->upto < 1) || full || at_end || when - p->began < shortest)
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;

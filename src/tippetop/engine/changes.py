@@ -16,10 +16,6 @@ from .loop import filled, library, structure
 PER_SLICE = 256
 """End a slice after this many changes. A fixed count, not a time limit, keeps stores reproducible.
 """
-AT_END = 2.0**-50
-"""An event in this last part of a run is at its end: the phase that it ends is the last one, and a
-run that begins there changes it.
-"""
 CHATTER = 1e-12
 """Three phases in a row that are shorter than this part of the internal time, which counts as 1 at
 least, lead nowhere; after one of them Python makes the change.
@@ -48,7 +44,6 @@ class _Phases(NamedTuple):
     began: float
     end: float
     chatter: float
-    at_end: float
     present: int
     length: int
     most: int
@@ -89,7 +84,7 @@ class Changes:
         self.body = leaves(run.world.body)
         arrays = self.loops, ctypes.addressof(self.table), run.all_events.events, self.made
         sizes = 0, 0, 0, len(self.body), self.made.shape[1]
-        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, AT_END, *sizes))
+        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
 
     def learn(self, jump: Any, *given: Any) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a

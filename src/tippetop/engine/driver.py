@@ -346,10 +346,8 @@ class Driver:
         }
 
     def joint(self, names: Iterable[str]) -> dict[str, Any]:
-        """Return what a run that starts here needs in addition to the state.
-
-        `signs` are those of the functions of these events, the first ones of the run, and 0 where
-        they are not known: they decide whether a zero here is passed.
+        """Return what a run that starts here needs in addition to the state: signs of the functions
+        of these events, 0 if unknown, which decide whether a zero here has been passed.
         """
         signs = self.tallies.functions["sign"][:, 0] * self.place.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}

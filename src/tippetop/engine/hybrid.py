@@ -27,7 +27,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
-from .changes import AT_END, CHATTER, PER_SLICE, Changes
+from .changes import CHATTER, PER_SLICE, Changes
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -52,6 +52,8 @@ ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
 multiple root; and the time over which the rate is taken.
 """
+AT_END = 2.0**-50
+"""An event that ends a phase in this last part of a run is left to a run that begins there."""
 AS_ROW = -1
 """Number of a phase for a state that is a row already."""
 QUIET = np.errstate(all="ignore")
@@ -215,21 +217,14 @@ def begin_in_first(x: Any, world: World) -> Next:
     return Next(next(iter(world.phases)), x)
 
 
-def begin_again(joint: Mapping[str, Any], x: Any, world: World) -> Next:
-    """Return the phase in which another run has ended."""
-    lasts = joint.get("lasts", math.inf)
-    return Next(joint["phase"], x, zeros=joint["zeros"], sides=joint["sides"], lasts=lasts)
-
-
 def wrong_time(n: Next, to: "Track") -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
     for what in ("delay", "logged_after", "lasts"):
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
-    if not n.logged_after <= n.delay < math.inf:
-        times = f"{n.delay!r:.60} and {n.logged_after!r:.60}"
-        return f"have a finite `delay`, and in it `logged_after`, but has {times}"
+    if not n.logged_after <= (time := n.delay) < math.inf:
+        return f"have a finite `delay`, not before `logged_after`, but has {time!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
     if n.series:
@@ -383,16 +378,17 @@ class HybridDriver(Driver):
         if system.assembled is not None:
             body, phases = system.assembled(body, problem.contact, internal)
         body = refill(body, map(number, leaves(body)))
-        completed_phases = (completed(one, problem.variables) for one in phases.values())
-        self.phases = ReadOnly(zip(phases, completed_phases, strict=True))
+        variables = problem.variables
+        self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
         in_phases = (event for phase in phases.values() for event in phase.events)
         events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
         self.numbers = {name: k for k, name in enumerate(events)}
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
-        widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
-        self.share(rows, np.ones((len(events), 1)), max(self.variables, *widths) + len(events))
+        phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
+        width = max(self.variables, *phase_widths)
+        self.share(rows, np.ones((len(events), 1)), width + len(events))
         self.functions = self.tallies.functions[:, 0]
         signs = problem.joint.get("signs", {})
         self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known
@@ -421,8 +417,8 @@ class HybridDriver(Driver):
         system, world = self.problem.system, self.world._replace(left=self.end)
         phase, joint = completed(system.phase, self.problem.variables), self.problem.joint
         begins = [system.begin or begin_in_first, begin_in_first]
-        if "phase" in joint:
-            begins.insert(0, partial(begin_again, joint))
+        if "next" in joint:  # it continues in the phase of another run
+            begins.insert(0, lambda x, world: Next(x=x, **joint["next"]))
         for begin in begins:
             start = Exit("start", tuple(self.phases), begin)
             begun = n, *_ = self.jump("", phase, start)(self, state, world)
@@ -539,10 +535,9 @@ class HybridDriver(Driver):
         begun = n, _, state, _ = jump(self, *given)
         if self.copies:
             self.copies.learn(jump, *given)
-        if n.logged_after <= self.end - now + self.number(shortest):
-            for name in n.logged:
-                after = min(now + n.logged_after, self.end)
-                self._note(self.numbers[name], after, 1, track.at, last)
+        after = now + n.logged_after
+        for name in n.logged if after <= self.end + self.number(shortest) else ():
+            self._note(self.numbers[name], min(after, self.end), 1, track.at, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -624,18 +619,16 @@ class HybridDriver(Driver):
         return self.tables.take()
 
     def joint(self, names: Iterable[str]) -> dict[str, Any]:
-        track, functions = self.track, self.functions
-        ends = {event.name: k for k, event in track.events.items() if k in track.exits}
-        lasted, lasts = float(self.now) - self.began, float(self.until - self.now)
-        begins = lasted < CHATTER * max(self.began, 1.0)
-        zeros = {name: -int(functions["on_zero"][k]) for name, k in ends.items()} if begins else {}
-        return super().joint(names) | {
-            "phase": track.name,
-            "lasted": lasted,
-            "sides": {name: int(functions["sign"][k]) for name, k in ends.items()},
-            "zeros": {name: count for name, count in zeros.items() if count},
-            **({"lasts": max(lasts, 0.0)} if lasts < math.inf else {}),
-        }
+        joint, lasts = super().joint(self.numbers), float(self.until - self.now)
+        sides = {name: sign for name, sign in joint["signs"].items() if sign}
+        follows: dict[str, Any] = {"phase": self.track.name, "sides": sides}
+        if lasts < math.inf:
+            follows["lasts"] = max(lasts, 0.0)
+        lasted = float(self.now) - self.began
+        if lasted < CHATTER * max(self.began, 1.0):  # it has begun here
+            roots = zip(self.numbers, self.functions["on_zero"].tolist(), strict=True)
+            follows["zeros"] = {name: -int(root) for name, root in roots if root < 0}
+        return joint | {"next": follows, "lasted": lasted}
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,

@@ -115,7 +115,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
         raise InputError([f"`{name}` {words}" for name in others])
     joint = hexfloat.decode(end["end"].get("joint", {}))
     if any(resolved.get(name) != attrs.get(name) for name in TAKEN):  # phases are others
-        joint = {name: joint[name] for name in joint.keys() & {"signs"}}
+        joint.pop("next", None)
     origin = {
         "from": str(initial["from"]),
         "digest": hashlib.sha256(json.dumps(end, sort_keys=True).encode()).hexdigest(),
