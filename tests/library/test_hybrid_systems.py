@@ -103,12 +103,20 @@ def test_events_at_one_instant_end_a_phase_once(exits: tuple[str, ...], page: di
     ends = tuple(Exit(name, ("fall", "rest"), page["bounce"]) for name in exits)
     fall = dataclasses.replace(page["fall"], events=(*page["fall"].events, also), exits=ends)
     numbers = {name: page[name] for name in ("g", "e")}
-    phases = {"fall": fall, "rest": page["rest"]}
-    tt.extending.register(tt.extending.System("double-point", numbers, phases))
+    own = () if "also" in exits else (also,)
+    rest = dataclasses.replace(page["rest"], events=(*page["words"], *own))  # all that is logged
+    tt.extending.register(
+        tt.extending.System(
+            "double-point",
+            numbers,
+            {"rest": rest, "fall": fall},
+            begin=lambda x, world: Next("fall", x),
+        )
+    )
     run, point = tt.run(POINT | {"system": "double-point"}, until=3.0), bounces()
     for name in ("bounce", "rests"):
         np.testing.assert_array_equal(times(run, name), times(point, name))
-    assert ("also" in exits) == (len(times(run, "also")) == 0)
+    assert {*run.summary.event_counts} - {"also"} == {"bounce", "rests"}
 
 
 def test_phases_of_known_length_are_joined(page: dict, tmp_path: Path) -> None:
@@ -379,6 +387,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         ),
         "must take arrays": changed("rest", enter=lambda x, b: x, leave=scalar),
         "must end in its events that have a formula": left("rests", ("rest",)),
+        "must have an exit by each event that the system does not log, but has none by sky": changed(
+            "rest", events=(dataclasses.replace(other, name="sky"),)
+        ),
         "the directions of the phases before, but has ground": changed("rest", events=(other,)),
         "must end in events with a `direction`, but has exits by ground": changed(
             "fall", events=(both,)

@@ -401,7 +401,8 @@ class HybridDriver(Driver):
             struck = self.impacts.struck
         tables = dict(system.tables)
         self.words = {
-            **dict.fromkeys(("logged", "zeros", "sides"), self.numbers),
+            "logged": [event.name for event in system.events],
+            **dict.fromkeys(("zeros", "sides"), self.numbers),
             "cause": tables.pop("phases").get("reason", ()),
             "rows": tables,
             "ends": ENDS,
