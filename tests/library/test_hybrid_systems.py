@@ -387,7 +387,7 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         ),
         "must take arrays": changed("rest", enter=lambda x, b: x, leave=scalar),
         "must end in its events that have a formula": left("rests", ("rest",)),
-        "must have an exit by each event that the system does not log, but has none by sky": changed(
+        "must end in each event that the system does not log, but has no exit by sky": changed(
             "rest", events=(dataclasses.replace(other, name="sky"),)
         ),
         "the directions of the phases before, but has ground": changed("rest", events=(other,)),

@@ -84,9 +84,8 @@ def inconsistencies(system: System) -> list[str]:
                 ],
                 f"{where} must have events with a formula, as no jump logs them, but has":
                     [one.name for one in phase.events if not (one.formula or system.is_hybrid)],
-                f"{where} must have an exit by each event that the system does not log, but has none by": [
-                    event.name for event in phase.events if event.name not in logged
-                ],
+                f"{where} must end in each event that the system does not log, but has no exit by":
+                    [one.name for one in phase.events if one.name not in logged],
                 f"{where} must end in its events that have a formula, but has exits by":
                     [way.event for way in phase.exits if way.event not in detected],
                 f"{where} must end in events with a `direction`, but has exits by": [
