@@ -452,7 +452,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
    run. */
 static real take_events(const Loop *l, integer lane, real t, real h) {
-    integer size = l->size;
+    integer size = l->size, events = l->events, ending = -1;
     Tally *tally = l->tallies + lane;
     real upto = 1, p[MOST], zeros[MOST];
 
@@ -468,18 +468,21 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
             if ((real)event->direction * sign >= 0 && !of_start(l, event, f, t + zeros[k] * h)) {
                 tally->status = event->ends;
                 upto = zeros[k];
+                ending = e;
             }
         }
     }
 
-    for (integer e = 0; e < l->events; e++) {
+    for (integer i = 1; i <= events; i++) { /* last: the event that ends the run */
+        integer e = (ending + i) % events;
         const Event *event = l->event_rows + e;
         Function *f = function(l, e, lane);
         bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
         if ((!event->watched || keeps_sign(tally, f)) && (!event->ranged || keeps_range))
             continue;
         integer count = search(l, e, lane, p, zeros);
-        for (integer k = 0; k < count && !(zeros[k] > upto); k++)
+        bool ends = event->ends != 0 && e != ending; /* the next phase finds it */
+        for (integer k = 0; k < count && (ends ? zeros[k] < upto : zeros[k] <= upto); k++)
             take_passage(l, e, lane, t, h, zeros[k]);
         if (!event->ranged)
             continue;
@@ -818,7 +821,8 @@ static bool change_phase(Phases *p) {
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
-    if (!(tally->upto < 1) || full || when - p->began < shortest)
+    bool at_end = p->end - when <= p->chatter * p->end;
+    if (!(tally->upto < 1) || full || at_end || when - p->began < shortest)
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)

@@ -12,7 +12,7 @@ import pytest
 from test_contact_runs import times
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit, Form, Integral, Next, Phase, Quantity
+from tippetop.mechanics.form import CLOCK, Exit, Form, Integral, Next, Phase, Quantity
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
@@ -95,6 +95,45 @@ def test_an_exit_at_the_very_end_of_a_run_is_not_logged_by_itself() -> None:
     strike = times(bounces(), "bounce")[0]
     for end in (np.nextafter(strike, 0), strike, np.nextafter(strike, 9)):
         assert set(bounces(until=end).summary.event_counts) <= {"bounce"}
+
+
+@pytest.mark.parametrize("exits", [("ground",), ("ground", "also"), ("also", "ground")])
+def test_events_at_one_instant_end_a_phase_once(exits: tuple[str, ...], page: dict) -> None:
+    also = dataclasses.replace(page["ground"], name="also", formula=lambda s, b: 2 * s.h)
+    ends = tuple(Exit(name, ("fall", "rest"), page["bounce"]) for name in exits)
+    fall = dataclasses.replace(page["fall"], events=(*page["fall"].events, also), exits=ends)
+    numbers = {name: page[name] for name in ("g", "e")}
+    own = () if "also" in exits else (also,)
+    rest = dataclasses.replace(page["rest"], events=(*page["words"], *own))  # all that is logged
+    tt.extending.register(
+        tt.extending.System(
+            "double-point",
+            numbers,
+            {"rest": rest, "fall": fall},
+            begin=lambda x, world: Next("fall", x),
+        )
+    )
+    run, point = tt.run(POINT | {"system": "double-point"}, until=3.0), bounces()
+    for name in ("bounce", "rests"):
+        np.testing.assert_array_equal(times(run, name), times(point, name))
+    assert {*run.summary.event_counts} - {"also"} == {"bounce", "rests"}
+
+
+def test_phases_of_known_length_are_joined(page: dict, tmp_path: Path) -> None:
+    """A clock that strikes every 3/8 of the unit of time, 1/4 s, and a run that ends then."""
+
+    def strike(x: Any, world: Any) -> Next:
+        return Next("fall", x, lasts=0.375, logged=("bounce",))
+
+    fall = left(CLOCK, ("fall",), strike)
+    numbers = {name: page[name] for name in ("g", "e")}
+    tt.extending.register(tt.extending.System("clock-point", numbers, fall, begin=strike))
+    clock = POINT | {"system": "clock-point"}
+    first = tt.run(clock, until=0.375, out=tmp_path / "run.zarr")
+    rest = tt.run({**clock, "initial": {}}, start=first.path, until=0.5)
+    np.testing.assert_array_equal(
+        [*times(first, "bounce"), *(0.375 + times(rest, "bounce"))], 0.09375 * np.arange(10)
+    )
 
 
 def test_the_phases_of_a_run_are_a_table(tmp_path: Path) -> None:
@@ -227,11 +266,16 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"delay": [1]}), "have a time of at least 0 in `delay`, but has [1]"),
         (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
         (("fall", {}, {"logged_after": -1}), "at least 0 in `logged_after`, but has -1"),
+        (("fall", {}, {"logged_after": 1e9}), "not before `logged_after`, but has 0"),
+        (("fall", {}, {"delay": np.inf}), "have a finite `delay`"),
+        (("fall", {}, {"logged": ("rests",) * 1025}), "log at most 1024 events, but logs 1025"),
+        (("fall", {}, {"ends": "ended", "message": 5}), "have a str in `message`, but has 5"),
         (("fall", {}, {"lasts": -1}), "have a time of at least 0 in `lasts`, but has -1"),
         (("fall", {}, {"lasts": 0}), "leave out `lasts`, as phase `fall` has no exit by 'clock'"),
-        (lambda x: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),
-        (lambda x: {}["fall"], "fails: KeyError: 'fall'"),
-        (lambda x: 1 / 0, "fails: ZeroDivisionError: division by zero"),
+        (lambda x, world: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),
+        (lambda x, world: {}["fall"], "fails: KeyError: 'fall'"),
+        (lambda x, world: world.phases.clear(), "fails: TypeError: a record cannot be changed"),
+        (lambda x, world: 1 / 0, "fails: ZeroDivisionError: division by zero"),
         (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
         (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
         (("fall", {}, {"zeros": {"ground": -1}}), "1 at least, but has {'ground': -1}"),
@@ -245,7 +289,7 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
 ) -> None:
     def jump(x: Any, world: Any) -> Any:
         if returned is None or callable(returned):
-            return returned and returned(x)
+            return returned and returned(x, world)
         phase, changed, more = (*returned, {}, {})[:3]
         return Next(phase, changed if isinstance(changed, tuple) else x._replace(**changed), **more)
 
@@ -343,6 +387,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         ),
         "must take arrays": changed("rest", enter=lambda x, b: x, leave=scalar),
         "must end in its events that have a formula": left("rests", ("rest",)),
+        "must end in each event that the system does not log, but has no exit by sky": changed(
+            "rest", events=(dataclasses.replace(other, name="sky"),)
+        ),
         "the directions of the phases before, but has ground": changed("rest", events=(other,)),
         "must end in events with a `direction`, but has exits by ground": changed(
             "fall", events=(both,)

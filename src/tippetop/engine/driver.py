@@ -1,7 +1,7 @@
 """One run, driven by the compiled loop slice by slice."""
 
 import weakref
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
@@ -189,7 +189,6 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
         self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
-        self.forget()
         steps, when, last, ended = self.run(most)
         logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
@@ -204,6 +203,7 @@ class Driver:
         at_passages, samples, last = np.split(rows, [len(events), -1])
         columns = self.times[logged], events["event"], events["sign"], events["at_pole"]
         passages = Passages._make([*(column.copy() for column in columns), at_passages])
+        self.forget()
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
@@ -314,7 +314,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.rows_of(self.motion.in_lane, self.state[None].copy())
+        return self.rows_of(self.motion.in_lane, np.resize(self.state, (1, self.width)))
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases."""
@@ -345,8 +345,16 @@ class Driver:
             "kept": self.tallies.kept[:, 0].tolist(),
         }
 
+    def joint(self, names: Iterable[str]) -> dict[str, Any]:
+        """Return what a run that starts here needs in addition to the state: signs of the functions
+        of these events, 0 if unknown, which decide whether a zero here has been passed.
+        """
+        signs = self.tallies.functions["sign"][:, 0] * self.place.rows.events["watched"]
+        return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
+
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
+        self.forget()
         self.put(state, clock)
         self.tallies.lane[0] = tuple(kept["tally"])
         self.tallies.functions.view(float)[:] = kept["functions"]

@@ -8,7 +8,7 @@ depend on balls or laws. All phases of a run have the same integrals.
 import copy
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from operator import itemgetter
@@ -19,15 +19,17 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO, zero_of
-from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
+from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
+from ..mechanics.readonly import ReadOnly
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
 from .changes import CHATTER, PER_SLICE, Changes
 from .driver import (
+    PASSAGES,
     RUNNING,
     STATUSES,
     Driver,
@@ -50,6 +52,10 @@ ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
 multiple root; and the time over which the rate is taken.
 """
+AT_END = 2.0**-50
+"""An event that ends a phase in this last part of a run is left to a run that begins there."""
+AS_ROW = -1
+"""Number of a phase for a state that is a row already."""
 QUIET = np.errstate(all="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
 
@@ -217,6 +223,8 @@ def wrong_time(n: Next, to: "Track") -> str:
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
+    if not n.logged_after <= (time := n.delay) < math.inf:
+        return f"have a finite `delay`, not before `logged_after`, but has {time!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
     if n.series:
@@ -370,17 +378,20 @@ class HybridDriver(Driver):
         if system.assembled is not None:
             body, phases = system.assembled(body, problem.contact, internal)
         body = refill(body, map(number, leaves(body)))
-        self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
+        variables = problem.variables
+        self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
         in_phases = (event for phase in phases.values() for event in phase.events)
         events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
         self.numbers = {name: k for k, name in enumerate(events)}
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
-        width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
+        phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
+        width = max(self.variables, *phase_widths)
         self.share(rows, np.ones((len(events), 1)), width + len(events))
         self.functions = self.tallies.functions[:, 0]
-        self.functions["sign"] = 0.0  # not known
+        signs = problem.joint.get("signs", {})
+        self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known
         self.tables = PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
@@ -390,7 +401,8 @@ class HybridDriver(Driver):
             struck = self.impacts.struck
         tables = dict(system.tables)
         self.words = {
-            **dict.fromkeys(("logged", "zeros", "sides"), self.numbers),
+            "logged": [event.name for event in system.events],
+            **dict.fromkeys(("zeros", "sides"), self.numbers),
             "cause": tables.pop("phases").get("reason", ()),
             "rows": tables,
             "ends": ENDS,
@@ -404,8 +416,11 @@ class HybridDriver(Driver):
     def _start(self, state: tuple) -> None:
         """Enter the first phase."""
         system, world = self.problem.system, self.world._replace(left=self.end)
-        phase = completed(system.phase, self.problem.variables)
-        for begin in (system.begin or begin_in_first, begin_in_first):
+        phase, joint = completed(system.phase, self.problem.variables), self.problem.joint
+        begins = [system.begin or begin_in_first, begin_in_first]
+        if "next" in joint:  # it continues in the phase of another run
+            begins.insert(0, lambda x, world: Next(x=x, **joint["next"]))
+        for begin in begins:
             start = Exit("start", tuple(self.phases), begin)
             begun = n, *_ = self.jump("", phase, start)(self, state, world)
             if n.ends:
@@ -413,6 +428,9 @@ class HybridDriver(Driver):
             if n.phase:
                 break
         self._enter(begun, self.number(0), None)
+        self.began -= joint.get("lasted", 0.0)
+        for name in n.logged:
+            self._note(self.numbers[name], n.logged_after, 1, AS_ROW, np.array(state))
         begin_lasting(self.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
@@ -440,13 +458,13 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(now + n.logged_after), track, n.cause)
+            self.tables.begin(float(min(now + n.logged_after, self.end)), track, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         signs, zeros, passed = track.begins(n, values, self.functions["sign"])
         self.functions["sign"], self.functions["on_zero"] = signs, zeros
         self.series = n.series and partial(self._during, n.series, now)
-        for number in passed:
+        for number in passed if before else ():
             self._note_passed(number, signs[number], before, now)
         self.begin()
         self.time[0] = self.began
@@ -463,7 +481,8 @@ class HybridDriver(Driver):
         self.changes, steps = 0, 0
         while True:
             self.end_next()
-            is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
+            is_full = self.logged[0] > PASSAGES - MOST_LOGGED
+            is_over = self.changes >= PER_SLICE or is_full or not self.clock[0] < self.end
             room = 0 if is_over else most - steps
             steps += self.drive(min(room, 1) if self.track.sampled else room)
             code, (when, last) = self.status[0], self.reached()
@@ -473,6 +492,11 @@ class HybridDriver(Driver):
             if self.upto[0] < 1.0:
                 ending = self.log.rows["event"][self.logged[0] - 1]
             jump = self.track.exits.get(ending)
+            if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
+                jump, when, status = None, self.end, Status.FINISHED
+                if self.upto[0] < 1.0:
+                    self.logged[0] -= 1
+                    self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)
             if status is not None or not room or not (jump or self.track.sampled):
@@ -493,6 +517,10 @@ class HybridDriver(Driver):
             ends += sampled_in_next_step(self)
         when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
+        high, low = self.clock
+        runs = self.status[0] == RUNNING
+        if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step
+            self.status[0] = Status.FINISHED.code
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -508,8 +536,9 @@ class HybridDriver(Driver):
         begun = n, _, state, _ = jump(self, *given)
         if self.copies:
             self.copies.learn(jump, *given)
-        for name in n.logged:
-            self._note(self.numbers[name], now + n.logged_after, 1, track, last)
+        after = now + n.logged_after
+        for name in n.logged if after <= self.end + self.number(shortest) else ():
+            self._note(self.numbers[name], min(after, self.end), 1, track.at, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -542,10 +571,10 @@ class HybridDriver(Driver):
             return super().make(most)
         return self.copies.drive(most, PER_SLICE - self.changes)
 
-    def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
-        """Log an event that no step has logged, in a state of a phase."""
+    def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
+        """Log an event that no step has logged, in a state of a phase, given by its number."""
         at, when, event = self.logged[0], float(time), self.all_events.events[number]
-        self.log.rows[at] = when, number, sign, track.at, False
+        self.log.rows[at] = when, number, sign, phase, False
         self.times[at], self.log.states[at, : len(state)] = time, state
         self.logged[0] += 1
         if event["lasting"]:
@@ -566,11 +595,11 @@ class HybridDriver(Driver):
             state = during(now)[0]
         elif not (event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO)):
             return
-        self._note(number, now, sign, track, state)
+        self._note(number, now, sign, track.at, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         system, variables = self.problem.system, self.problem.variables
-        rows = np.empty((len(phases), self.variables), self.number)
+        rows = np.array(states[:, : self.variables])
         for track in self.tracks.values():
             mine = np.flatnonzero(phases == track.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
@@ -589,6 +618,18 @@ class HybridDriver(Driver):
         """End the phase that is under way; return its row."""
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
+
+    def joint(self, names: Iterable[str]) -> dict[str, Any]:
+        joint, lasts = super().joint(self.numbers), float(self.until - self.now)
+        sides = {name: sign for name, sign in joint["signs"].items() if sign}
+        follows: dict[str, Any] = {"phase": self.track.name, "sides": sides}
+        if lasts < math.inf:
+            follows["lasts"] = max(lasts, 0.0)
+        lasted = float(self.now) - self.began
+        if lasted < CHATTER * max(self.began, 1.0):  # it has begun here
+            roots = zip(self.numbers, self.functions["on_zero"].tolist(), strict=True)
+            follows["zeros"] = {name: -int(root) for name, root in roots if root < 0}
+        return joint | {"next": follows, "lasted": lasted}
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,

@@ -7,6 +7,7 @@ from typing import Any
 
 import heyoka as hy
 
+from ..mechanics.event import ON_ZERO
 from ..mechanics.operand import leaves
 from ..mechanics.units import SECOND
 from ..problem import Problem
@@ -54,7 +55,10 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
         not event.sense or event.name in problem.events for event in system.events
     )  # turnings are many
     rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
-    functions = event_functions(problem.alone)[0]
+    functions, signs = event_functions(problem.alone)[0], problem.joint.get("signs", {})
+    for k, event in enumerate(system.events):
+        if signs.get(event.name) and abs(functions[k]) < ON_ZERO:
+            functions[k] = signs[event.name] * ON_ZERO
     kind = Driver if problem.precision == "double" else WideDriver
     return kind(code, rows, leaves(body), problem.start(), functions, internal_end(problem))
 

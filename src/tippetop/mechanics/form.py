@@ -173,15 +173,17 @@ class Next:
         If it has a field `carried`, that field is the new record of the integrals of the run;
         otherwise the integrals keep their values.
     delay
-        Time that passes during the jump. Times and `x` are in internal units.
+        Time that passes during the jump, finite. Times and `x` are in internal units.
     series
         The motion during `delay`: series(t) -> the states of the next phase and the integrals at
         times t, (n,). None: the jump is too short to contain events; rows in it have the
         state at its end.
     logged
-        Names of events that the jump adds to the event log, because no step finds their zeros.
+        Names of events that the jump adds to the event log, because no step finds their zeros; at
+        most 1024.
     logged_after
-        The part of `delay` that passes before these events.
+        The part of `delay` that passes before these events; after the end of the run there are
+        none.
     zeros
         The event functions of the next phase that are zero at its start: multiplicity of the root,
         by name.
@@ -221,8 +223,11 @@ CLOCK = "clock"
 ENDS = ("ended", "liftoff", "fallen", "stalled")
 """Statuses with which a jump may end a run."""
 
-KINDS = {"ends": str, "logged": tuple, "zeros": dict, "sides": dict, "rows": dict}
+KINDS = dict(ends=str, message=str, logged=tuple, zeros=dict, sides=dict, rows=dict)
 """Types of fields of a Next."""
+
+MOST_LOGGED = 1024
+"""Events that a jump may log."""
 
 
 @dataclass(frozen=True)
@@ -257,6 +262,8 @@ class Exit:
         for what, kind in KINDS.items():
             if not isinstance(value := getattr(n, what), kind):
                 return f"have a {kind.__name__} in `{what}`, but has {value!r:.60}"
+        if len(n.logged) > MOST_LOGGED:
+            return f"log at most {MOST_LOGGED} events, but logs {len(n.logged)}"
         if n.phase not in self.to and not n.ends:
             return f"lead to {' or '.join(self.to)}, as its Exit declares, but leads to {n.phase!r}"
         if type(n.x) is not type(x):

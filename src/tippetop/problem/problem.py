@@ -139,6 +139,11 @@ class Problem(RunOptions):
             faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
         return faults
 
+    @property
+    def joint(self) -> Mapping[str, Any]:
+        """Return what the end of another run is besides its state; empty without such a start."""
+        return (self.origin or {}).get("joint", {})
+
     @cached_property
     def alone(self) -> Problems:
         """This run as the only one of its `Problems`."""

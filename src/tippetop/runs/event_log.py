@@ -106,9 +106,10 @@ class LogReport(NamedTuple):
 class EventLog:
     """Turn the zeros of slices into rows of the event table.
 
-    An event at t = 0 is never logged: the log covers 0 < t <= t_end, and a run that starts on the
-    zero of an event does not find it again. Rows of turnings and of lasting events start as not
-    significant; marks make them so later.
+    The log covers 0 < t <= t_end, and what jumps log at t = 0: a run that starts on the zero of an
+    event function does not find it, but one that starts where another run has ended does, if that
+    one has not. Rows of turnings and of lasting events start as not significant; marks make them so
+    later.
 
     Parameters
     ----------

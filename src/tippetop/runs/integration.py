@@ -249,9 +249,20 @@ class Integration:
         return self._encoded(self._state())
 
     def ending(self) -> dict[str, Any]:
-        """Return the last slice's start, which no end has shortened, and the end, as JSON data."""
-        end = hexfloat.encode({"state": self.last[0], "t_end": self.t_end})
-        return {"slice": self._encoded(self.last_slice) if self.last_slice else {}, "end": end}
+        """Return the last slice's start, which no end has shortened, and the end.
+
+        A run that starts there continues this one by its `joint`, unless an event has ended it.
+        """
+        end = {"state": self.last[0], "t_end": self.t_end}
+        if self.status in (Status.FINISHED, Status.SETTLED):
+            end["joint"] = self.driver.joint(event.name for event in self.problem.system.events)
+        return {"slice": self.last_slice, "end": end}
+
+    def encoded(self, ending: dict[str, Any]) -> dict[str, Any]:
+        """Return an ending as plain JSON data."""
+        start = ending["slice"]
+        end = hexfloat.encode(ending["end"])
+        return {"slice": self._encoded(start) if start else {}, "end": end}
 
     def _state(self) -> dict[str, Any]:
         return {
@@ -271,6 +282,8 @@ class Integration:
         if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but are others here")
         number, state = self.problem.number, hexfloat.decode(kept)
+        if state["t_end"] == 0:  # before the first slice: as it is
+            return
         exact = {
             name: np.array([hexfloat.from_hex(text, number) for text in texts], dtype=number)
             for name, texts in kept["driver"].items()
@@ -279,7 +292,7 @@ class Integration:
         self.driver.restore(state["driver"] | exact, exact["state"], tuple(exact["time"]))
         self.last = self.driver.present()
         self.filled, self.t_end = state["filled"], state["t_end"]
-        self.fresh = self.t_end == 0  # it was killed before its first slice
+        self.fresh = False
         self.monitor.restore(state["monitor"])
         self.log.restore(state["log"])
         self.story = Story(self.story.words, **state["story"])

@@ -217,7 +217,7 @@ def run_into(
             raise Interrupted
         integration.run(recorder, progress)
         attrs = attributes.attributes(integration.progress())
-        return integration, recorder.finish(attrs, integration.ending())
+        return integration, recorder.finish(attrs, integration.encoded(integration.ending()))
 
 
 def save(
@@ -229,8 +229,6 @@ def save(
     """
     integration = Integration(solution.problem)
     head = header(integration)
-    integration.last_slice, integration.last = solution.last_slice, solution.final[None, :]
-    integration.t_end = solution.report["t_end"]
     with (
         new_store(target, overwrite=overwrite) as scratch,
         Recorder(solution.problem, Ledger.created(scratch, head)) as recorder,
@@ -242,7 +240,7 @@ def save(
         for name, parts in solution.others.items():
             for part in parts:
                 recorder.tables({name: part})
-        recorder.finish(attrs, integration.ending())
+        recorder.finish(attrs, integration.encoded(solution.ending))
 
 
 def header(integration: Integration, attrs: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -96,7 +96,8 @@ def into_store(
                 continue
             first, last = ("start", "end") if name == "phases" else ("time", "time")
             for piece in chunks.pieces(path, table.group, [*table.documents, first, last]):
-                within = (piece[last] >= times.start) & (piece[first] <= times.until)
+                after = times.start or -1.0  # with those at 0
+                within = (piece[last] > after) & (piece[first] <= times.until)
                 table.append({key: values[within] for key, values in piece.items()})
         recorder.finish({}, None)
     return {

@@ -33,7 +33,7 @@ class Solution:
     rows: np.ndarray  # (n, variables), internal
     events: EventTable
     seconds: dict[str, float]  # of compiling and of integrating
-    last_slice: dict[str, Any] | None = None  # its start, where a longer run continues
+    ending: dict[str, Any]  # of the integration, where other runs continue
     others: dict[str, list[Rows]] = field(default_factory=dict)
     """Rows of additional tables."""
 
@@ -128,6 +128,6 @@ def solve(
         np.concatenate([integration.first[:0], *memory.states]),
         memory.table(),
         integration.seconds,
-        integration.last_slice,
+        integration.ending(),
         memory.others,
     )

@@ -15,7 +15,7 @@ from ..errors import InputError, StoreError
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
-from ..store import ledger, root
+from ..store import hexfloat, ledger, root
 
 
 SAME = ("system", "form", "parameters")
@@ -113,11 +113,15 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     if others:
         words = f"must be that of `{path}`, whose end is the start, but is another."
         raise InputError([f"`{name}` {words}" for name in others])
+    joint = hexfloat.decode(end["end"].get("joint", {}))
+    if any(resolved.get(name) != attrs.get(name) for name in TAKEN):  # phases are others
+        joint.pop("next", None)
     origin = {
         "from": str(initial["from"]),
         "digest": hashlib.sha256(json.dumps(end, sort_keys=True).encode()).hexdigest(),
         "t_end": attrs["report"]["t_end"],
         "form": attrs["form"],
+        "joint": joint,
         "state": dict(zip(before.variables.names, parts, strict=True)),
     }
     return build.problem(tables | {"initial": dict(run.initial)}, known, origin)

@@ -56,6 +56,7 @@ def inconsistencies(system: System) -> list[str]:
         where = f"phase `{name}` of `{system.name}`"
         variables = list(phase.form.units._asdict().items())
         words = [name, *(event.name for event in phase.events)]
+        logged = {one.name for one in system.events} | {way.event for way in phase.exits}
         detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
         names = [
             *(f"event `{event.name}`" for event in phase.events),
@@ -83,6 +84,8 @@ def inconsistencies(system: System) -> list[str]:
                 ],
                 f"{where} must have events with a formula, as no jump logs them, but has":
                     [one.name for one in phase.events if not (one.formula or system.is_hybrid)],
+                f"{where} must end in each event that the system does not log, but has no exit by":
+                    [one.name for one in phase.events if one.name not in logged],
                 f"{where} must end in its events that have a formula, but has exits by":
                     [way.event for way in phase.exits if way.event not in detected],
                 f"{where} must end in events with a `direction`, but has exits by": [
