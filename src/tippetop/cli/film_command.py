@@ -62,8 +62,7 @@ def film(
     from ..figures.film import frames
     from ..runs.shape import rotation, shape
     from ..store import chunks, files, root
-    from ..views import run_page, samples
-    from ..views.spacing import attitude
+    from ..views import run_page, samples, spacing
 
     sizes = [2 * round(side / 2) for side in sides(size, "1280x720")]
     fits = all(16 <= side <= 8192 for side in sizes) and 1 <= fps <= 100 and speed > 0
@@ -83,14 +82,10 @@ def film(
     shown = np.arange(times[0], times[-1], speed / fps)
     if not shown.size:
         raise InputError("a film must have two rows, but there is one.")
-    i = np.searchsorted(times[1:-1], shown, side="right")
-    p, q, h = kept[i], kept[i + 1], times[i + 1] - times[i]
-    s = (shown - times[i]) / h
-    turned = attitude(p[:, :4], p[:, 4:7], q[:, :4], q[:, 4:7], h, s)
-    linear = p + s[:, None] * (q - p)
+    at = spacing.interpolated(times, kept, shown)
     texts = [
         f"{t:.3f} s   θ = {theta:.1f}°   {speed:g}×"
-        for t, theta in zip(shown, np.degrees(linear[:, 19]), strict=True)
+        for t, theta in zip(shown, np.degrees(at[:, 19]), strict=True)
     ]
     with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
         film = write_frames(
@@ -103,7 +98,7 @@ def film(
             **FORMATS[out.suffix],
         )
         film.send(None)
-        for picture in frames(turned, linear[:, 7:10], texts, shape(attrs), rotation, sizes):
+        for picture in frames(at[:, :4], at[:, 7:10], texts, shape(attrs), rotation, sizes):
             film.send(picture)
         film.close()
     print(f"{out}: {len(texts)} frames")
