@@ -92,7 +92,11 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("view RUN.zarr --out folder", 2, "--out must end with .html"),
     ("view RUN.zarr --out new.pdf", 2, "--out must end with .html"),
     ("view RUN.zarr --out new.html --from 3", 2, "rows from 3 s to be shown"),
-    ("view RUN.zarr --out new.html --from 0.2 --until 0.1", 2, "must have rows from 0.2 s to 0.1 s"),
+    (
+        "view RUN.zarr --out new.html --from 0.2 --until 0.1",
+        2,
+        "must have rows from 0.2 s to 0.1 s",
+    ),
     ("view RUN.zarr --out new.html --from nan", 2, "`--from` must be a number"),
     ("view --out new.html", 2, "pass a store or `--playground`"),
     ("view --playground --until 3 --out new.html", 2, "cannot be used with `--playground`"),
