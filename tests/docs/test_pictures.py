@@ -1,7 +1,8 @@
 """The pictures and numbers of pages that are read as files are those of the code."""
 
-import importlib.util
+import runpy
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,10 +11,7 @@ import tippetop as tt
 
 
 DOCS = Path(__file__).parents[2] / "docs"
-spec = importlib.util.spec_from_file_location("pictures", DOCS / "pictures.py")
-assert spec and spec.loader
-pictures = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(pictures)
+pictures = SimpleNamespace(**runpy.run_path(str(DOCS / "pictures.py")))
 
 
 def test_each_picture_is_drawn_by_the_code_of_its_page() -> None:
