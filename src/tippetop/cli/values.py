@@ -27,7 +27,7 @@ def _in(unit: Unit) -> Parameter:
     return _read(lambda name, text: measured(name, text, unit))
 
 
-def sides(text: str, example: str) -> list[float]:
+def sides(text: str, example: str) -> tuple[float, float]:
     """Return width and height of WxH, such as the example. Raises InputError."""
     try:
         width, height = map(float, text.lower().split("x"))
@@ -35,7 +35,7 @@ def sides(text: str, example: str) -> list[float]:
         raise InputError(
             f"--size must be width x height, such as {example}, but is `{text}`."
         ) from None
-    return [width, height]
+    return width, height
 
 
 Whole = Annotated[int, _read(lambda name, text: whole(name, measured(name, text, ONE)))]

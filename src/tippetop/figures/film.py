@@ -27,7 +27,7 @@ LIGHT = np.array([-0.42, -0.62, 0.66])
 LIGHT /= np.linalg.norm(LIGHT)
 HALF = np.array([-2.1, 2.1])  # from the middle to the edges of a frame, in units of the body
 STEP = 0.5  # between dots of the floor, likewise
-FLOOR = STEP * np.stack(np.mgrid[-40:40, -32:32], axis=-1)
+FLOOR = STEP * np.moveaxis(np.mgrid[-40:40, -32:32], 0, -1)
 CREAM, BLUE, ORANGE, WOOD, IRON = (
     np.array(rgb) / 255
     for rgb in ((243, 232, 205), (44, 92, 143), (217, 95, 30), (196, 142, 84), (35, 38, 44))
@@ -85,7 +85,7 @@ def film(
     return ax
 
 
-def _paint(ax: Axes, facets: Array, shadow: Array, colours: Array) -> None:
+def _paint(ax: Axes, facets: Any, shadow: Any, colours: Array) -> None:
     """Draw a body with its shadow."""
     ax.add_collection(PolyCollection(shadow, facecolor="black", alpha=0.2, lw=0))
     painted = PolyCollection(facets, facecolors=colours, edgecolors=colours, lw=0.5)
