@@ -8,7 +8,7 @@ import { ofAxes } from "./vector.js";
 const THETA = 19; // its place in a sample
 const [SHORTEST, LONGEST] = [5e-4, 0.002]; // seconds between samples
 const MOST = 20_000; // samples
-const ANGLES = 10_000; // at which the bounds of friction are computed, as in the engine
+const GRID = 10_000; // angles at which the bounds of friction are computed, as in the engine
 
 /**
  * @typedef {object} Given
@@ -52,8 +52,8 @@ export function refusal({ law, parameters, stem }) {
   const mu = Math.max(0, ...coefficients.map((name) => parameters[name]));
   let [least, most, pressed] = [Infinity, Infinity, ""];
   for (const { ball, c, r } of balls)
-    for (let i = 1; i < ANGLES; i++) {
-      const theta = (i / ANGLES) * Math.PI;
+    for (let i = 1; i < GRID; i++) {
+      const theta = (i / GRID) * Math.PI;
       const [lever, height] = [Math.abs(c * Math.sin(theta)), Math.abs(r - c * Math.cos(theta))];
       const bound = (I1 / m + lever ** 2) / (lever * height);
       if (bound < least) [least, pressed] = [bound, ball];
