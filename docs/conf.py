@@ -1,5 +1,6 @@
 """How Sphinx makes the manual: python -m sphinx -W -b html docs build/manual."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -69,8 +70,17 @@ def _keep_names_whole(app: object, doctree: nodes.document) -> None:
                 literal["classes"].append("name")
 
 
+def _link_pages(app: Any, error: Exception | None) -> None:
+    """Let each copy of the playground link to the page of the manual instead of its source."""
+    for copy in Path(app.outdir).rglob("playground.html"):
+        page = os.path.relpath(Path(app.outdir) / "why.html", copy.parent)
+        text = copy.read_text(encoding="utf-8")
+        copy.write_text(text.replace('href="why.md"', f'href="{page}"'), encoding="utf-8")
+
+
 def setup(app: Any) -> None:
     """Connect the functions above to Sphinx."""
     app.connect("autodoc-process-docstring", _formulas_as_text, priority=100)
     app.connect("doctree-read", _describe_figures)
     app.connect("doctree-read", _keep_names_whole)
+    app.connect("build-finished", _link_pages)

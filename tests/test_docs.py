@@ -12,8 +12,11 @@ from nightly import at_night
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-EXECUTED = [ROOT / "README.md", *sorted((ROOT / "docs" / "how-to").glob("*.md"))]
-EXPENSIVE = ["fit-a-film.md"]
+EXECUTED = [
+    *(ROOT / "README.md", ROOT / "docs" / "gallery.md", ROOT / "docs" / "tutorials" / "lesson.md"),
+    *sorted((ROOT / "docs" / "how-to").glob("*.md")),
+]
+EXPENSIVE = ["fit-a-film.md", "gallery.md"]
 
 
 def name(page: Path) -> str:

@@ -37,7 +37,7 @@ def test_the_lock_has_every_dependency_within_its_bounds() -> None:
         *PROJECT["dependencies"],
         *(
             one
-            for group in ("figures", "grids", "export", "sweep", "cluster")
+            for group in ("figures", "grids", "export", "sweep", "cluster", "film")
             for one in extras[group]
         ),
     ]

@@ -99,6 +99,7 @@ class BuildError(ImportError):
 
 EXTRAS = {
     "matplotlib": "figures",
+    "imageio_ffmpeg": "film",
     **dict.fromkeys(("numba", "scipy"), "grids"),
     "contourpy": "sweep",
     **dict.fromkeys(("distributed", "dask"), "cluster"),

@@ -112,6 +112,17 @@ def test_the_colours_of_phases_are_explained(tab: Any) -> None:
     assert key.is_hidden()
 
 
+def test_a_run_that_rolls_throughout_has_no_arrow_of_sliding(open_page: Any) -> None:
+    friction = {"law": "coulomb", "mu": 0.3}
+    run = tt.run("inverting", friction=friction, until=0.2)
+    assert 0 < np.abs(run.trajectory.nu_x).max() < 1e-12
+    tab = open_page(run.view().text)
+    tab.evaluate("tippetop.set(0.1)")
+    (arrow,) = (a for a in tab.evaluate("tippetop.arrows()") if a["name"] == "slip")
+    assert np.linalg.norm(arrow["drawn"]) < 1e-6
+    assert "roll: 100.0 %" in tab.locator("[data-part=key]").inner_text()
+
+
 def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
     """Its frame has no size before, and again when it is closed."""
     run = tt.run("inverting", until=0.2)

@@ -24,6 +24,7 @@ _MODULES = {
     "plot": "plot",
     "show": "info check export systems presets",
     "view": "view",
+    "film_command": "film",
     "benchmark": "benchmark",
     "exchange": "compare fit",
     "reconstruct": "reconstruct",

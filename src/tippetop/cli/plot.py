@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from ..errors import InputError
 from ..figures import catalogue
 from ..figures.catalogue import Look
-from .values import Place, Seconds
+from .values import Place, Seconds, sides
 
 
 def plot(
@@ -56,7 +56,7 @@ def plot(
     from .targets import check_picture
 
     check_picture(out, overwrite)
-    look = Look(title, _size(size), dpi, dark)
+    look = Look(title, sides(size, "8x5") if size else None, dpi, dark)
     catalogue.check_look(look)
     names, kind = [str(store), *words], None
     last = names[-1]
@@ -123,16 +123,3 @@ def _states(scenario: str, look: Look) -> Any:
     branches, marks = run_landscape.diagram(problem.system.name, problem.parameters, lam)
     marks["|λ| of the start"] = abs(lam)
     return drawing.drawn(lambda: states(branches, marks, literal(scenario)), look)
-
-
-def _size(text: str | None) -> tuple[float, float] | None:
-    """Return width and height [inches] of WxH. Raises InputError."""
-    if text is None:
-        return None
-    try:
-        width, height = (float(side) for side in text.lower().split("x"))
-    except ValueError:
-        raise InputError(
-            f"--size must be width x height in inches, such as 8x5, but is `{text}`."
-        ) from None
-    return width, height

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter, Token
 
 from ..arguments import measured, path_of, whole
+from ..errors import InputError
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, ONE, SECOND, Unit
 
 
@@ -24,6 +25,17 @@ def _read(read: Callable[[str, str], Any], hyphen: bool = True) -> Parameter:
 def _in(unit: Unit) -> Parameter:
     """Declare a quantity in a unit; it may be negative."""
     return _read(lambda name, text: measured(name, text, unit))
+
+
+def sides(text: str, example: str) -> tuple[float, float]:
+    """Return width and height of WxH, such as the example. Raises InputError."""
+    try:
+        width, height = map(float, text.lower().split("x"))
+    except ValueError:
+        raise InputError(
+            f"--size must be width x height, such as {example}, but is `{text}`."
+        ) from None
+    return width, height
 
 
 Whole = Annotated[int, _read(lambda name, text: whole(name, measured(name, text, ONE)))]

@@ -1,10 +1,10 @@
-"""A film strip: the body at eight times, on one line.
+"""A film strip, the body at eight times on one line, and the frames of a film.
 
 The body is made of surfaces of revolution; their facets are painted from the far ones to the near
 ones. The camera looks along y, from somewhat above; z is up. Lengths are in units of the body.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,16 @@ from .style import compact, figure, ink
 
 POSES = 8
 GAP = 0.1  # between two poses
-FACETS = 64  # around an axis of revolution
+FACETS = 128  # around an axis of revolution
 SECTORS = 8  # alternately light and dark around the axis: they show the spin
 ELEVATION = np.radians(16.0)  # of the camera
 SCREEN = np.array([[1, 0, 0], [0, np.sin(ELEVATION), np.cos(ELEVATION)]])
 AHEAD = np.array([0, np.cos(ELEVATION), -np.sin(ELEVATION)])
 LIGHT = np.array([-0.42, -0.62, 0.66])
 LIGHT /= np.linalg.norm(LIGHT)
+HALF = np.array([-2.1, 2.1])  # from the middle to the edges of a frame, in units of the body
+STEP = 0.5  # between dots of the floor, likewise
+FLOOR = STEP * np.moveaxis(np.mgrid[-40:40, -32:32], 0, -1)
 CREAM, BLUE, ORANGE, WOOD, IRON = (
     np.array(rgb) / 255
     for rgb in ((243, 232, 205), (44, 92, 143), (217, 95, 30), (196, 142, 84), (35, 38, 44))
@@ -58,10 +61,7 @@ def film(
         ax = figure(12.0, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
     for x, (facets, shadow, colours, mass) in zip(places, poses, strict=True):
         aside = np.array([x, 0.0])
-        ax.add_collection(PolyCollection(shadow + aside, facecolor="black", alpha=0.2, lw=0))
-        painted = PolyCollection(facets + aside, facecolors=colours, edgecolors=colours, lw=0.5)
-        painted.set_rasterized(True)
-        ax.add_collection(painted)
+        _paint(ax, facets + aside, shadow + aside, colours)
         if shape["kind"] != "heavy":  # the hidden mass shines through
             ax.plot(*(mass + aside), "o", color=IRON, alpha=0.5, ms=4)
     names = ("", "") if compact() else ("t = ", "θ = ")
@@ -85,6 +85,51 @@ def film(
     return ax
 
 
+def _paint(ax: Axes, facets: Any, shadow: Any, colours: Array) -> None:
+    """Draw a body with its shadow."""
+    ax.add_collection(PolyCollection(shadow, facecolor="black", alpha=0.2, lw=0))
+    painted = PolyCollection(facets, facecolors=colours, edgecolors=colours, lw=0.5)
+    painted.set_rasterized(True)
+    ax.add_collection(painted)
+
+
+def frames(
+    orientations: Array,
+    places: Array,
+    texts: list[str],
+    shape: dict[str, Any],
+    rotation: Callable[[Array], Array],
+    size: list[int],
+) -> Iterator[bytes]:
+    """Draw frames of a film, RGBA: the body on a floor of dots that moves below it.
+
+    Parameters
+    ----------
+    orientations, places, texts
+        Of each frame: orientation, centre of mass [m], and a line of text.
+    shape, rotation
+        See `film`.
+    size
+        Width and height [pixels].
+    """
+    width, height = size
+    fig = figure(width / 100, height / 100)
+    fig.set_dpi(100)
+    fig.set_layout_engine("none")
+    ax = fig.add_axes((0, 0, 1, 1))
+    for q, place, text in zip(orientations, places, texts, strict=True):
+        below = (place + shape["balls"][0]["offset"] * rotation(q)[:, 2])[:2] / shape["unit"]
+        dots = (FLOOR - below % STEP) @ SCREEN[:, :2].T
+        ax.clear()
+        ax.set(xlim=HALF * width / height, ylim=1 + HALF)
+        ax.axis("off")
+        ax.plot(*dots.T, ".", color=ink().grid, ms=height / 150, zorder=0)
+        _paint(ax, *pose({"orientation": q, "z": place[2]}, shape, rotation)[:3])
+        ax.text(0.02, 0.03, text, transform=ax.transAxes, fontsize=height / 36)
+        fig.canvas.draw()
+        yield bytes(fig.canvas.buffer_rgba())  # type: ignore[attr-defined]
+
+
 def pose(
     row: Any, shape: dict[str, Any], rotation: Callable[[Array], Array]
 ) -> tuple[Array, Array, Array, Array]:
@@ -92,7 +137,7 @@ def pose(
 
     Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
     """
-    axes = rotation(row["orientation"].values)
+    axes = rotation(np.asarray(row["orientation"]))
     unit, third = shape["unit"], axes[:, 2]
     balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
     (offset, radius), stems = balls[0], balls[1:]

@@ -80,6 +80,7 @@ def contacts(laws: Mapping[str, Any]) -> dict[str, str]:
         "laws": {name: list(law.parameters) for name, law in laws.items()},
         "keys": {name: law.key for name, law in laws.items()},
         "exact": [name for name, law in laws.items() if law.set_valued],
+        "bounded": {name: law.bounded_by for name, law in laws.items()},
         "near": math.acos(COS_INVERTED),
     }
     by_law = ",\n".join(f"{json.dumps(name)}: {_of_law(law)}" for name, law in laws.items())

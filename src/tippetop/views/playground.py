@@ -39,5 +39,6 @@ def _preset(name: str) -> dict[str, Any] | None:
         return None
     law = next(law for law, record in BY_NAME.items() if record is type(problem.friction))
     about = given(problem)
-    about |= {"name": name, "words": problem.system.title, "law": law}
+    title = presets()[name].partition("\n")[0].strip("# .")
+    about |= {"name": name, "words": title, "law": law}
     return about | {"until": min(about["until"], 30.0)}

@@ -128,8 +128,8 @@ def read(
             break
     if not times:
         raise InputError(
-            f"a page must have rows between {begin:g} and {end:g} s, but has none: show another "
-            "part, or replay one."
+            f"the run must have rows from {begin:g} s{'' if until is None else f' to {end:g} s'} "
+            "to be shown, but has none: show another part, or `tippetop replay` one."
         )
     return np.concatenate(times), np.concatenate(kept), rough, notes
 

@@ -26,6 +26,17 @@ def attitude(
     return np.stack(rotation.between(*first, *last, h, s), axis=1)
 
 
+def interpolated(times: np.ndarray, samples: np.ndarray, shown: np.ndarray) -> np.ndarray:
+    """Return samples at times between others: attitudes by `attitude`, the rest linearly."""
+    i = np.searchsorted(times[1:-1], shown, side="right")
+    p, q, h = samples[i], samples[i + 1], times[i + 1] - times[i]
+    s = (shown - times[i]) / h
+    found = p + s[:, None] * (q - p)
+    ends = [end[:, part] for end in (p, q) for part in (ORIENTATION, OMEGA)]
+    found[:, ORIENTATION] = attitude(*ends, h, s)  # type: ignore[call-arg]
+    return found
+
+
 def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
     """Return the indices of evenly spaced samples, and of the last one.
 
@@ -43,12 +54,9 @@ def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndar
 def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> float:
     """Return the largest error of the attitude of the samples that are not kept [rad]."""
     left_out = np.setdiff1d(np.arange(len(times)), keep, assume_unique=True)
-    after = np.searchsorted(keep, left_out)
-    a, b = keep[after - 1], keep[after]
-    h = times[b] - times[a]
-    ends = [samples[i][:, part] for i in (a, b) for part in (ORIENTATION, OMEGA)]
-    between_ends = attitude(*ends, h, (times[left_out] - times[a]) / h)  # type: ignore[call-arg]
-    return float(angle_between(between_ends, samples[left_out][:, ORIENTATION]).max(initial=0.0))
+    known = interpolated(times[keep], samples[keep], times[left_out])
+    angles = angle_between(known[:, ORIENTATION], samples[left_out][:, ORIENTATION])
+    return float(angles.max(initial=0.0))
 
 
 def row_error(times: np.ndarray, samples: np.ndarray) -> float:

@@ -2,6 +2,9 @@
 
 export const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
 
+/** [ms] A slower frame slows the motion down: the browser was suspended, or the page in the background. */
+const LONGEST = 2000;
+
 export class Clock {
   constructor() {
     this.time = 0;
@@ -43,7 +46,7 @@ export class Clock {
    * @returns {number} how far the motion went [s]
    */
   tick(now) {
-    const passed = this.last === undefined ? 0 : Math.min(now - this.last, 100) / 1e3;
+    const passed = this.last === undefined ? 0 : Math.min(now - this.last, LONGEST) / 1e3;
     this.last = now;
     if (!this.playing) return 0;
     const step = passed * this.speed;

@@ -40,7 +40,7 @@ export function keyboard(stage) {
       (typing && (event.key === " " || event.key.startsWith("Arrow")))
     )
       return;
-    if (target.tagName === "SELECT") return;
+    if (target.matches("select, [inputmode]")) return;
     const action = keys[event.key];
     if (!action) return;
     event.preventDefault();

@@ -27,8 +27,7 @@ export class Key {
   draw(log, span, colours) {
     if (log === this.log && colours === this.colours) return;
     [this.log, this.colours] = [log, colours];
-    this.element.hidden = !log.changes;
-    if (!log.changes) return this.element.replaceChildren();
+    this.element.hidden = !log.phases.length;
     const entries = shares(log, span).map(({ words, phase, ball, share }) =>
       item(`${words}: ${percent(share)}`, cover(phase, ball, colours)),
     );

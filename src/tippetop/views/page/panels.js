@@ -10,14 +10,12 @@ import { cover } from "./palette.js";
 /** @typedef {import("./log.js").Log} Log */
 
 const PI = Math.PI;
-/** @type {[number, string][]} */
-export const ANGLES = [
-  [0, "0"],
-  [PI / 4, "π/4"],
-  [PI / 2, "π/2"],
-  [(3 * PI) / 4, "3π/4"],
-  [PI, "π"],
-];
+const DEGREE = PI / 180;
+/**
+ * An angle on an axis.
+ * @type {(degrees: number) => [number, string]}
+ */
+export const angle = (degrees) => [degrees * DEGREE, `${tidy(degrees)}°`];
 
 /**
  * Marks now.
@@ -70,13 +68,13 @@ export class ThetaPanel {
     const low = wound ? least : Math.max(0, least - 0.04);
     const high = wound ? most : Math.min(PI, most + 0.04);
     const room = 0.06 * (high - low) + 1e-9;
-    const degrees = ((pose.theta * 180) / PI).toFixed(1).replace("-", "−");
+    const degrees = (pose.theta / DEGREE).toFixed(1).replace("-", "−");
     chart.begin(span, [low - room, high + room], colours, `θ = ${degrees}°`);
     const whole = high - low > 1.3 && !wound;
     const few = chart.bottom - chart.top < 70 * chart.scale ? 2 : 1;
-    const ys = whole
-      ? ANGLES.filter((_, k) => k % few === 0)
-      : ticks(low, high, 4).map((y) => /** @type {[number, string]} */ ([y, tidy(y)]));
+    const ys = (
+      whole ? [0, 45, 90, 135, 180].filter((_, k) => k % few === 0) : ticks(low / DEGREE, high / DEGREE, 4)
+    ).map(angle);
     chart.still(entire(motion, span) ? [log, colours, log.changes] : undefined, () => {
       if (log.changes) chart.within(() => shade(chart, log, colours));
       chart.axes(colours, chart.times(), ys);

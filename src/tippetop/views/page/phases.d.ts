@@ -14,6 +14,8 @@ export const facts: {
   keys: Record<string, string>;
   /** laws under which the contact sticks */
   exact: string[];
+  /** the coefficients of each law that Painleve's bound limits */
+  bounded: Record<string, string[]>;
   /** how close to upright or inverted counts as such [rad] */
   near: number;
 };

@@ -1,7 +1,7 @@
 /** The playground: a tippe top that is integrated in the page while its numbers are changed. */
 import { turns } from "./chart.js";
 import { facts } from "./phases.js";
-import { sampling, simulated } from "./simulation.js";
+import { refusal, sampling, simulated } from "./simulation.js";
 import { Sliders, subscript } from "./sliders.js";
 import { part } from "./part.js";
 
@@ -25,8 +25,8 @@ import { part } from "./part.js";
 const DEGREE = 180 / Math.PI;
 /** @type {Slider[]} */
 const BODY = [
-  { name: "m", words: "mass m", unit: "g", least: 0.002, most: 0.2, log: true, shown: (x) => 1e3 * x },
-  { name: "R", words: "radius R", unit: "mm", least: 0.005, most: 0.06, log: true, shown: (x) => 1e3 * x },
+  { name: "m", words: "mass m", unit: "g", least: 0.002, most: 0.2, log: true, scale: 1e3 },
+  { name: "R", words: "radius R", unit: "mm", least: 0.005, most: 0.06, log: true, scale: 1e3 },
   { name: "alpha", words: "eccentricity α", unit: "", least: 0.02, most: 0.6 },
   { name: "gamma", words: "γ = I₁/I₃", unit: "", least: 0.55, most: 1.5 },
   { name: "inertia", words: "I₃/mR²", unit: "", least: 0.15, most: 0.65 },
@@ -34,7 +34,7 @@ const BODY = [
 /** @type {Slider[]} */
 const START = [
   { name: "omega3", words: "spin ω₃", unit: "rad/s", least: 0, most: 350, also: turns },
-  { name: "theta", words: "tilt θ(0)", unit: "°", least: 0, most: Math.PI, shown: (x) => x * DEGREE },
+  { name: "theta", words: "tilt θ(0)", unit: "°", least: 0, most: Math.PI, scale: DEGREE },
   { name: "until", words: "how long", unit: "s", least: 1, most: 30 },
 ];
 /** @type {Slider[]} */
@@ -47,9 +47,9 @@ const CONTACT = [
     least: 1e-3,
     most: 0.02,
     log: true,
-    shown: (x) => 1e3 * x,
+    scale: 1e3,
   },
-  { name: "h", words: "its height above the centre", unit: "mm", least: 5e-3, most: 0.06, shown: (x) => 1e3 * x },
+  { name: "h", words: "its height above the centre", unit: "mm", least: 5e-3, most: 0.06, scale: 1e3 },
 ];
 const STEM = { r: 0.003, h: 0.0245 };
 /** @type {Record<string, Slider>} */
@@ -67,9 +67,9 @@ const FRICTION = {
     least: 5e-5,
     most: 2e-3,
     log: true,
-    shown: (x) => 1e3 * x,
+    scale: 1e3,
   },
-  mu_r: { name: "mu_r", words: "rolling resistance", unit: "mm", least: 0, most: 2e-4, shown: (x) => 1e3 * x },
+  mu_r: { name: "mu_r", words: "rolling resistance", unit: "mm", least: 0, most: 2e-4, scale: 1e3 },
 };
 const PURE = ["coulomb", "regularised", "stribeck", "contensou"]; // laws whose mu has no unit
 const USUAL = /** @type {Record<string, number>} */ ({
@@ -106,40 +106,61 @@ export class Playground {
     this.friction = new Sliders(part("friction-sliders"), later);
     this.start = new Sliders(part("start-sliders"), later);
     this.contact = new Sliders(part("contact-sliders"), later);
+    this.groups = [this.body, this.friction, this.start, this.contact];
     for (const slider of BODY) this.body.add(slider);
     for (const slider of START) this.start.add(slider);
     part("stem").addEventListener("change", () => {
       this.stemChanged();
       this.soon();
     });
-    for (const { name, words } of presets) {
-      const option = new Option(name, name);
-      option.title = words;
-      part("preset").add(option);
-    }
+    for (const { name, words } of presets) part("preset").add(new Option(words, name));
     for (const law of Object.keys(facts.laws)) part("law").add(new Option(LAWS[law] ?? law, law));
     part("preset").addEventListener("change", () => this.take(part("preset").value));
+    addEventListener("hashchange", () => this.linked());
     part("law").addEventListener("change", () => {
       this.lawChanged();
       this.soon();
     });
     part("copy").addEventListener("click", () => navigator.clipboard?.writeText(part("scenario").textContent));
-    this.take(presets[0].name);
+    this.linked();
   }
 
-  /** @param {string} name of a preset */
-  take(name) {
+  /** The settings in the address of the page. */
+  linked() {
+    const link = new URLSearchParams(location.hash.slice(1));
+    this.take(link.get("preset") ?? this.presets[0].name, link);
+  }
+
+  /** Writes the settings into the address of the page. */
+  link() {
+    const settings = { preset: this.preset.name, law: part("law").value, stem: part("stem").checked ? "1" : "" };
+    const shown = this.groups.flatMap(({ all, values }) => Object.keys(all).map((name) => [name, values[name]]));
+    const link = new URLSearchParams({ ...settings, ...Object.fromEntries(shown) });
+    history.replaceState(null, "", `#${link}`);
+  }
+
+  /**
+   * @param {string} name of a preset
+   * @param {URLSearchParams} link settings that differ from it
+   */
+  take(name, link = new URLSearchParams()) {
     const preset = this.presets.find((p) => p.name === name) ?? this.presets[0];
     this.preset = preset;
     const { m, R, alpha, I1, I3 } = preset.parameters;
     this.body.set({ m, R, alpha, gamma: I1 / I3, inertia: I3 / (m * R * R), g: preset.parameters.g });
-    part("law").value = preset.law;
+    const law = link.get("law") ?? "";
+    part("law").value = law in facts.laws ? law : preset.law;
     this.friction.values = { ...USUAL, mu: 0.3, ...preset.parameters };
     this.lawChanged();
     this.contact.values = { e_n: preset.e_n, ...STEM, ...preset.stem };
-    part("stem").checked = !!preset.stem;
+    part("stem").checked = link.has("stem") ? !!link.get("stem") : !!preset.stem;
     this.stemChanged();
     this.start.set({ omega3: preset.initial.omega3 ?? 0, theta: preset.initial.theta ?? 0, until: preset.until });
+    const numbers = [...link].filter(([, text]) => text && isFinite(Number(text)));
+    for (const group of this.groups) {
+      const own = numbers.filter(([key]) => key in group.all);
+      group.set(Object.fromEntries(own.map(([key, text]) => [key, Number(text)])));
+    }
     part("preset").value = preset.name;
     this.show(false);
   }
@@ -193,6 +214,15 @@ export class Playground {
   /** @param {boolean} keep whether the camera stays */
   show(keep) {
     const given = this.given();
+    const refused = refusal(given);
+    document.body.classList.toggle("refused", !!refused);
+    part("scenario").textContent = scenario(given);
+    setTimeout(() => this.link()); // a browser may refuse many changes within a second
+    if (refused) {
+      this.stage.play(false);
+      part("verdict").textContent = refused;
+      return;
+    }
     const began = performance.now();
     const found = simulated(given);
     const spent = performance.now() - began;
@@ -201,7 +231,6 @@ export class Playground {
     this.thresholds(found.thresholds, Math.abs(motion.at(0, "well")[1]));
     part("verdict").textContent = verdict(found);
     part("cost").textContent = `integrated here in ${spent.toFixed(0)} ms, ${found.steps} steps`;
-    part("scenario").textContent = scenario(given);
   }
 
   /**
@@ -217,12 +246,14 @@ export class Playground {
     });
     this.start.mark("omega3", [mark("spin_upright", "ω_u"), mark("spin_full", "ω_s")]);
     this.body.mark("gamma", [mark("gamma_c", "γ_c"), mark("gamma_plus", "γ_+")]);
+    const spins = /** @type {Record<string, string>} */ ({ lambda_u: "spin_upright", lambda_s: "spin_full" });
     const rows = ["lambda_u", "lambda_s", "lambda_de"].map((name) => {
       const { value, words } = by[name];
       const row = document.createElement("tr");
       const cells = [
         "",
         isFinite(value) ? (1e6 * value).toPrecision(4) : "∞",
+        name in spins && isFinite(value) ? turns(by[spins[name]].value) : "",
         words,
         lambda > value ? "λ is above" : "λ is below",
       ];

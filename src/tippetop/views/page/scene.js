@@ -26,6 +26,8 @@ const KINDS = { ball: 0, heavy: 1, cylinder: 2 };
 const [NEAR, FAR] = [0.5, 60];
 /** Longest arrows, in units; a force of the weight has length 1. */
 const LONGEST = /** @type {Record<string, number>} */ ({ momentum: 2.1, omega: 2.5, slip: 1.3 });
+/** A sliding velocity as long as the longest arrow is at least this part of the fastest omega R: less is rounding noise. */
+const SLIDES = 1e-3;
 const ON_BALL = 1.5; // seconds that the trace on the ball stays
 const AIMED = 2000; // samples that the camera is set up by
 
@@ -86,7 +88,8 @@ export class Scene {
     const n = motion.times.length;
     this.scales = { force: 1 / body.weight };
     for (const name of ["momentum", "omega", "slip"]) {
-      const most = motion.longest(name);
+      const least = name === "slip" ? SLIDES * motion.longest("omega") * body.unit : 0;
+      const most = Math.max(motion.longest(name), least);
       this.scales[name] = most > 0 ? LONGEST[name] / most : 0;
     }
     this.floor?.remove();

@@ -2,11 +2,13 @@
 import { Contact } from "./contact.js";
 import { Log } from "./log.js";
 import { Motion, STRIDE } from "./motion.js";
+import { facts } from "./phases.js";
 import { ofAxes } from "./vector.js";
 
 const THETA = 19; // its place in a sample
 const [SHORTEST, LONGEST] = [5e-4, 0.002]; // seconds between samples
 const MOST = 20_000; // samples
+const GRID = 10_000; // angles at which the bounds of friction are computed, as in the engine
 
 /**
  * @typedef {object} Given
@@ -20,6 +22,47 @@ const MOST = 20_000; // samples
  * @property {{r: number, h: number} | null} stem
  * @property {boolean} [stops] whether it ends where it lifts off
  */
+
+const REFUSALS = {
+  r: "`stem.r` must be smaller than parameters.R = {limit}, but is {given}.",
+  h: "`stem.h` must exceed R - r = {limit}, or the stem never touches the plane, but is {given}.",
+  mu: "`friction.{name}` must be less than {limit}, but is {given}: above it the contact force of this {ball} is not unique (Painleve).",
+  mu_r: "`friction.mu_r` must be less than {limit}, or the contact force is not unique, but is {given}.",
+};
+
+/**
+ * The sentence with which the engine refuses these numbers; empty if it takes them.
+ * @param {Given} given
+ */
+export function refusal({ law, parameters, stem }) {
+  const { m, R, alpha, I1, mu_r = 0 } = parameters;
+  const say = (/** @type {string} */ text, /** @type {Record<string, number | string>} */ values) =>
+    text.replace(/\{(\w+)\}/g, (_, key) => {
+      const value = values[key];
+      return typeof value === "number" ? String(Number(value.toPrecision(6))) : value;
+    });
+  const balls = [{ ball: "body", c: alpha * R, r: R }];
+  if (stem) {
+    const { r, h } = stem;
+    if (r >= R) return say(REFUSALS.r, { limit: R, given: r });
+    if (h <= R - r) return say(REFUSALS.h, { limit: R - r, given: h });
+    balls.push({ ball: "stem", c: alpha * R + h, r });
+  }
+  const coefficients = facts.bounded[law];
+  const mu = Math.max(0, ...coefficients.map((name) => parameters[name]));
+  let [least, most, pressed] = [Infinity, Infinity, ""];
+  for (const { ball, c, r } of balls)
+    for (let i = 1; i < GRID; i++) {
+      const theta = (i / GRID) * Math.PI;
+      const [lever, height] = [Math.abs(c * Math.sin(theta)), Math.abs(r - c * Math.cos(theta))];
+      const bound = (I1 / m + lever ** 2) / (lever * height);
+      if (bound < least) [least, pressed] = [bound, ball];
+      most = Math.min(most, (bound - mu) * height);
+    }
+  const name = coefficients.filter((name) => parameters[name] === mu).pop() ?? "";
+  if (mu >= least) return say(REFUSALS.mu, { name, limit: least.toFixed(4), given: mu, ball: pressed });
+  return mu_r < most ? "" : say(REFUSALS.mu_r, { limit: Number(most.toPrecision(3)), given: mu_r });
+}
 
 /**
  * Integrates, and returns what the page shows.

@@ -16,12 +16,14 @@ export const subscript = (element, name) => {
  * @property {number} least
  * @property {number} most
  * @property {boolean} [log] whether it is even in the logarithm
- * @property {(value: number) => number} [shown] the displayed number of a value
+ * @property {number} [scale] the displayed number of 1
  * @property {(value: number) => string} [also] the value in another unit
  */
 
 const STEPS = 1000;
 const CLOSE = 0.08; // marks that are nearer have one label
+
+const scale = (/** @type {Slider} */ slider) => slider.scale ?? 1;
 
 export class Sliders {
   /**
@@ -31,7 +33,7 @@ export class Sliders {
   constructor(place, changed) {
     this.place = place;
     this.changed = changed;
-    /** @type {Record<string, {slider: Slider, input: HTMLInputElement, output: HTMLOutputElement, marks: HTMLElement}>} */
+    /** @type {Record<string, {slider: Slider, input: HTMLInputElement, typed: HTMLInputElement, output: HTMLOutputElement, marks: HTMLElement}>} */
     this.all = {};
     /** @type {Record<string, number>} */
     this.values = {};
@@ -39,7 +41,7 @@ export class Sliders {
 
   /** @param {Slider} slider */
   add(slider) {
-    const row = document.createElement("label");
+    const row = document.createElement("div");
     row.className = "slider";
     const words = document.createElement("span");
     subscript(words, slider.words);
@@ -50,10 +52,19 @@ export class Sliders {
     input.max = String(STEPS);
     input.dataset.part = `slider-${slider.name}`;
     input.setAttribute("aria-label", slider.words);
+    const typed = document.createElement("input");
+    typed.inputMode = "decimal";
+    typed.dataset.part = `typed-${slider.name}`;
+    typed.setAttribute("aria-label", `${slider.words}, ${slider.unit}`);
     const marks = document.createElement("i");
-    row.append(words, output, input, marks);
+    row.append(words, typed, output, input, marks);
     this.place.append(row);
-    this.all[slider.name] = { slider, input, output, marks };
+    this.all[slider.name] = { slider, input, typed, output, marks };
+    typed.addEventListener("change", () => {
+      const value = Number((parseFloat(typed.value.replace(",", ".")) / scale(slider)).toPrecision(12));
+      this.set({ [slider.name]: isFinite(value) ? value : this.values[slider.name] });
+      this.changed();
+    });
     input.addEventListener("input", () => {
       this.values[slider.name] = this.value(slider, Number(input.value) / STEPS);
       this.write(slider.name);
@@ -79,13 +90,13 @@ export class Sliders {
   }
 
   /**
-   * Sets values without calling `changed`.
+   * Sets values, within the limits of their sliders, without calling `changed`.
    * @param {Record<string, number>} values
    */
   set(values) {
     for (const [name, value] of Object.entries(values)) {
-      this.values[name] = value;
       const known = this.all[name];
+      this.values[name] = known ? Math.min(Math.max(value, known.slider.least), known.slider.most) : value;
       if (!known) continue;
       known.input.value = String(Math.round(STEPS * this.part(known.slider, value)));
       this.write(name);
@@ -94,11 +105,12 @@ export class Sliders {
 
   /** @param {string} name */
   write(name) {
-    const { slider, input, output } = this.all[name];
-    const value = slider.shown ? slider.shown(this.values[name]) : this.values[name];
+    const { slider, input, typed, output } = this.all[name];
+    const value = scale(slider) * this.values[name];
     const also = slider.also ? ` = ${slider.also(value)}` : "";
-    output.value = `${Number(value.toPrecision(4))}${slider.unit ? ` ${slider.unit}` : ""}${also}`;
-    input.setAttribute("aria-valuetext", output.value);
+    typed.value = String(Number(value.toPrecision(4)));
+    output.value = `${slider.unit}${also}`;
+    input.setAttribute("aria-valuetext", `${typed.value} ${output.value}`);
   }
 
   /**

@@ -317,7 +317,7 @@ export class Stage {
     part("spin-name").textContent = log.wound ? "θ′" : "ω₃";
     part("spin").textContent = `${spin.toFixed(1)} rad/s`;
     part("turns").textContent = turns(spin);
-    const phase = log.changes ? log.phase(time) : undefined;
+    const phase = log.phase(time);
     part("phase").textContent = phase ? named(phase) : "";
     const scrub = part("scrub");
     if (document.activeElement !== scrub || this.clock.playing) scrub.value = String(time);

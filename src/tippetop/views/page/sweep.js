@@ -3,7 +3,7 @@ import { Borders } from "./borders.js";
 import { CLASSES, SweepMap, said } from "./map.js";
 import { palette } from "./palette.js";
 import { numbers } from "./run.js";
-import { sampling, simulated } from "./simulation.js";
+import { refusal, sampling, simulated } from "./simulation.js";
 import { part } from "./part.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
@@ -161,7 +161,12 @@ export class SweepPage {
    * @param {boolean} keep
    */
   integrate(top, keep) {
-    const { motion, log, potential, end, sizes } = simulated(this.of(top));
+    const given = this.of(top);
+    const refused = refusal(given);
+    document.body.classList.toggle("refused", !!refused);
+    part("said").textContent = refused;
+    if (refused) return;
+    const { motion, log, potential, end, sizes } = simulated(given);
     const body = { ...this.body, ...sizes };
     this.stage.take({ body, motion, log, potential, wound: false }, keep);
     part("said").textContent = end ? `until ${motion.end.toFixed(3)} s: ${end}` : "";

@@ -1,6 +1,6 @@
 /** The plot of the effective potential. */
 import { Chart, ticks, tidy } from "./chart.js";
-import { ANGLES } from "./panels.js";
+import { angle } from "./panels.js";
 
 /** @typedef {import("./palette.js").Palette} Palette */
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -93,19 +93,10 @@ export class WellPanel {
     const caption = valid ? `Ẽ = ${tidy(parseFloat((1e3 * level).toPrecision(4)))} mJ` : "";
     chart.begin(range, [low, low + 1.12 * this.height], colours, caption);
     const ys = ticks(0, unit * 1.0 * this.height, 3);
-    /** @type {[number, string][]} */
-    const xs = wound
-      ? [
-          [-PI, "−π"],
-          [-PI / 2, "−π/2"],
-          [0, "0"],
-          [PI / 2, "π/2"],
-          [PI, "π = θ"],
-        ]
-      : ANGLES;
+    const xs = wound ? [-180, -90, 0, 90, 180] : [0, 45, 90, 135, 180];
     chart.axes(
       colours,
-      xs.map(([x, text]) => [x, text === "π" ? "π = θ" : text]),
+      xs.map(angle),
       ys.map((y) => [bottom + y / unit, tidy(y)]),
     );
     if (!valid || !isFinite(bottom)) {
