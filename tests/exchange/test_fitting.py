@@ -70,6 +70,25 @@ def test_numbers_are_recovered_within_their_errors(fit: Fitted) -> None:
     np.testing.assert_allclose(np.diag(fit.correlations), 1)
 
 
+@pytest.mark.parametrize("columns", [["theta"], ["orientation", "omega3", "x", "y"]])
+def test_exact_data_give_the_numbers_to_rounding(columns: list[str], tmp_path: Path) -> None:
+    """All 17 digits of a run: what the fit adds to its error is rounding, and its interval covers
+    that.
+    """
+    t = np.arange(0, 1.5, 0.01)
+    rows = tt.run("inverting", until=t[-1], output_times=t).trajectory
+    heads = {"theta": "theta [rad]", "orientation": "q_w,q_x,q_y,q_z", "omega3": "omega3 [rad/s]"}
+    header = ",".join(["t [s]", *(heads.get(name, f"{name} [m]") for name in columns)])
+    table = np.column_stack([t, *(rows[name] for name in columns)])
+    np.savetxt(tmp_path / "R.csv", table, "%.17g", ",", header=header, comments="")
+    found = fitted(tmp_path / "R.csv", NEAR[:2], ["friction.mu", "initial.omega3"], starts=6)
+    assert found.trustworthy, found.reason
+    for name, estimate in found.estimates.items():
+        assert estimate.value == pytest.approx(TRUE[name], rel=1e-12)
+        assert estimate.low <= TRUE[name] <= estimate.high
+        assert estimate.sigma < 1e-8 * TRUE[name]
+
+
 def test_one_search_does_not_establish_a_minimum(film: Path, fit: Fitted) -> None:
     found, other = (fitted(film, noise=noise) for noise in ("0.3 deg", np.deg2rad(0.15)))
     told = ["larger than the stated noise" in each.reason for each in (found, other)]

@@ -25,7 +25,8 @@ TIMES = {
 DRAWN = 4001
 # Fraction of the duration within which the time of a clock is searched
 REACH = 1 / 8
-TOLERANCE = 1e-9  # of the integrator: data are never better
+# Tolerance of the integrator while numbers are searched: three fifths of the time
+TOLERANCE = 1e-9
 # Internal units of time of the longest motion of a fit: half an hour of computing
 LONGEST = 3e4
 UNSUPPORTED = (
@@ -99,14 +100,19 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
             )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
-        changed = dataclasses.replace(problem, orientation=self.turning, tolerance=TOLERANCE)
-        self.tangents = Tangents(changed, self.own, MOST_STEPS)
+        self.exact = dataclasses.replace(problem, orientation=self.turning)
+        coarse = dataclasses.replace(self.exact, tolerance=TOLERANCE)
+        self.tangents = Tangents(coarse, self.own, MOST_STEPS)
         turning = AXES if self.turning else ()
         self.names = tuple(
             dict.fromkeys(
                 [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
             )
         )
+
+    def refine(self) -> None:
+        """Predict with the tolerance of the scenario from now on."""
+        self.tangents.problem = self.exact
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
