@@ -27,15 +27,15 @@ def test_time_of_compilation_is_not_that_of_integration(monkeypatch: pytest.Monk
     """A phase is compiled when it is first entered, in the middle of a run."""
 
     def slowly(*key: Any) -> Any:
-        time.sleep(0.4)
+        time.sleep(1)
         return compiled_from(*key)
 
     monkeypatch.setattr(taylor, "compiled_from", slowly)
     run = tt.run("cohen-coulomb", until=0.03)
     assert len(run.phases.start) == 2
     seconds = run.solution.seconds
-    assert seconds["compile"] > 0.8
-    assert seconds["integrate"] < 0.4
+    assert seconds["compile"] > 2
+    assert seconds["integrate"] < 1
 
 
 def test_neither_rows_nor_events_change_the_run() -> None:
