@@ -60,10 +60,12 @@ class Misfit:
             [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
         )
         residuals, jacobians = [], []
-        chain = np.array([self.space.slopes(p) for p in points if slopes])[:, None]
+        chain = np.array([self.space.slopes(p) for p in points if slopes])
         for group, (off, moves) in parts.items():
             weight = self.weights[group]
-            given = np.isfinite(self.observation.groups[group][:rows]).all(axis=1)
+            given = np.isfinite(self.observation.groups[group][:rows])
+            if given.shape != off.shape[1:]:  # of an attitude, whose residuals have fewer parts
+                given = np.broadcast_to(given.all(axis=1, keepdims=True), off.shape[1:])
             r = (off[:, given] * weight).reshape(len(points), -1)
             broken = ~np.isfinite(r)
             if slopes:

@@ -59,6 +59,8 @@ class Motion(NamedTuple):
         About the axis, (rows,).
     marker
         Places of a marker on the body, space frame, (rows, 3).
+    phi
+        The azimuth of the axis, (rows,).
     """
 
     t: np.ndarray
@@ -70,32 +72,26 @@ class Motion(NamedTuple):
     omega: np.ndarray | None
     omega3: np.ndarray | None
     marker: np.ndarray | None = None
+    phi: np.ndarray | None = None
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    axis = _axis(table, turn)
-    if q is not None:
-        axis = axis_of(q)
-    theta = table.columns.get("theta")
-    if theta is None and axis is not None:
-        theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
-    if axis is None and theta is not None and table.has("phi"):
-        phi = table.columns["phi"]
-        axis = np.stack(
-            [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1
-        )
-    omega = _vector(table, "omega_{}", turn)
-    own = _vector(table, "omega_body_{}", turn)
-    if omega is None and own is not None and q is not None:
-        omega = turned(q, own)
+    theta, phi = (table.columns.get(name) for name in ("theta", "phi"))
+    axis = _filled(_axis(table, turn), None if q is None else axis_of(q))
+    if theta is not None and phi is not None:
+        parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+        axis = _filled(axis, np.stack(parts, axis=1))
+    omega, own = _vector(table, "omega_{}", turn), _vector(table, "omega_body_{}", turn)
     omega3 = table.columns.get("omega3")
-    if omega3 is None and own is not None:
-        omega3 = own[:, 2]
-    if omega3 is None and omega is not None and axis is not None:
-        omega3 = (omega * axis).sum(axis=1)
+    if own is not None:
+        omega3 = _filled(omega3, own[:, 2])
+        omega = _filled(omega, None if q is None else turned(q, own))
+    if axis is not None:
+        theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+        omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
     return Motion(
         table.t,
         theta,
@@ -106,7 +102,15 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
         omega,
         omega3,
         _vector(table, "marker_{}", turn),
+        phi,
     )
+
+
+def _filled(given: np.ndarray | None, other: np.ndarray | None) -> np.ndarray | None:
+    """Return measurements, with the other ones in their gaps; None if both are missing."""
+    if given is None or other is None:
+        return other if given is None else given
+    return np.where(np.isnan(given), other, given)
 
 
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
@@ -132,16 +136,16 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
 
 def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
     axis = _vector(table, "axis_{}", turn)
-    if axis is None:
-        return None
-    if np.isnan(axis).all(axis=0).any():
-        raise InputError(
-            f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all of them."
-        )
-    return _unit(table, axis, "axis")
+    return None if axis is None else _unit(table, axis, "axis")
 
 
 def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
+    gaps = np.isnan(rows)
+    if (partial := gaps.any(axis=1) & ~gaps.all(axis=1)).any():
+        raise InputError(
+            f"`{table.path}`: in each row all {rows.shape[1]} numbers of the {what} must be given, "
+            f"or none, but some are missing at {table.t[partial.argmax()]:.9g} s."
+        )
     size = np.sqrt((rows**2).sum(axis=1))
     off = np.nanmax(np.abs(size - 1), initial=0.0)
     if off > UNIT:

@@ -1,7 +1,7 @@
 """The predictions of a scenario for a table of measurements, and their derivatives."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -64,7 +64,11 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
+    cells
+        In how many rows each quantity of a table is used, and how many have it.
     """
+
+    cells: Mapping[str, tuple[int, int]] = {}
 
     def __init__(
         self,
@@ -235,13 +239,17 @@ class Observation:
 def _groups(problem: Problem, seen: Motion) -> dict[str, np.ndarray]:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: dict[str, np.ndarray] = {}
-    top = "axis" in problem.system.vectors
-    if seen.orientation is not None and top:
-        groups["orientation"] = seen.orientation
-    elif seen.axis is not None and top:
-        groups["axis"] = seen.axis
-    elif seen.theta is not None:
-        groups["theta"] = seen.theta[:, None]
+    kinds = {"theta": seen.theta}
+    if "axis" in problem.system.vectors:
+        kinds = {"orientation": seen.orientation, "axis": seen.axis, **kinds, "phi": seen.phi}
+    left = np.ones(len(seen.t), bool)
+    for kind, values in kinds.items():  # the first that a row has contains the others
+        if values is not None:
+            rows = values.reshape(len(left), -1)
+            there = left & np.isfinite(rows).all(axis=1)
+            left = left & ~there
+            if there.any():
+                groups[kind] = np.where(there[:, None], rows, np.nan)
     if seen.omega3 is not None and "omega3" in problem.system.angles._fields:
         groups["omega3"] = seen.omega3[:, None]
     flat = {"x", "y"} <= set(problem.system.angles._fields)

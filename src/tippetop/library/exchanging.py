@@ -126,7 +126,7 @@ class Fitted:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
-        return fit_text.plain(self._fit)
+        return fit_text.plain(self._fit, self._observation)
 
     def to_toml(self) -> str:
         """Return a scenario that runs."""
