@@ -66,10 +66,10 @@ class Misfit:
             given = np.isfinite(self.observation.groups[group][:rows])
             if given.shape != off.shape[1:]:  # of an attitude, whose residuals have fewer parts
                 given = np.broadcast_to(given.all(axis=1, keepdims=True), off.shape[1:])
-            r = (off[:, given] * weight).reshape(len(points), -1)
+            r = off[:, given] * weight
             broken = ~np.isfinite(r)
             if slopes:
-                j = (-moves[:, given] * weight @ chain).reshape(*r.shape, -1)
+                j = -moves[:, given] * weight @ chain
                 broken |= ~np.isfinite(j).all(axis=2)
                 jacobians.append(np.where(broken[:, :, None], 0.0, j))
             residuals.append(np.where(broken, WORST * weight, r))
