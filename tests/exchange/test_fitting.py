@@ -161,9 +161,6 @@ def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
     assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # not a line from dot to dot
 
 
-NOTHING = Motion._make([None] * len(Motion._fields))
-
-
 def predicted(
     observation: Observation, values: dict[str, float]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -193,7 +190,7 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
     q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
     seen = {"theta": np.full(n, 0.2), "axis": np.tile([0.0, 0.6, 0.8], (n, 1)), "orientation": q}
     seen |= {"omega3": np.zeros(n)} | dict.fromkeys(("place", "marker"), np.zeros((n, 3)))
-    motion = NOTHING._replace(t=t, **{kind: seen[kind]})
+    motion = Motion(t, **{kind: seen[kind]})
     marker = (0.01, 0.0, 0.005) if kind == "marker" else None
     observation = Observation(tt.load("inverting"), free, motion, marker)
     start = observation.start()
@@ -218,7 +215,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     """Its height too, which depends on numbers of the body that are free."""
     t, arm = np.array([0.02, 0.05, 0.11]), (0.01, 0.0, 0.005)
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
-    motion = NOTHING._replace(t=t, marker=np.zeros((3, 3)))
+    motion = Motion(t, marker=np.zeros((3, 3)))
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
     off, _ = predicted(observation, free)["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}

@@ -8,6 +8,7 @@ from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
+from .headers import SCALARS
 from .motion_table import Table
 
 
@@ -45,7 +46,7 @@ class Motion(NamedTuple):
 
     Parameters
     ----------
-    t, theta
+    t, theta, phi, psi, theta_dot, phi_dot, omega3
         (rows,).
     axis
         The unit vector 3hat along the axis of the body, space frame, (rows, 3).
@@ -55,54 +56,60 @@ class Motion(NamedTuple):
         Of the centre of mass, space frame, (rows, 3), NaN where a component is not given.
     omega
         Angular velocity, space frame, (rows, 3).
-    omega3
-        About the axis, (rows,).
+    force
+        Of the contact on the body, space frame, (rows, 3).
     marker
         Places of a marker on the body, space frame, (rows, 3).
-    phi
-        The azimuth of the axis, (rows,).
     """
 
     t: np.ndarray
-    theta: np.ndarray | None
-    axis: np.ndarray | None
-    orientation: np.ndarray | None
-    place: np.ndarray | None
-    velocity: np.ndarray | None
-    omega: np.ndarray | None
-    omega3: np.ndarray | None
-    marker: np.ndarray | None = None
+    theta: np.ndarray | None = None
     phi: np.ndarray | None = None
+    psi: np.ndarray | None = None
+    theta_dot: np.ndarray | None = None
+    phi_dot: np.ndarray | None = None
+    omega3: np.ndarray | None = None
+    axis: np.ndarray | None = None
+    orientation: np.ndarray | None = None
+    place: np.ndarray | None = None
+    velocity: np.ndarray | None = None
+    omega: np.ndarray | None = None
+    force: np.ndarray | None = None
+    marker: np.ndarray | None = None
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    theta, phi = (table.columns.get(name) for name in ("theta", "phi"))
-    axis = _filled(_axis(table, turn), None if q is None else axis_of(q))
+    whole = Motion(*(table.columns.get(name) for name in SCALARS))
+    theta, phi, omega3 = whole.theta, whole.phi, whole.omega3
+    axis = _vector(table, "axis_{}", turn)
+    axis = None if axis is None else _unit(table, axis, "axis")
+    axis = _filled(axis, None if q is None else axis_of(q))
     if theta is not None and phi is not None:
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
         axis = _filled(axis, np.stack(parts, axis=1))
     omega, own = _vector(table, "omega_{}", turn), _vector(table, "omega_body_{}", turn)
-    omega3 = table.columns.get("omega3")
     if own is not None:
         omega3 = _filled(omega3, own[:, 2])
         omega = _filled(omega, None if q is None else turned(q, own))
     if axis is not None:
         theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
         omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
-    return Motion(
-        table.t,
-        theta,
-        axis,
-        q,
-        _vector(table, "{}", turn),
-        _vector(table, "v{}", turn),
-        omega,
-        omega3,
-        _vector(table, "marker_{}", turn),
-        phi,
+    place, velocity, force, marker = (
+        _vector(table, names, turn) for names in ("{}", "v{}", "force_{}", "marker_{}")
+    )
+    return whole._replace(
+        theta=theta,
+        omega3=omega3,
+        axis=axis,
+        orientation=q,
+        place=place,
+        velocity=velocity,
+        omega=omega,
+        force=force,
+        marker=marker,
     )
 
 
@@ -132,11 +139,6 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
     q = table.stacked(*names)
     q[:, 1:] = q[:, 1:][:, turn]
     return _unit(table, q, "quaternion")
-
-
-def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
-    axis = _vector(table, "axis_{}", turn)
-    return None if axis is None else _unit(table, axis, "axis")
 
 
 def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
