@@ -50,7 +50,7 @@ def film(axis: np.ndarray, t: np.ndarray, random: np.random.Generator) -> Motion
     seen = axis + np.cross(NOISE * random.standard_normal(axis.shape), axis)
     seen /= np.linalg.norm(seen, axis=1)[:, None]
     kept = random.random(len(t)) > MISSING
-    return Motion(t[kept], None, seen[kept], None, None, None, None, None)
+    return Motion(t[kept], axis=seen[kept])
 
 
 def best_near(observation: Observation, values: dict[str, float]) -> tuple[Misfit, Minimum]:
@@ -75,7 +75,7 @@ def cut_films(sets: int) -> None:
         seen = axis + NOISE * np.random.default_rng(k).standard_normal(axis.shape)
         seen = (seen / np.linalg.norm(seen, axis=1)[:, None])[CUT:]
         phi = float(np.arctan2(seen[0, 1], seen[0, 0]))
-        film_of = Motion(t[CUT:] - t[CUT], None, seen, None, None, None, None, None)
+        film_of = Motion(t[CUT:] - t[CUT], axis=seen)
         observation = Observation(tt.load("inverting", [f"initial.phi={phi}"]), list(true), film_of)
         _, best = best_near(observation, true)
         began = time.process_time()

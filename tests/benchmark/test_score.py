@@ -238,8 +238,8 @@ def rotated(q, v):
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (nan, "`q_x` is missing or NaN in row 6"),
-        (all_nan, "is missing or NaN in row 6"),
+        (nan, "column `q_x`: a cell must be a number, but is"),
+        (all_nan, "line 7, column `x`: a cell must be a number, but is"),
         (late, "times must be from 0 to 2 s"),
         (no_quaternion, "q_w, q_x, q_y, q_z"),
         (rolled, "the order of the quaternion is x, y, z, w"),

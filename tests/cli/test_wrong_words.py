@@ -121,7 +121,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     (f"{FIT} --quaternion zyxw", 2, "`quaternion` must be one of wxyz, xyzw, but is 'zyxw'"),
     (f"{FIT} --quaternion wxyz", 2, "must have the columns q_0, q_1, q_2, q_3, all of them"),
     ("compare film.csv", 2, "a file and a reference must be given"),
-    ("compare gone.csv inverting", 2, "`gone.csv` cannot be read: No such file or directory"),
+    ("compare gone.csv inverting", 2, "CSV or Parquet, but: No such file or directory"),
     ("compare film.csv inverting --up x", 2, "`up` must be one of z, y, but is 'x'."),
     ("compare film.csv invertin", 2, "Did you mean `inverting`"),
     ("compare early.csv inverting", 2, "times must begin at 0"),

@@ -230,3 +230,75 @@ def test_an_exported_model_stays_upright_with_a_soft_contact_too() -> None:
 def test_a_cylinder_is_no_body_for_a_simulator(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="must be a top"):
         text_of(tt.load("gliding-cylinder"), "mjcf")
+
+
+HEADS = {
+    "theta [rad]": ("theta",),
+    "phi [rad]": ("phi",),
+    "psi [rad]": ("psi",),
+    "theta_dot [rad/s]": ("theta_dot",),
+    "phi_dot [rad/s]": ("phi_dot",),
+    "omega3 [rad/s]": ("omega3", "omega"),
+    **{f"axis_{c}": ("axis",) for c in "xyz"},
+    **{f"{c} [m]": ("place",) for c in "xyz"},
+    **{f"v{c} [m/s]": ("velocity",) for c in "xyz"},
+    **{f"omega_{c} [rad/s]": ("omega",) for c in "xyz"},
+}
+REFERENCES = [
+    "inverting",
+    "heavy-top",
+    "rolling",
+    "gliding-heavy-top",
+    "gliding-cylinder",
+    "flying",
+]
+
+
+@pytest.mark.parametrize("preset", REFERENCES)
+def test_every_column_that_is_read_is_compared(preset: str, tmp_path: Path) -> None:
+    """Rates by differences of the places and attitudes of a run agree with the reference to their
+    error; a column that is shifted changes the error of its own quantity, by the shift.
+    """
+    h, t = 1e-5, np.linspace(0.05, 0.09, 5)
+    times = np.ravel(t[:, None] + [-h, 0, h])
+    run = tt.run(preset, until=0.1, output_times=times)
+    rows, body, n = run.trajectory, run.problem.body(), len(t)
+    z = rows.get("z", body.R - body.c * np.cos(rows.theta)).values
+    flat = [rows[c].values if c in rows else 0 * z for c in "xy"]
+    axis = rows.axis.values if "axis" in rows else None
+    if preset == "heavy-top":
+        flat = [-body.c * axis[:, 0], -body.c * axis[:, 1]]
+    place = np.stack([*flat, z], axis=1).reshape(n, 3, 3)
+    middle = {name: rows[name].values.reshape(n, 3, -1)[:, 1] for name in rows if len(rows[name])}
+    columns = {"t [s]": t}
+    for head, (name, *_) in HEADS.items():
+        if name in middle and head.partition(" ")[0] in (name, *(f"axis_{c}" for c in "xyz")):
+            columns[head] = middle[name][:, "xyz".find(head[-1]) if name == "axis" else 0]
+    velocity = (place[:, 2] - place[:, 0]) / (2 * h)
+    for i, c in enumerate("xyz"):
+        columns[f"{c} [m]"], columns[f"v{c} [m/s]"] = place[:, 1, i], velocity[:, i]
+    if axis is not None:  # omega = u x u' + omega3 u
+        u = axis.reshape(n, 3, 3)
+        omega = np.cross(u[:, 1], (u[:, 2] - u[:, 0]) / (2 * h)) + middle["omega3"] * u[:, 1]
+        columns |= {f"omega_{c} [rad/s]": omega[:, i] for i, c in enumerate("xyz")}
+    right = tt.compare(written(tmp_path / "a.csv", columns), preset).to_dict()
+    kinds = {kind for head in columns if head != "t [s]" for kind in HEADS[head]}
+    for kind in kinds & right.keys():
+        assert right[kind]["max"] < (1e-4 if kind in ("velocity", "omega") else 1e-10), kind
+    for head in list(columns)[1:]:
+        if head.startswith("axis"):
+            continue  # a shifted axis has another length
+        shifted = columns | {head: columns[head] + 0.25}
+        found = tt.compare(written(tmp_path / "b.csv", shifted), preset)
+        kind = HEADS[head][0]
+        assert found.to_dict()[kind]["max"] == pytest.approx(0.25, abs=1e-3), head
+        assert f"error of {kind}" in str(found) or found.motions[0].main == kind
+
+
+def test_a_column_without_a_reference_is_refused_by_its_name(tmp_path: Path) -> None:
+    t = np.array([0.0, 0.1])
+    for preset, head in (("inverting", "marker_x [m]"), ("gliding-cylinder", "phi [rad]")):
+        path = written(tmp_path / "a.csv", {"t [s]": t, "theta [rad]": t + 0.1, head: t})
+        name = head.partition(" ")[0]
+        with pytest.raises(InputError, match=f"comparable with the reference, but `{name}`"):
+            tt.compare(path, preset)

@@ -111,3 +111,68 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
     assert measurements.observation_of(
         tt.load("inverting"), path, free, measurements.Convention(), None
     ).start() == {"time.offset": offset}
+
+
+def table(folder: Path, header: str, *columns: np.ndarray) -> Path:
+    """Write a table with gaps where numbers are NaN."""
+    rows = zip(*columns, strict=True)
+    cells = [",".join("" if np.isnan(v) else f"{v:.17g}" for v in row) for row in rows]
+    path = folder / "table.csv"
+    path.write_text("\n".join([header, *cells, ""]), encoding="utf-8")
+    return path
+
+
+ATTITUDES = {  # columns that a row may lack, and the measurement that they make of it
+    "phi [rad]": "axis",
+    "axis_x,axis_y,axis_z": "axis",
+    "q_w,q_x,q_y,q_z": "orientation",
+}
+
+
+@pytest.mark.parametrize("head", ATTITUDES)
+def test_theta_counts_in_every_row_that_lacks_a_fuller_attitude(head: str, tmp_path: Path) -> None:
+    """A wrong theta in such a row cannot hide; the report counts the rows."""
+    t = np.arange(21) / 60
+    rows = tt.run("heavy-top", until=t[-1], output_times=t).trajectory
+    whole = {"phi": rows.phi, "axis": rows.axis, "orientation": rows.orientation}
+    name = "phi" if head == "phi [rad]" else ATTITUDES[head]
+    fuller = np.where(np.arange(21)[:, None] % 5 == 0, whole[name].values.reshape(21, -1), np.nan)
+    theta, header = rows.theta.values, f"t [s],theta [rad],{head}"
+    free = ["initial.omega3"]
+    right = tt.fit(table(tmp_path, header, t, theta, *fuller.T), "heavy-top", free)
+    assert right.trustworthy, right.reason
+    used = right.to_dict()["rows_used"]
+    assert used == {"theta": 21 if name == "phi" else 16, name: 5}
+    assert f"rows used: theta {used['theta']} of 21, {name} 5 of 5" in str(right)
+    kinds = {kind: np.isfinite(off).all(axis=1).sum() for kind, off in right.residuals.items()}
+    assert kinds == {ATTITUDES[head]: 5, "theta": 16}
+    theta = np.where(np.arange(21) % 5 == 0, theta, theta + 0.01 * (-1) ** np.arange(21))
+    wrong = tt.fit(
+        table(tmp_path, header, t, theta, *fuller.T), "heavy-top", free, noise="0.1 deg", starts=1
+    )
+    assert "the residuals of theta are larger than the stated noise" in wrong.reason
+
+
+@pytest.mark.parametrize(
+    ("header", "kind"), [("x [m],y [m]", "place"), ("theta [rad],phi [rad]", "phi")]
+)
+def test_a_cell_counts_where_its_neighbour_is_missing(
+    header: str, kind: str, tmp_path: Path
+) -> None:
+    t = np.arange(9) / 100
+    rows = tt.run("inverting", until=t[-1], output_times=t).trajectory
+    first, second = (rows[name.partition(" ")[0]].values.copy() for name in header.split(","))
+    first[3:], second[:2] = np.nan, np.nan
+    film = table(tmp_path, f"t [s],{header},omega3 [rad/s]", t, first, second, rows.omega3)
+    found = tt.fit(film, "inverting", "friction.mu", starts=1)
+    off = found.residuals[kind]
+    assert np.isfinite(off).sum() == {"place": 3 + 7, "phi": 6}[kind]
+    assert np.nanmax(np.abs(off)) < 1e-12
+    assert found.to_dict()["rows_used"][kind] == {"place": 9, "phi": 7}[kind]
+
+
+def test_parts_of_an_attitude_are_refused_with_their_time(tmp_path: Path) -> None:
+    t, gap = np.arange(4) / 10, np.nan
+    film = table(tmp_path, "t [s],axis_x,axis_y,axis_z", t, 0 * t, 0 * t, np.array([1, 1, gap, 1]))
+    with pytest.raises(InputError, match=r"all 3 numbers of the axis .* are missing at 0\.2 s"):
+        tt.fit(film, "heavy-top", "initial.omega3")

@@ -70,6 +70,25 @@ def test_numbers_are_recovered_within_their_errors(fit: Fitted) -> None:
     np.testing.assert_allclose(np.diag(fit.correlations), 1)
 
 
+@pytest.mark.parametrize("columns", [["theta"], ["orientation", "omega3", "x", "y"]])
+def test_exact_data_give_the_numbers_to_rounding(columns: list[str], tmp_path: Path) -> None:
+    """All 17 digits of a run: what the fit adds to its error is rounding, and its interval covers
+    that.
+    """
+    t = np.arange(0, 1.5, 0.01)
+    rows = tt.run("inverting", until=t[-1], output_times=t).trajectory
+    heads = {"theta": "theta [rad]", "orientation": "q_w,q_x,q_y,q_z", "omega3": "omega3 [rad/s]"}
+    header = ",".join(["t [s]", *(heads.get(name, f"{name} [m]") for name in columns)])
+    table = np.column_stack([t, *(rows[name] for name in columns)])
+    np.savetxt(tmp_path / "R.csv", table, "%.17g", ",", header=header, comments="")
+    found = fitted(tmp_path / "R.csv", NEAR[:2], ["friction.mu", "initial.omega3"], starts=6)
+    assert found.trustworthy, found.reason
+    for name, estimate in found.estimates.items():
+        assert estimate.value == pytest.approx(TRUE[name], rel=1e-12)
+        assert estimate.low <= TRUE[name] <= estimate.high
+        assert estimate.sigma < 1e-8 * TRUE[name]
+
+
 def test_one_search_does_not_establish_a_minimum(film: Path, fit: Fitted) -> None:
     found, other = (fitted(film, noise=noise) for noise in ("0.3 deg", np.deg2rad(0.15)))
     told = ["larger than the stated noise" in each.reason for each in (found, other)]
@@ -142,9 +161,6 @@ def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
     assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # not a line from dot to dot
 
 
-NOTHING = Motion._make([None] * len(Motion._fields))
-
-
 def predicted(
     observation: Observation, values: dict[str, float]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -174,7 +190,7 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
     q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
     seen = {"theta": np.full(n, 0.2), "axis": np.tile([0.0, 0.6, 0.8], (n, 1)), "orientation": q}
     seen |= {"omega3": np.zeros(n)} | dict.fromkeys(("place", "marker"), np.zeros((n, 3)))
-    motion = NOTHING._replace(t=t, **{kind: seen[kind]})
+    motion = Motion(t, **{kind: seen[kind]})
     marker = (0.01, 0.0, 0.005) if kind == "marker" else None
     observation = Observation(tt.load("inverting"), free, motion, marker)
     start = observation.start()
@@ -199,7 +215,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     """Its height too, which depends on numbers of the body that are free."""
     t, arm = np.array([0.02, 0.05, 0.11]), (0.01, 0.0, 0.005)
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
-    motion = NOTHING._replace(t=t, marker=np.zeros((3, 3)))
+    motion = Motion(t, marker=np.zeros((3, 3)))
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
     off, _ = predicted(observation, free)["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}

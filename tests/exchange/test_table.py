@@ -57,7 +57,7 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
         ("time,theta [rad]\n0,1\n1,1\n", r"`time` must have a unit"),
         ("0,1\n1,1\n", "a header must be names with units"),
         ("t [s], theta [m]\n0,1\n1,1\n", "`theta` must be in rad"),
-        ("", "No columns to parse"),
+        ("", "must be a table in CSV or Parquet, but: it is empty"),
         (
             "t [s], theta [rad]\n0,1\n0.2,1\n0.1,1\n",
             r"times must ascend, but that of row 3, 0\.1 s, follows 0\.2 s",
@@ -77,15 +77,80 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
         ("t [s]; theta [deg]\n0;10\n", "separated by commas"),
         ("t [s]\ttheta [deg]\n0\t10\n", "separated by commas"),
         ("t [s], theta [rad], theta [deg]\n0,1,1\n1,1,1\n", "`theta` must occur once"),
-        ("t [s], theta [rad]\n0,1\n1,1,1\n", "Expected 2 fields in line 3, saw 3"),
-        ("t [s], theta [rad]\n0,1,1\n1,1,1\n", "Length of header or names does not match"),
-        ("t [s], theta [rad]\n0,1\n1,much\n", "row 2 must have numbers, but has 'much'"),
+        (
+            "t [s], theta [rad]\n0,1\n1,1,1\n",
+            "line 3 must have 2 cells, as the header has, but has 3",
+        ),
+        (
+            "t [s], theta [rad]\n0,1,1\n1,1,1\n",
+            "line 2 must have 2 cells, as the header has, but has 3",
+        ),
+        (
+            "t [s], theta [rad]\n0,1\n1,much\n",
+            "line 3, column `theta`: a cell must be a number or a gap .*, but is 'much'",
+        ),
+        ("t [s], theta [rad]\n0\n1,1\n", "line 2 must have 2 cells, as the header has, but has 1"),
         ("t [s]\n0\n1\n", "two rows must have a time and another number, but 0 has"),
     ],
 )
 def test_wrong_tables_are_rejected_with_a_message(tmp_path: Path, text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         motion_table.read(written(tmp_path, text))
+
+
+NOT_NUMBERS = (
+    *("1.#QNAN", "1.#IND", "1.#INF", "-nan(ind)", "#DIV/0!", "1 # one", "1#", "True", "inf"),
+    *("-Infinity", "1e999", "1_0", "1,5", "0x1p3", "1 2", "--", "?"),
+)
+
+
+@pytest.mark.parametrize("cell", NOT_NUMBERS)
+def test_a_cell_is_a_number_a_gap_or_refused_with_its_place(tmp_path: Path, cell: str) -> None:
+    text = f'# a comment\nt [s],theta [rad]\n0,1\n\n0.1,"{cell}"\n0.2,1\n'
+    with pytest.raises(InputError) as refused:
+        motion_table.read(written(tmp_path, text))
+    assert "line 5, column `theta`: a cell must be a number or a gap" in str(refused.value)
+    assert f"but is '{cell}'" in str(refused.value)
+
+
+@pytest.mark.parametrize("cell", ["", " ", "NaN", "-nan", "NA", "N/A", "#N/A", "null", "None", "-"])
+def test_documented_gaps_leave_the_rest_of_their_row(tmp_path: Path, cell: str) -> None:
+    read = motion_table.read(written(tmp_path, f"t [s],theta [rad],x [m]\n0,1,2\n1,{cell},3\n"))
+    np.testing.assert_array_equal(read.columns["theta"], [1, np.nan])
+    np.testing.assert_array_equal(read.columns["x"], [2, 3])
+
+
+def test_numbers_are_read_to_their_last_bit(tmp_path: Path) -> None:
+    values = np.random.default_rng(5).standard_normal(2000) * 10.0 ** np.arange(-50, 50, 0.05)
+    rows = "\n".join(f"{t},{value!r}" for t, value in enumerate(values.tolist()))
+    read = motion_table.read(written(tmp_path, f"t [s],x [m]\n{rows}"))
+    np.testing.assert_array_equal(read.columns["x"], values)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("t [s],theta [°]\n0,1\n1,2\n".encode("latin-1"), "byte 14 is not UTF-8"),
+        ("t [s]\ttheta [deg]\n0\t1\n".encode("utf-16"), "byte 1 is not UTF-8"),
+        (b"t [s];theta [deg]\n0,0;28,7\n", "separated by commas"),
+        (b"mass A\nt,theta\n0,1\n", "but has 'mass A'"),
+    ],
+)
+def test_other_dialects_are_refused_in_our_words(
+    tmp_path: Path, content: bytes, words: str
+) -> None:
+    path = tmp_path / "other.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=words):
+        motion_table.read(path)
+
+
+@pytest.mark.parametrize("cells", [[True, False], [1.0, np.inf], ["1", "1.#QNAN"]])
+def test_cells_of_parquet_follow_the_same_rule(tmp_path: Path, cells: list) -> None:
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    pq.write_table(pa.table({"t [s]": [0.0, 1.0], "theta [rad]": cells}), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match=r"row [12], column `theta`: a cell must be a number"):
+        motion_table.read(tmp_path / "a.parquet", wrapped=False)
 
 
 def test_the_order_of_a_numbered_quaternion_is_named_never_guessed(tmp_path: Path) -> None:

@@ -3,10 +3,16 @@ promised.
 """
 
 import dataclasses
+import functools
+import time
+from typing import Any
 
 import numpy as np
 import pytest
 
+import tippetop as tt
+from tippetop.engine import taylor
+from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
@@ -16,6 +22,22 @@ from tippetop.runs.run import solve
 
 def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
     return dataclasses.replace(starting.load("inverting", list(assignments), until), **changes)
+
+
+def test_time_of_compilation_is_not_that_of_integration(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A phase is compiled when it is first entered, in the middle of a run."""
+
+    @functools.cache
+    def slowly(*key: Any) -> Any:
+        time.sleep(0.5)
+        return compiled_from(*key)
+
+    monkeypatch.setattr(taylor, "compiled_from", slowly)
+    run = tt.run("cohen-coulomb", until=0.03)
+    assert len(run.phases.start) == 2
+    seconds = run.solution.seconds
+    assert seconds["compile"] > 1
+    assert seconds["integrate"] < 0.5
 
 
 def test_neither_rows_nor_events_change_the_run() -> None:

@@ -336,13 +336,12 @@ def _checked(path: Path, each: Case) -> Table:
 def _motion(table: Table) -> Truth:
     """Return the motion of a result; NaN for missing columns."""
     given, none = motion(table), np.full((len(table.t), 3), np.nan)
-    names = [f"force_{c}" for c in "xyz"]
-    force = table.stacked(*names) if table.has(*names) else none
-    position, velocity, omega = (
-        none if part is None else part for part in (given.place, given.velocity, given.omega)
+    place, velocity, omega, force = (
+        none if part is None else part
+        for part in (given.place, given.velocity, given.omega, given.force)
     )
     assert given.orientation is not None
-    return Truth(given.t, position, given.orientation, velocity, omega, force)
+    return Truth(given.t, place, given.orientation, velocity, omega, force)
 
 
 def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> None:

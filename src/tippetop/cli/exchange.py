@@ -31,7 +31,8 @@ def compare(
         CSV or Parquet files of the other program, then the reference: a scenario, a preset, or the
         store of a run. Headers name columns and units: t [s], theta [deg], axis_x, axis_y, axis_z,
         q_w, q_x, q_y, q_z (body to space), x [m], vx [m/s], omega_x [rad/s] (space frame),
-        omega_body_x [rad/s]. A name such as dt=1e-3.csv contains the time step: of several steps
+        omega_body_x [rad/s]. Every column is compared; one that the reference lacks is refused. A
+        name such as dt=1e-3.csv contains the time step: of several steps
         the order of convergence is printed.
     set_
         Change a value of the reference: table.key=value. May be repeated.

@@ -9,14 +9,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
+from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
-from ..runs.run import solve, with_rows_at
+from ..runs.run import Solution, solve, with_rows_at
+from .headers import KIND
 from .motion import Convention, Motion, angle_between, motion
 from .motion_table import read
+from .simulators import motion_of
 
 
+MAIN = ("attitude", "axis", "theta", "place", "omega3")
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
 ROUNDING = 1e-13  # smaller differences have no order of convergence
@@ -53,7 +58,7 @@ class Compared(NamedTuple):
     @property
     def main(self) -> str:
         """The quantity by which motions are judged."""
-        return next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in self.curves)
+        return next(name for name in MAIN if name in self.curves)
 
 
 def compare(problem: Problem, path: str | Path, convention: Convention = Convention()) -> Compared:  # noqa: B008
@@ -77,8 +82,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     InputError
         If the table is wrong, or has no quantity that can be compared.
     """
-    given = motion(read(path, wrapped=bool(problem.system.vectors)), convention)
-    t = given.t
+    table = read(path, wrapped=bool(problem.system.vectors))
+    given, t = motion(table, convention), table.t
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
             f"`{path}`: times must begin at 0, the start of the reference, or later, but "
@@ -90,10 +95,16 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         raise InputError(
             f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
-    columns = {name: column.values for name, column in run.columns().items()}
-    there = Motion(*(part if part is None else part[:rows] for part in given))  # type: ignore[arg-type]
-    curves = differences(there, columns)
-    if not curves:
+    columns = reference(run)
+    theirs = {name: part[:rows] for name, part in given._asdict().items() if part is not None}
+    known = {"t"} | theirs.keys() & columns
+    if lost := [f"`{name}`" for name in table.columns if KIND.get(name, name) not in known]:
+        raise InputError(
+            f"`{path}`: every column must be comparable with the reference, but "
+            f"{', '.join(lost)} cannot be: leave them out."
+        )
+    there, curves = Motion(**theirs), differences(theirs, columns)
+    if not set(MAIN) & curves.keys():
         raise InputError(
             f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
             "but has none."
@@ -132,25 +143,46 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     )
 
 
-def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def reference(run: Solution) -> dict[str, np.ndarray]:
+    """Return the columns of a run, and further quantities of a table, SI."""
+    problem, body = run.problem, run.problem.body()
+    columns = {name: column.values for name, column in run.columns().items()}
+    if problem.contact is not None or problem.system.name == "heavy-top":
+        names = ("place", "orientation", "velocity", "omega", "force")
+        return columns | dict(zip(names, motion_of(problem, run.rows), strict=True))
+    if not isinstance(body, contact.Touch):
+        return columns
+    view, scale = Observables(problem), float(problem.scales.of(METRE_PER_SECOND))
+    state, theta, none = view.state(run.rows), columns["theta"], np.zeros(len(run.times))
+    rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
+    place = columns["x"], columns.get("y", none), contact.height(np.cos(theta), body)
+    across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
+    columns["place"] = np.stack(place, axis=1)
+    rise = body.c * np.sin(theta) * columns["theta_dot"]
+    columns["velocity"] = np.stack([*across, rise], axis=1)
+    if "L" in columns:
+        spin = columns["omega3"][:, None] * columns["axis"]
+        columns["omega"] = (columns["L"] - (body.I3 - body.I1) * spin) / body.I1
+    return columns
+
+
+def differences(
+    there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
     result: dict[str, np.ndarray] = {}
-    if there.theta is not None and "theta" in columns:
-        result["theta"] = np.abs(there.theta - columns["theta"])
-    if there.axis is not None and "axis" in columns:
-        apart = np.linalg.norm(there.axis - columns["axis"], axis=1)
-        result["axis"] = 2 * np.arcsin(np.clip(apart / 2, 0, 1))
-    if there.orientation is not None and "orientation" in columns:
-        result["attitude"] = angle_between(there.orientation, columns["orientation"])
-    if there.place is not None and "x" in columns:
-        flat = ["x", "y"] if "y" in columns else ["x"]
-        ours = np.stack([columns[name] for name in flat], axis=1)
-        off = there.place[:, : len(flat)] - ours
-        off = off[:, np.isfinite(off).any(axis=0)]  # components that are never given do not count
-        result["place"] = np.linalg.norm(off, axis=1) if off.size else np.full(len(off), np.nan)
-    if there.omega3 is not None and "omega3" in columns:
-        result["omega3"] = np.abs(there.omega3 - columns["omega3"])
-    return {name: curve for name, curve in result.items() if np.isfinite(curve).any()}
+    for name in there.keys() & columns:
+        off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
+        if name in ("phi", "psi"):
+            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+        given, size = np.isfinite(off).any(axis=1), np.sqrt(np.nansum(off**2, axis=1))
+        if name == "axis":
+            size = 2 * np.arcsin(np.clip(size / 2, 0, 1))
+        if name == "orientation":
+            name, size = "attitude", angle_between(there[name], columns[name])
+        if given.any():
+            result[name] = np.where(given, size, np.nan)
+    return result
 
 
 def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, np.ndarray]:

@@ -17,7 +17,7 @@ from .observation import TIMES, Observation
 WIDEST = 1e6
 
 
-def plain(fit: Fit) -> dict[str, Any]:
+def plain(fit: Fit, observation: Observation) -> dict[str, Any]:
     """Return the object that `tippetop fit --json` prints."""
     names = list(fit.estimates)
     rows = zip(names, fit.correlations.tolist(), strict=True)
@@ -30,6 +30,7 @@ def plain(fit: Fit) -> dict[str, Any]:
         "reason": " ".join(fit.reason),
         "noise": fit.noise,
         "rows": len(fit.t),
+        "rows_used": {name: used for name, (used, _) in observation.cells.items()},
         "evaluations": fit.evaluations,
     }
 
@@ -50,6 +51,8 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
         f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items()
     )
     rows.append(f"residuals: {noise} (root mean square)")
+    cells = (f"{name} {used} of {given}" for name, (used, given) in observation.cells.items())
+    rows.append(f"rows used: {', '.join(cells)}")
     return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..errors import InputError, refuse_without
 from ..progress import Report
-from .misfit import Misfit
+from .misfit import ROUNDING, Misfit
 from .observation import CLOCK, OFFSET, REACH, Observation
 from .periods import RIVAL, walk
 from .scales import Scale, Space, scale_of
@@ -27,8 +27,6 @@ QUANTILE = 0.975
 AT_BOUND = 0.01
 # Measurements whose noise is an angle
 ANGLES = ("theta", "phi", "axis", "orientation")
-# Fraction of the data: a number whose whole range changes them by less is lost in rounding
-IDLE = 1e-12
 
 
 class Estimate(NamedTuple):
@@ -126,6 +124,7 @@ def fit(
         ends = merge([*ends, *minima])
         if ends[0].searches >= MET:
             break
+    observation.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
     total = len(observation.t)
@@ -161,7 +160,7 @@ def _refuse(misfit: Misfit) -> None:
     idle = [
         name
         for name, size in zip(space.names, sizes, strict=True)
-        if size <= IDLE * max(sizes.max(), seen)
+        if size <= ROUNDING * max(sizes.max(), seen)
     ]
     if idle:
         raise InputError(
@@ -193,7 +192,7 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     (residual,), (jacobian,) = misfit.at(point[None, :], len(observation.t))
     weight = misfit.weight(residual)
     freedom = max(float(weight.sum()) - len(point), 1.0)
-    variance = float((weight * residual**2).sum() / freedom)
+    variance = misfit.variance(residual)
     sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
     scaled = jacobian * np.sqrt(weight)[:, None] / np.where(sizes > 0, sizes, 1)
     _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
@@ -250,7 +249,7 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
 def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
     """Return sentences on residuals that are not noise, or not of the stated size."""
     observation, reasons = misfit.observation, []
-    excess = _excess(parts)
+    excess = _excess({g: off for g, off in parts.items() if noise[g] > misfit.rounding[g]})
     if excess > NOISY:
         reasons.append(
             f"the residuals are not noise (their autocorrelations are {excess:.0f} standard "

@@ -16,21 +16,23 @@ from ..mechanics.units import (
 )
 
 
-COLUMNS = {
-    name: unit
-    for names, unit in (
-        ("t", SECOND),
-        ("theta phi psi", RADIAN),
-        ("theta_dot phi_dot omega3", RADIAN_PER_SECOND),
-        ("axis_x axis_y axis_z q_w q_x q_y q_z q_0 q_1 q_2 q_3", ONE),
-        ("x y z", METRE),
-        ("vx vy vz", METRE_PER_SECOND),
-        ("omega_x omega_y omega_z omega_body_x omega_body_y omega_body_z", RADIAN_PER_SECOND),
-        ("force_x force_y force_z", NEWTON),
-        ("marker_x marker_y marker_z", METRE),
-    )
-    for name in names.split()
+KINDS = {
+    "axis": ("axis_x axis_y axis_z", ONE),
+    "orientation": ("q_w q_x q_y q_z q_0 q_1 q_2 q_3", ONE),
+    "place": ("x y z", METRE),
+    "velocity": ("vx vy vz", METRE_PER_SECOND),
+    "omega": ("omega_x omega_y omega_z omega_body_x omega_body_y omega_body_z", RADIAN_PER_SECOND),
+    "force": ("force_x force_y force_z", NEWTON),
+    "marker": ("marker_x marker_y marker_z", METRE),
 }
+SCALARS = {
+    "t": SECOND,
+    **dict.fromkeys(("theta", "phi", "psi"), RADIAN),
+    **dict.fromkeys(("theta_dot", "phi_dot", "omega3"), RADIAN_PER_SECOND),
+}
+KIND = {name: kind for kind, (names, _) in KINDS.items() for name in names.split()}
+"""Name of a component -> the quantity."""
+COLUMNS = SCALARS | {name: KINDS[kind][1] for name, kind in KIND.items()}
 """Name of a column -> its SI unit. q: body to space; omega: in the space frame."""
 
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}

@@ -12,6 +12,8 @@ from .scales import Space
 
 # Residual of a motion that cannot be computed
 WORST = 10.0
+# Error of data and predictions by rounding, of their root mean square
+ROUNDING = 1e-12
 # Medians of the noise beyond which a residual is an outlier
 OUTLIER = 5.0
 WEIGHTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -42,6 +44,10 @@ class Misfit:
         choice("loss", loss, WEIGHTS)
         self.observation, self.space, self.loss = observation, space, loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
+        self.rounding = {
+            group: ROUNDING * float(np.sqrt(np.nanmean(seen**2))) or ROUNDING
+            for group, seen in observation.groups.items()
+        }
         self.evaluations = 0
 
     def at(self, points: np.ndarray, rows: int, *, slopes: bool = True) -> tuple[np.ndarray, Any]:
@@ -54,14 +60,16 @@ class Misfit:
             [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
         )
         residuals, jacobians = [], []
-        chain = np.array([self.space.slopes(p) for p in points if slopes])[:, None]
+        chain = np.array([self.space.slopes(p) for p in points if slopes])
         for group, (off, moves) in parts.items():
             weight = self.weights[group]
-            given = np.isfinite(self.observation.groups[group][:rows]).all(axis=1)
-            r = (off[:, given] * weight).reshape(len(points), -1)
+            given = np.isfinite(self.observation.groups[group][:rows])
+            if given.shape != off.shape[1:]:  # of an attitude, whose residuals have fewer parts
+                given = np.broadcast_to(given.all(axis=1, keepdims=True), off.shape[1:])
+            r = off[:, given] * weight
             broken = ~np.isfinite(r)
             if slopes:
-                j = (-moves[:, given] * weight @ chain).reshape(*r.shape, -1)
+                j = -moves[:, given] * weight @ chain
                 broken |= ~np.isfinite(j).all(axis=2)
                 jacobians.append(np.where(broken[:, :, None], 0.0, j))
             residuals.append(np.where(broken, WORST * weight, r))
@@ -74,7 +82,14 @@ class Misfit:
         for group, (off, _) in self.observation.predictions(
             [self.space.values(point)], slopes=False
         ).items():
-            self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), 1e-12)
+            self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), self.rounding[group])
+
+    def variance(self, residuals: np.ndarray) -> float:
+        """Return the variance of residuals; rounding, whose errors may all agree, adds to it."""
+        weight, free = self.weight(residuals), len(self.space.names)
+        most = max(self.weights[group] * size for group, size in self.rounding.items())
+        squares = float((weight * residuals**2).sum())
+        return squares / max(float(weight.sum()) - free, 1.0) + len(residuals) * most**2
 
     def size(self, residuals: np.ndarray) -> float:
         """Return the scale of residuals beyond which a loss bends."""

@@ -8,6 +8,7 @@ from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
+from .headers import SCALARS
 from .motion_table import Table
 
 
@@ -45,7 +46,7 @@ class Motion(NamedTuple):
 
     Parameters
     ----------
-    t, theta
+    t, theta, phi, psi, theta_dot, phi_dot, omega3
         (rows,).
     axis
         The unit vector 3hat along the axis of the body, space frame, (rows, 3).
@@ -55,20 +56,25 @@ class Motion(NamedTuple):
         Of the centre of mass, space frame, (rows, 3), NaN where a component is not given.
     omega
         Angular velocity, space frame, (rows, 3).
-    omega3
-        About the axis, (rows,).
+    force
+        Of the contact on the body, space frame, (rows, 3).
     marker
         Places of a marker on the body, space frame, (rows, 3).
     """
 
     t: np.ndarray
-    theta: np.ndarray | None
-    axis: np.ndarray | None
-    orientation: np.ndarray | None
-    place: np.ndarray | None
-    velocity: np.ndarray | None
-    omega: np.ndarray | None
-    omega3: np.ndarray | None
+    theta: np.ndarray | None = None
+    phi: np.ndarray | None = None
+    psi: np.ndarray | None = None
+    theta_dot: np.ndarray | None = None
+    phi_dot: np.ndarray | None = None
+    omega3: np.ndarray | None = None
+    axis: np.ndarray | None = None
+    orientation: np.ndarray | None = None
+    place: np.ndarray | None = None
+    velocity: np.ndarray | None = None
+    omega: np.ndarray | None = None
+    force: np.ndarray | None = None
     marker: np.ndarray | None = None
 
 
@@ -76,37 +82,42 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    axis = _axis(table, turn)
-    if q is not None:
-        axis = axis_of(q)
-    theta = table.columns.get("theta")
-    if theta is None and axis is not None:
-        theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
-    if axis is None and theta is not None and table.has("phi"):
-        phi = table.columns["phi"]
-        axis = np.stack(
-            [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1
-        )
-    omega = _vector(table, "omega_{}", turn)
-    own = _vector(table, "omega_body_{}", turn)
-    if omega is None and own is not None and q is not None:
-        omega = turned(q, own)
-    omega3 = table.columns.get("omega3")
-    if omega3 is None and own is not None:
-        omega3 = own[:, 2]
-    if omega3 is None and omega is not None and axis is not None:
-        omega3 = (omega * axis).sum(axis=1)
-    return Motion(
-        table.t,
-        theta,
-        axis,
-        q,
-        _vector(table, "{}", turn),
-        _vector(table, "v{}", turn),
-        omega,
-        omega3,
-        _vector(table, "marker_{}", turn),
+    whole = Motion(*(table.columns.get(name) for name in SCALARS))
+    theta, phi, omega3 = whole.theta, whole.phi, whole.omega3
+    axis = _vector(table, "axis_{}", turn)
+    axis = None if axis is None else _unit(table, axis, "axis")
+    axis = _filled(axis, None if q is None else axis_of(q))
+    if theta is not None and phi is not None:
+        parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+        axis = _filled(axis, np.stack(parts, axis=1))
+    omega, own = _vector(table, "omega_{}", turn), _vector(table, "omega_body_{}", turn)
+    if own is not None:
+        omega3 = _filled(omega3, own[:, 2])
+        omega = _filled(omega, None if q is None else turned(q, own))
+    if axis is not None:
+        theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+        omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
+    place, velocity, force, marker = (
+        _vector(table, names, turn) for names in ("{}", "v{}", "force_{}", "marker_{}")
     )
+    return whole._replace(
+        theta=theta,
+        omega3=omega3,
+        axis=axis,
+        orientation=q,
+        place=place,
+        velocity=velocity,
+        omega=omega,
+        force=force,
+        marker=marker,
+    )
+
+
+def _filled(given: np.ndarray | None, other: np.ndarray | None) -> np.ndarray | None:
+    """Return measurements, with the other ones in their gaps; None if both are missing."""
+    if given is None or other is None:
+        return other if given is None else given
+    return np.where(np.isnan(given), other, given)
 
 
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
@@ -130,18 +141,13 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
     return _unit(table, q, "quaternion")
 
 
-def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
-    axis = _vector(table, "axis_{}", turn)
-    if axis is None:
-        return None
-    if np.isnan(axis).all(axis=0).any():
-        raise InputError(
-            f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all of them."
-        )
-    return _unit(table, axis, "axis")
-
-
 def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
+    gaps = np.isnan(rows)
+    if (partial := gaps.any(axis=1) & ~gaps.all(axis=1)).any():
+        raise InputError(
+            f"`{table.path}`: in each row all {rows.shape[1]} numbers of the {what} must be given, "
+            f"or none, but some are missing at {table.t[partial.argmax()]:.9g} s."
+        )
     size = np.sqrt((rows**2).sum(axis=1))
     off = np.nanmax(np.abs(size - 1), initial=0.0)
     if off > UNIT:

@@ -1,9 +1,12 @@
 """Tables of motions from CSV or Parquet: columns with names and units, converted to SI units."""
 
-import warnings
+import csv
+import math
+from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +14,8 @@ from ..errors import InputError
 from .headers import heading
 
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-
+# Cells without a number, in any case of letters
+GAPS = ("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-")
 # Standard deviations of the noise by which an angle may lie beyond its bounds
 BEYOND = 5.0
 
@@ -57,13 +58,13 @@ def read(
     ----------
     path
         A file whose header names each column and its unit: `t [s], theta [deg]`, or a run that
-        tippetop exported. Empty cells and NaN are gaps.
+        tippetop exported. Empty cells and the other `GAPS` are gaps.
     wrapped
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
         Standard deviation of theta [rad], which may take it beyond; None if unknown.
     gaps
-        Whether cells may be empty or NaN.
+        Whether cells may be gaps.
 
     Returns
     -------
@@ -74,35 +75,20 @@ def read(
     InputError
         If it is not such a table.
     """
-    import pandas as pd
-
-    path = Path(path)
+    path, allowed = Path(path), GAPS if gaps else ()
     try:
-        if path.suffix in (".parquet", ".pq"):
-            frame = pd.read_parquet(path)
-        else:
-            with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):
-                frame = pd.read_csv(
-                    path,
-                    comment="#",
-                    skipinitialspace=True,
-                    encoding="utf-8-sig",
-                    index_col=False,
-                    low_memory=False,
+        (_, header), *rows = _cells(path).items()
+        found = heading(header)
+        for place, row in rows:
+            if len(row) != len(header):
+                raise InputError(
+                    f"{place} must have {len(header)} cells, as the header has, but has {len(row)}."
                 )
-    except OSError as error:
-        raise InputError(f"`{path}` cannot be read: {error.strerror or error}.") from None
-    except Exception as error:  # pyarrow raises exceptions of many kinds
-        words = " ".join(str(error).split())[:120]
-        raise InputError(f"`{path}` must be a table in CSV or Parquet, but: {words}.") from None
-    try:
         columns = {
-            name: _numbers(frame.iloc[:, place]) * size
-            for name, (place, size) in heading(list(map(str, frame.columns))).items()
+            name: np.array([_number(row[at], place, name, allowed) for place, row in rows]) * size
+            for name, (at, size) in found.items()
         }
         _check(columns, wrapped, noise)
-        if not gaps:
-            _check_complete(columns)
     except InputError as error:
         raise InputError([f"`{path}`: {sentence}" for sentence in error.sentences]) from None
     kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
@@ -113,25 +99,46 @@ def read(
     return Table(path, {name: v[kept] for name, v in columns.items()})
 
 
-def _numbers(column: "pd.Series") -> np.ndarray:
-    """Return the numbers of a column; NaN in empty cells. Raises InputError."""
-    import pandas as pd
+def _cells(path: Path) -> dict[str, list]:
+    """Return the cells of each row of a file by its place, the header first.
 
-    values = pd.to_numeric(column, errors="coerce")
-    if (wrong := (values.isna() & column.notna()).to_numpy()).any():
-        row = int(wrong.argmax())
-        raise InputError(f"row {row + 1} must have numbers, but has {column.iloc[row]!r:.60}.")
-    return values.to_numpy(float)
+    Empty lines of a CSV file, and those that begin with #, are left out. Raises InputError.
+    """
+    try:
+        if path.suffix in (".parquet", ".pq"):
+            import pandas as pd
+
+            frame = pd.read_parquet(path)
+            cells = frame.astype(object).where(frame.notna(), "").to_numpy().tolist()
+            rows = {f"row {n}": row for n, row in enumerate(cells, 1)}
+            return {"header": [*map(str, frame.columns)], **rows}
+        lines = path.read_text(encoding="utf-8-sig").split("\n")
+        kept = [n for n, line in enumerate(lines) if line.strip() and line.lstrip()[0] != "#"]
+        reader = csv.reader((lines[n] for n in kept), skipinitialspace=True)
+        if found := {f"line {kept[reader.line_num - 1] + 1}": row for row in reader}:
+            return found
+        words = "it is empty"
+    except OSError as error:
+        words = error.strerror or str(error)
+    except UnicodeDecodeError as error:
+        words = f"byte {error.start + 1} is not UTF-8 (save it as CSV in UTF-8)"
+    except Exception as error:  # pyarrow raises exceptions of many kinds
+        words = " ".join(str(error).split())[:120]
+    raise InputError(f"the file must be a table in CSV or Parquet, but: {words}.")
 
 
-def _check_complete(columns: dict[str, np.ndarray]) -> None:
-    """Raise InputError for the first cell that is empty or NaN."""
-    for name, values in columns.items():
-        if (lacks := np.isnan(values)).any():
-            row = int(lacks.argmax()) + 1
-            raise InputError(
-                f"every cell must be a number, but `{name}` is missing or NaN in row {row}."
-            )
+def _number(cell: Any, place: str, name: str, gaps: Collection[str]) -> float:
+    """Return the number of a cell, NaN in a gap. Raises InputError."""
+    text = str(cell).strip()
+    with suppress(ValueError):
+        if math.isfinite(number := float(text)) and "_" not in text:
+            return number
+    if text.lower() in gaps:
+        return math.nan
+    raise InputError(
+        f"{place}, column `{name}`: a cell must be a number"
+        f"{' or a gap (empty, NaN, NA or -)' if gaps else ''}, but is {text!r:.60}."
+    )
 
 
 def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -> None:
@@ -144,7 +151,7 @@ def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -
             f"{t[row - 1]:.9g} s."
         )
     for name, values in columns.items():
-        if not np.isfinite(values).any() or np.isinf(values).any():
+        if not np.isfinite(values).any():
             raise InputError(f"the column `{name}` must have finite numbers, but has not.")
     if wrapped and "theta" in columns:
         theta = columns["theta"]

@@ -1,7 +1,7 @@
 """The predictions of a scenario for a table of measurements, and their derivatives."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -25,7 +25,8 @@ TIMES = {
 DRAWN = 4001
 # Fraction of the duration within which the time of a clock is searched
 REACH = 1 / 8
-TOLERANCE = 1e-9  # of the integrator: data are never better
+# Tolerance of the integrator while numbers are searched: three fifths of the time
+TOLERANCE = 1e-9
 # Internal units of time of the longest motion of a fit: half an hour of computing
 LONGEST = 3e4
 UNSUPPORTED = (
@@ -63,7 +64,11 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
+    cells
+        In how many rows each quantity of a table is used, and how many have it.
     """
+
+    cells: Mapping[str, tuple[int, int]] = {}
 
     def __init__(
         self,
@@ -99,14 +104,19 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
             )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
-        changed = dataclasses.replace(problem, orientation=self.turning, tolerance=TOLERANCE)
-        self.tangents = Tangents(changed, self.own, MOST_STEPS)
+        self.exact = dataclasses.replace(problem, orientation=self.turning)
+        coarse = dataclasses.replace(self.exact, tolerance=TOLERANCE)
+        self.tangents = Tangents(coarse, self.own, MOST_STEPS)
         turning = AXES if self.turning else ()
         self.names = tuple(
             dict.fromkeys(
                 [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
             )
         )
+
+    def refine(self) -> None:
+        """Predict with the tolerance of the scenario from now on."""
+        self.tangents.problem = self.exact
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
@@ -229,13 +239,17 @@ class Observation:
 def _groups(problem: Problem, seen: Motion) -> dict[str, np.ndarray]:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: dict[str, np.ndarray] = {}
-    top = "axis" in problem.system.vectors
-    if seen.orientation is not None and top:
-        groups["orientation"] = seen.orientation
-    elif seen.axis is not None and top:
-        groups["axis"] = seen.axis
-    elif seen.theta is not None:
-        groups["theta"] = seen.theta[:, None]
+    kinds = {"theta": seen.theta}
+    if "axis" in problem.system.vectors:
+        kinds = {"orientation": seen.orientation, "axis": seen.axis, **kinds, "phi": seen.phi}
+    left = np.ones(len(seen.t), bool)
+    for kind, values in kinds.items():  # the first that a row has contains the others
+        if values is not None:
+            rows = values.reshape(len(left), -1)
+            there = left & np.isfinite(rows).all(axis=1)
+            left = left & ~there
+            if there.any():
+                groups[kind] = np.where(there[:, None], rows, np.nan)
     if seen.omega3 is not None and "omega3" in problem.system.angles._fields:
         groups["omega3"] = seen.omega3[:, None]
     flat = {"x", "y"} <= set(problem.system.angles._fields)

@@ -83,11 +83,12 @@ def local_minimum(
         loss=misfit.loss,
         f_scale=size or misfit.size(begin),
         ftol=1e-8 if last else 0.1 / count,
+        gtol=None,
         max_nfev=MOST if last else FEW,
     )
     residual = result.fun[:count]
-    variance = float((misfit.weight(residual) * residual**2).sum()) / max(count - len(point), 1)
-    return Minimum(result.x, residual, result.jac[:count], 2 * result.cost, variance)
+    cost, variance = 2 * result.cost, misfit.variance(residual)
+    return Minimum(result.x, residual, result.jac[:count], cost, variance)
 
 
 def search(

@@ -54,7 +54,10 @@ class Verdict:
     __repr__ = __str__
 
 
-UNITS = {"place": "m", "omega3": "rad/s"}
+UNITS = {
+    **{"place": "m", "velocity": "m/s", "force": "N"},
+    **dict.fromkeys(("omega", "omega3", "theta_dot", "phi_dot"), "rad/s"),
+}
 HEAD = (
     *("file", "largest error", "0.1 exceeded at", "until"),
     *("error of energy", "error of Jellett", "in the floor"),
@@ -66,23 +69,26 @@ def _table(motions: Sequence[Compared]) -> list[str]:
     from pandas import DataFrame
 
     ordered = sorted(motions, key=lambda m: m.numbers[m.main]["max"])
-    rows = DataFrame(map(_row, ordered), columns=HEAD)
+    rows = DataFrame(map(_row, ordered)).fillna("-")
     one = len(rows) == 1
     text = rows.T.to_string(header=False) if one else rows.to_string(index=False)
     return text.splitlines()
 
 
-def _row(motion: Compared) -> tuple[str, ...]:
+def _row(motion: Compared) -> dict[str, str]:
     """Return the numbers of one motion as text; `-` for what its file lacks."""
-    numbers = motion.numbers
-    name = motion.main
-    unit = UNITS.get(name, "rad")
+    numbers, name = motion.numbers, motion.main
+    errors = {
+        quantity: f"{numbers[quantity]['max']:.2g} {UNITS.get(quantity, 'rad')}"
+        for quantity in motion.curves.keys() & numbers
+    }
     left = numbers[name]["leaves"]["0.1"]
     changes = [
         f"{numbers[key]:.2g}" if key in numbers else "-"
         for key in ("energy_error", "jellett_error")
     ]
-    contact = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
-    error = f"{name} {numbers[name]['max']:.2g} {unit}"
+    floor = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
     beyond = "never" if left is None else f"{left:.4g} s"
-    return (motion.path.name, error, beyond, f"{numbers['until']:.4g} s", *changes, contact)
+    first = motion.path.name, f"{name} {errors.pop(name)}", beyond, f"{numbers['until']:.4g} s"
+    row = dict(zip(HEAD, (*first, *changes, floor), strict=True))
+    return row | {f"error of {other}": errors[other] for other in sorted(errors)}

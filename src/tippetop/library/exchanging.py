@@ -59,7 +59,8 @@ def compare(
     others : path or list of paths
         CSV or Parquet files whose headers name columns and units: `t [s], theta [deg]`, `axis_x,
         axis_y, axis_z`, `q_w, q_x, q_y, q_z` (body to space), `x [m]`, `vx [m/s]`, `omega_x
-        [rad/s]` (space), `omega_body_x [rad/s]`. A name such as `dt=1e-3.csv` gives the time step.
+        [rad/s]` (space), `omega_body_x [rad/s]`. Every column is compared; one that the reference
+        lacks is refused. A name such as `dt=1e-3.csv` gives the time step.
     reference : str, path, Run, Problem or mapping
         A scenario, or a run: the exact motion is computed at the other's own times.
     quaternion : str, optional
@@ -126,7 +127,7 @@ class Fitted:
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
-        return fit_text.plain(self._fit)
+        return fit_text.plain(self._fit, self._observation)
 
     def to_toml(self) -> str:
         """Return a scenario that runs."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
+from ..engine.integrator import compiling
 from ..engine.observables import Observables
 from ..engine.settling import SETTLED_FOR, stays
 from ..engine.status import Status
@@ -98,9 +99,11 @@ class Integration:
         while self.status is None:
             if sink.keeps_rows:
                 self.last_slice = self._state()
-            clock = time.perf_counter()
+            clock, before = time.perf_counter(), compiling.seconds
             piece = self.driver.advance(self, self._steps())
-            self.seconds["integrate"] += time.perf_counter() - clock
+            compiled = compiling.seconds - before  # phases, when they are first entered
+            self.seconds["compile"] += compiled
+            self.seconds["integrate"] += time.perf_counter() - clock - compiled
             if self.follow(piece) is None and self._has_settled():
                 self.status = Status.SETTLED
                 self._take_tables(self.driver.last_rows())
