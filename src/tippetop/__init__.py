@@ -11,6 +11,7 @@ from typing import Any as _Any
 
 
 _NAMES = {
+    "columns": "dataframe",
     "errors": "InputError StoreError Interrupted",
     "problem": "Problem",
     "mechanics.systems.cylinder": "Cylinder",

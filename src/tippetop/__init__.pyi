@@ -12,6 +12,7 @@ from . import extending as extending
 from . import friction as friction
 from . import landscapes as landscapes
 from . import theory as theory
+from .columns import dataframe as dataframe
 from .errors import InputError as InputError
 from .errors import Interrupted as Interrupted
 from .errors import StoreError as StoreError

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..columns import Column, column, flag_attributes
+from ..columns import Column, column, flag_attributes, plain_attributes
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
@@ -146,7 +146,7 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
         "processor_seconds": outcomes.processor,
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
-    return xr.Dataset(columns, coords, attrs)
+    return xr.Dataset(columns, coords, plain_attributes(attrs))
 
 
 def table(outcomes: Outcomes) -> dict[str, Column]:

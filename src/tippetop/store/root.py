@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import flag, path_of
-from ..columns import with_coordinates
+from ..columns import plain_attributes, with_coordinates
 from ..errors import StoreError
 from . import files, ledger
 from .ledger import Ledger
@@ -107,7 +107,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     Returns
     -------
     xarray.Dataset
-        In SI units, with the root attributes of the store.
+        In SI units, with the root attributes of the store; tables among them are JSON texts.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     """
     import xarray as xr
 
-    attrs = attributes(path_of("path", path))
+    attrs = plain_attributes(attributes(path_of("path", path)))
     try:
         table = xr.open_zarr(Path(path), group=group, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)
