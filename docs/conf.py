@@ -1,5 +1,6 @@
 """How Sphinx makes the manual: python -m sphinx -W -b html docs build/manual."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ from docutils import nodes
 import tippetop
 
 
+os.environ["TIPPETOP_QUIET"] = "1"  # no progress bars in the cells of pages
 project = "tippetop"
 author = "tippetop developers"
 copyright = "2026, tippetop developers"

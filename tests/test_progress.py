@@ -1,9 +1,13 @@
 """The progress bar counts on a terminal only."""
 
+import inspect
 import io
+import sys
+from typing import Any
 
 import pytest
 
+import tippetop
 from tippetop import progress
 
 
@@ -38,3 +42,44 @@ def test_any_callback_is_passed_on() -> None:
     with progress.reporting(False, "tops") as tell:
         tell(2, 2)
     assert seen == [(1, 2)]
+
+
+class Notebook:
+    """A module IPython in a kernel; it keeps the lines that are shown."""
+
+    kernel = "any"
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.display: Any = self
+
+    def get_ipython(self) -> "Notebook":
+        return self
+
+    def __call__(self, line: dict[str, str], *, raw: bool, display_id: bool) -> "Notebook":
+        self.update(line, raw=raw)
+        return self
+
+    def update(self, line: dict[str, str], *, raw: bool) -> None:
+        self.lines.append(line["text/plain"])
+
+
+def test_a_notebook_shows_one_line_which_vanishes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    notebook = Notebook()
+    monkeypatch.setitem(sys.modules, "IPython", notebook)
+    monkeypatch.setattr(progress, "FIRST_AFTER", 0.0)
+    monkeypatch.setattr(progress, "AGAIN_AFTER", 0.0)
+    with progress.reporting(True, "tops") as tell:
+        tell(10, 40)
+        tell(20, 40)
+    assert notebook.lines == ["10/40 tops (25%)", "20/40 tops (50%)", ""]
+    assert capsys.readouterr() == ("", "")
+
+
+def test_calls_show_their_progress_by_default() -> None:
+    """A long run shows a sign of life, unless it is told not to."""
+    functions = (tippetop.run, tippetop.resume, tippetop.ensemble, tippetop.sweep, tippetop.fit)
+    for function in functions:
+        assert inspect.signature(function).parameters["progress"].default is True

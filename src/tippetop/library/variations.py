@@ -30,7 +30,7 @@ def ensemble(
     friction: Any = None,
     *,
     threads: int | None = None,
-    progress: Report | bool = False,
+    progress: Report | bool = True,
     orientation: bool = False,
     lyapunov: bool = False,
     **scenario: Any,
@@ -48,7 +48,7 @@ def ensemble(
     threads : int, optional
         Number of threads; by default one per usable core.
     progress : callable or bool
-        `progress(done, of)` counts tops; True draws a bar.
+        `progress(done, of)` counts tops; True draws a bar in a terminal or a notebook.
     orientation : bool
         Whether to add the orientation of each body at the end, as columns orientation_w_end,
         orientation_x_end, orientation_y_end, orientation_z_end (the unit quaternion that turns body

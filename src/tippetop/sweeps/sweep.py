@@ -38,7 +38,7 @@ def sweep(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Report | bool = False,
+    progress: Report | bool = True,
     stop: threading.Event | None = None,
     overwrite: bool = False,
 ) -> "xr.Dataset":
@@ -58,7 +58,8 @@ def sweep(
     scheduler
         Address of a dask scheduler whose workers compute instead.
     progress
-        Called as progress(done, of), which count tops; True draws a bar.
+        Called as progress(done, of), which count tops; True draws a bar in a terminal or a
+        notebook.
     stop
         Set it in a signal handler or another thread: the sweep then stops after a chunk, or
         before the first. An exception such as KeyboardInterrupt ends it at once and costs the
