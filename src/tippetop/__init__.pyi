@@ -22,6 +22,7 @@ from .library.finished_run import Run as Run
 from .library.running import open as open
 from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun
+from .library.variations import sweep as sweep
 from .mechanics.contact.body import Top
 from .mechanics.event import Event
 from .mechanics.friction import FrictionLaw
@@ -32,7 +33,6 @@ from .mechanics.systems.tippe_top import TippeTop as TippeTop
 from .problem.problem import Problem as Problem
 from .runs.starting import load as load
 from .scenario.reading import presets as presets
-from .sweeps.sweep import sweep as sweep
 
 __version__: str
 

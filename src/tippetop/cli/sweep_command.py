@@ -39,7 +39,8 @@ def sweep(
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED
-    from ..sweeps import sweep, sweep_summary
+    from ..library.variations import sweep as swept
+    from ..sweeps import sweep_summary
     from .targets import finished
 
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
@@ -49,9 +50,7 @@ def sweep(
     was_finished = finished(out, overwrite)
     failed: list[str] = []
     try:
-        sweep.sweep(
-            plan, out, workers=workers, scheduler=scheduler, progress=True, overwrite=overwrite
-        )
+        swept(plan, out, workers=workers, scheduler=scheduler, overwrite=overwrite)
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way

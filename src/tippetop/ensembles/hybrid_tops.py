@@ -7,7 +7,7 @@ import numpy as np
 
 from ..engine.status import Status
 from ..errors import InputError
-from ..problem import Problem, Problems
+from ..problem import TURN, Problem, Problems
 from ..progress import Report
 from ..runs.integration import Integration
 from ..runs.sinks import Sink
@@ -35,6 +35,9 @@ def problem_of(tops: Problems, top: int) -> Problem:
     if touches(base) and "initial.gap" not in tops.columns:
         initial.pop("gap", None)
         initial = on_stem(initial, parameters, rules)
+    kept = base.columns
+    if kept is not None and not tops.orientation:
+        kept = tuple(name for name in kept if name not in TURN)
     return replace(
         base,
         parameters=parameters,
@@ -44,6 +47,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
         until=until,
         times=ListedTimes(np.array([until])),
         output="times",
+        columns=kept,
         orientation=tops.orientation,
     )
 

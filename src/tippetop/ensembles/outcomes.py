@@ -9,8 +9,9 @@ from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
+from ..errors import owner
 from ..mechanics.contact.gliding import EVENTS
-from ..mechanics.system import System
+from ..mechanics.system import Quantity, System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
 from ..scenario import build
@@ -37,6 +38,11 @@ ORIENTATION: dict[str, Form] = {
 """Columns of the orientation at the end, where it is wanted."""
 
 
+def own_quantities(system: System) -> list[Quantity]:
+    """Return the user-defined numbers of a system, whose values at the end are columns."""
+    return [q for q in system.quantities if owner(q.formula) and not q.meanings]
+
+
 def columns_of(system: System) -> dict[str, Form]:
     """Return the columns of ensembles of a system.
 
@@ -60,6 +66,10 @@ def columns_of(system: System) -> dict[str, Form]:
             for q in system.quantities
             if q.name in watched
             for end, word in (("min", "least"), ("max", "greatest"))
+        },
+        **{
+            f"{q.name}_end": (np.nan, q.unit, f"{q.long_name}; at the end")
+            for q in own_quantities(system)
         },
     }
 
@@ -115,6 +125,8 @@ def _conclude(outcomes: Outcomes) -> None:
             columns[f"{name}_end"][ended] = value
     values = values_of(tops, final, ended)
     columns["theta_end"][ended] = values["theta"]
+    for q in own_quantities(tops.base.system):
+        columns[f"{q.name}_end"][ended] = values[q.name] * tops.unit(q.unit)[ended]
     body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
     second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
     kind[ended] = classes_of(tops.base.system, values, second, settled, body)

@@ -195,8 +195,8 @@ def fit(
         Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg".
         theta may lie beyond 0 and pi by five of these, and larger residuals are reported.
     progress : bool or callable
-        True shows a bar in a terminal or a notebook; a callable is called with the numbers of windows of the data
-        that are done and that are expected.
+        True shows a bar in a terminal or a notebook; a callable is called with the numbers of
+        windows of the data that are done and that are expected.
 
     Returns
     -------

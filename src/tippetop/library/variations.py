@@ -1,14 +1,16 @@
 """Ensembles and sweeps from Python: many tops of one scenario."""
 
-from collections.abc import Mapping
+import threading
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import dotted_keys, flag, instance, measured_values, takes, whole
+from ..arguments import dotted_keys, flag, instance, measured_values, path_of, plain, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.contact.body import Top
-from ..mechanics.system import System
+from ..mechanics.event import Event
+from ..mechanics.system import Quantity, System
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from ..progress import Report
@@ -18,8 +20,10 @@ from .scenarios import problem_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..sweeps.plan import Plan
 
-OF_ROWS = ("columns", "output", "output_step", "output_times", "keyframe_steps")
+
+OF_ROWS = ("output", "output_step", "output_times", "keyframe_steps")
 """Arguments of `run` that say which rows are kept."""
 
 
@@ -56,8 +60,10 @@ def ensemble(
     lyapunov : bool
         Whether to add the finite-time Lyapunov exponent of each run, a column lyapunov [1/s],
         that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
+    columns : Quantity, or iterable of str and Quantity, optional
+        User-defined columns: the value of each at the end is a column NAME_end.
     {names}
-        Common to all tops, as for `run`; ensembles have no options for rows.
+        Common to all tops, as for `run`; ensembles have no further options for rows.
 
     Returns
     -------
@@ -99,4 +105,91 @@ def ensemble(
         progress=progress,
         orientation=orientation,
         lyapunov=lyapunov,
+    )
+
+
+def sweep(
+    plan: "str | Path | Mapping[str, Any] | Plan",
+    out: str | Path,
+    *,
+    events: Iterable[str | Event] | str | Event | None = None,
+    columns: Iterable[str | Quantity] | str | Quantity | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Report | bool = True,
+    stop: threading.Event | None = None,
+    overwrite: bool = False,
+) -> "xr.Dataset":
+    """Run every top of a plan into the store `out`, or continue it, and open it.
+
+    It can be called in any thread.
+
+    Parameters
+    ----------
+    plan
+        A TOML file, or the same tables as a mapping; arrays may be the `values` of an axis.
+    out
+        The store to make or to continue.
+    events, columns
+        As for `ensemble`. To continue the sweep, pass the same ones. Other processes compute with
+        formulas of modules that they can import, not with those of a notebook or a script.
+    workers
+        Processes on this machine that compute. One: this process itself; by default as many as
+        usable cores, or threads of this process where little is to be done.
+    scheduler
+        Address of a dask scheduler whose workers compute instead.
+    progress
+        Called as progress(done, of), which count tops; True draws a bar in a terminal or a
+        notebook.
+    stop
+        Set it in a signal handler or another thread: the sweep then stops after a chunk, or
+        before the first. An exception such as KeyboardInterrupt ends it at once and costs the
+        chunks that are being computed. Either way the same call without `overwrite`
+        continues it.
+    overwrite
+        Replace a store that exists, finished or not.
+
+    Returns
+    -------
+    xarray.Dataset
+        The table of the sweep, dimension `top`, SI units, read when needed. `open` reads it again,
+        and the events of a plan that keeps them.
+
+    Raises
+    ------
+    InputError
+        The plan or an argument is wrong; every fault is listed.
+    StoreError
+        The store is that of another plan, or cannot be read or written.
+    Unfinished
+        Some chunks failed.
+    Interrupted
+        `stop` was set.
+
+    Examples
+    --------
+    >>> import numpy as np, tippetop as tt
+    >>> spins = dict(of="initial.omega3", values=np.linspace(100, 200, 64))
+    >>> tt.sweep(dict(scenario="inverting", axis=[spins]), "S.zarr")
+    """
+    from ..sweeps.plan import Plan
+    from ..sweeps.sweep import sweep as swept
+
+    place = path_of("out", out)
+
+    def base(tables: dict[str, Any]) -> Problem:
+        return problem_of(tables, events=events, columns=columns)
+
+    if isinstance(plan, Mapping):
+        plan = Plan.from_tables(plain(plan), made=base)
+    elif not isinstance(plan, Plan):
+        plan = Plan.from_toml(plan, base)
+    return swept(
+        plan,
+        place,
+        workers=workers,
+        scheduler=scheduler,
+        progress=progress,
+        stop=stop,
+        overwrite=overwrite,
     )

@@ -6,6 +6,8 @@ import numpy as np
 
 from ..columns import Column, without_rows
 from ..ensembles import ensemble, outcomes
+from ..mechanics.event import Event
+from ..mechanics.system import Quantity
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
 from ..scenario import build
@@ -17,6 +19,10 @@ Rows = dict[str, np.ndarray]  # the columns of a chunk by name
 FINAL, DRIFT, ORIENTATION = "final_state", "drift", "orientation"
 
 
+Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
+"""Events and columns that no registered system has."""
+
+
 class Task(NamedTuple):
     """A chunk to compute."""
 
@@ -25,6 +31,7 @@ class Task(NamedTuple):
     columns: dict[str, np.ndarray]  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
+    own: Records = ((), ())
 
 
 class OtherVersions(Exception):
@@ -38,9 +45,14 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
         raise OtherVersions(
             f"the worker has other versions of {', '.join(differ)} than the sweep was begun with"
         )
-    measured = measure(build.problem(task.tables), task.columns, task.keep, threads)
+    measured = measure(base_of(task.tables, task.own), task.columns, task.keep, threads)
     table = columns(measured, task.keep)
     return {name: column.values for name, column in table.items()}
+
+
+def base_of(tables: dict[str, Any], own: Records) -> Problem:
+    """Return the problem of a scenario's tables, with events and columns of the user."""
+    return build.problem(tables, build.system_of(tables).with_records(*own))
 
 
 def measure(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column
+from ..scenario.identity import DIGESTS, digests_of
 from ..store import ledger, provenance, zarr3
 from ..store.ledger import Ledger
 from ..store.root import RUNS, finite
@@ -31,7 +32,7 @@ def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dic
 
 def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
     """Open the store of a sweep to write it, new or continued. Raises StoreError."""
-    same = ("plan", "versions", "cpu", "chunk")
+    same = ("plan", DIGESTS, "versions", "cpu", "chunk")
     return begin_or_continue(path, lambda: _header(plan), same, overwrite)
 
 
@@ -49,6 +50,7 @@ def _header(plan: Plan) -> dict[str, Any]:
         "shape": list(plan.design.sizes.values()),
         "coordinates": list(coordinates),
         "columns": list(columns),
+        **({DIGESTS: digests} if (digests := digests_of(plan.base)) else {}),
         **provenance.provenance(),
     }
     sizes = {"top": (plan.n, plan.chunk)}
