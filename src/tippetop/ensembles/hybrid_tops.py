@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..problem import TURN, Problem, Problems
 from ..progress import Report
 from ..runs.integration import Integration
-from ..runs.sinks import Sink
+from ..runs.sinks import Memory, Sink
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import SWINGS, Outcomes
@@ -57,7 +57,9 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.clashes(), *contact_faults(problem)]
 
 
-def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -> None:
+def run_each(
+    outcomes: Outcomes, numbers: np.ndarray, progress: Report | None, *, events: bool = False
+) -> None:
     """Run tops one after the other, and write their rows.
 
     Parameters
@@ -68,6 +70,8 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
         Of the tops.
     progress
         Called as progress(done, of).
+    events
+        Whether events are logged.
     """
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
@@ -75,7 +79,7 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
         try:
             if faults := faults_of(problem):
                 raise InputError(faults)
-            _run(outcomes, top, problem)
+            _run(outcomes, top, problem, events)
         except InputError as error:
             outcomes.status[top] = Status.INVALID.code
             outcomes.faults.append((top, error.sentences[0]))
@@ -83,10 +87,14 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
             progress(done, len(numbers))
 
 
-def _run(outcomes: Outcomes, top: int, problem: Problem) -> None:
+def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     """Run a top and write its row, in internal units."""
     integration = Integration(problem)
-    integration.run(Sink())
+    memory = Memory()
+    memory.keeps_rows = False
+    integration.run(memory if logs else Sink())
+    if logs:
+        outcomes.events[top] = memory.table()
     end = integration.progress()
     events, kept = end.events, (name for name, _ in end.events.known.kept)
     values = {

@@ -14,6 +14,7 @@ from ..mechanics.contact.gliding import EVENTS
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
+from ..runs.events import EventTable
 from ..scenario import build
 
 
@@ -94,6 +95,9 @@ class Outcomes:
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
+        # zeros of event functions that lanes found, rows and states; and the events of tops
+        self.passages: list[tuple[np.ndarray, np.ndarray]] = []
+        self.events: dict[int, EventTable] = {}
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     @QUIET

@@ -37,8 +37,9 @@ def ensemble(
     progress: Report | bool = True,
     orientation: bool = False,
     lyapunov: bool = False,
+    event_table: bool = False,
     **scenario: Any,
-) -> "xr.Dataset":
+) -> Any:
     """Integrate many tops that differ in numbers only; return one row of results for each.
 
     Parameters
@@ -60,6 +61,8 @@ def ensemble(
     lyapunov : bool
         Whether to add the finite-time Lyapunov exponent of each run, a column lyapunov [1/s],
         that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
+    event_table : bool
+        Whether to return the events of the tops too, those of the kinds that `events` lists.
     columns : Quantity, or iterable of str and Quantity, optional
         User-defined columns: the value of each at the end is a column NAME_end.
     {names}
@@ -67,11 +70,12 @@ def ensemble(
 
     Returns
     -------
-    xarray.Dataset
+    xarray.Dataset, or with `event_table` two of them
         Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max
         [rad], normal_force_min, normal_force_max [N], drift of the invariants. The varied numbers
         are coordinates. Invalid tops have the status `invalid`; the fault of the first of them is
-        in the attributes.
+        in the attributes. The table of events has the columns of `run.events`, and the number of
+        the `top`, along `event`.
 
     Raises
     ------
@@ -98,14 +102,17 @@ def ensemble(
     threads = None if threads is None else whole("threads", threads)
     flag("orientation", orientation)
     flag("lyapunov", lyapunov)
-    return ensembles.of_problem(
+    flag("event_table", event_table)
+    found, events = ensembles.of_problem(
         base,
         dotted,
         threads=threads,
         progress=progress,
         orientation=orientation,
         lyapunov=lyapunov,
+        events=event_table,
     )
+    return (found, events) if event_table else found
 
 
 def sweep(
