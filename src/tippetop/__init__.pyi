@@ -22,9 +22,9 @@ from .library.finished_run import Run as Run
 from .library.running import open as open
 from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun
-from .library.variations import sweep as sweep
 from .mechanics.contact.body import Top
 from .mechanics.event import Event
+from .mechanics.form import Quantity
 from .mechanics.friction import FrictionLaw
 from .mechanics.system import Quantity, System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
@@ -33,6 +33,7 @@ from .mechanics.systems.tippe_top import TippeTop as TippeTop
 from .problem.problem import Problem as Problem
 from .runs.starting import load as load
 from .scenario.reading import presets as presets
+from .sweeps.plan import Plan
 
 __version__: str
 
@@ -45,6 +46,7 @@ def ensemble(
     progress: Callable[[int, int], None] | bool = ...,
     orientation: bool = ...,
     lyapunov: bool = ...,
+    event_table: bool = ...,
     start: Mapping[str, Any] | str | Path | None = ...,
     parameters: Mapping[str, Any] | None = ...,
     system: str | System | None = ...,
@@ -62,7 +64,7 @@ def ensemble(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-) -> _xr.Dataset: ...
+) -> Any: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,
@@ -90,3 +92,15 @@ def run(
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
     orientation: bool | None = ...,
 ) -> Run: ...
+def sweep(
+    plan: str | Path | Mapping[str, Any] | Plan,
+    out: str | Path,
+    *,
+    events: Iterable[str | Event] | str | Event | None = ...,
+    columns: Iterable[str | Quantity] | str | Quantity | None = ...,
+    workers: int | None = ...,
+    scheduler: str | None = ...,
+    progress: Callable[[int, int], None] | bool = ...,
+    stop: threading.Event | None = ...,
+    overwrite: bool = ...,
+) -> _xr.Dataset: ...

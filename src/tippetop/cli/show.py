@@ -147,12 +147,12 @@ def export(
         The file to write; must not exist yet (or use --overwrite).
     group
         `trajectory` or `events` of a run, `phases` or `impacts` of one whose contact changes its
-        phase. Without it CSV and Parquet contain the first, netCDF contains all, as groups.
+        phase, `sweep` or `events` of a sweep. Without it CSV and Parquet contain the first, netCDF
+        contains all, as groups.
     overwrite
         Replace an existing file.
     """
     if to not in ("mjcf", "urdf"):
-        from ..library.stored_run import StoredRun
         from ..store import root
         from ..store.export import export as write
 
@@ -162,12 +162,8 @@ def export(
             raise StoreError(
                 f"`{store}` must be a run or a sweep to be exported, but is a {content}."
             )
-        if content == "run":
-            tables = StoredRun(store).datasets()
-        else:
-            from ..sweeps.sweep_summary import open_sweep
-
-            tables = {content: open_sweep(store)}
+        groups = [name for name in root.groups_of(store) if name != "keyframes"]
+        tables = {name: root.open_group(store, name) for name in groups}
         write(tables, attrs, f"`{store}`", to, out, group, overwrite=overwrite)
         return 0
     from ..exchange.simulators import text_of

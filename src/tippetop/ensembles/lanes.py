@@ -70,11 +70,7 @@ class Lanes:
         def reads(*names: str) -> bool:
             return wanted is None or any(name.startswith(names) for name in wanted)
 
-        self.problems, self.lanes, self.rows = (
-            tops,
-            lanes,
-            watched(code.rows, base, reads, base.events if events else ()),
-        )
+        self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, reads)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
@@ -161,10 +157,8 @@ class Lanes:
         return not slides(tops, state, top).any() and stays(alone, values_of(tops, state, top))
 
 
-def watched(
-    rows: EventRows, base: Problem, reads: Callable[..., bool], logged: Collection[str] = ()
-) -> EventRows:
-    """Return the events that end or settle a top, that are logged, or that columns need.
+def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:
+    """Return the events that end or settle a top, that are wanted, or that columns need.
 
     Parameters
     ----------
@@ -173,9 +167,8 @@ def watched(
     base
         The base of the tops.
     reads
-        reads(*names) -> whether a column is wanted whose name begins like one of these.
-    logged
-        Names of the events that are logged.
+        reads(*names) -> whether a column, or an event, is wanted whose name begins like one of
+        these.
 
     Returns
     -------
@@ -184,8 +177,8 @@ def watched(
     """
     watches, ranges = [], []
     for event in base.system.events:
-        names = [kept.name for kept in event.kept] + (list(SWINGS) if event.sense else [])
-        needed = bool(event.ends or event.lasting or event.name in logged)
-        watches.append(needed or reads(*names))
+        names = [event.name, *(kept.name for kept in event.kept)]
+        names += SWINGS if event.sense else ()
+        watches.append(bool(event.ends or event.lasting) or reads(*names))
         ranges.append(reads(f"{event.extremes}_min", f"{event.extremes}_max"))
     return looked_for(rows, watches, ranges, stops=base.on_liftoff == "stop")

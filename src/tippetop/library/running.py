@@ -140,6 +140,7 @@ def open(
     path: str | Path,
     *,
     gridded: bool = False,
+    group: str | None = None,
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
@@ -151,6 +152,8 @@ def open(
         The store of a run, a sweep, a minimal surface or a potential.
     gridded : bool
         Make the axes of a sweep the dimensions of its table, which is read into memory.
+    group : str, optional
+        One table of the store, such as "events" of a sweep that keeps them, as a Dataset.
     events, columns : iterable of Event and of Quantity, optional
         User-defined records of the run. They are required for `problem`, `certify` and
         `replay`, but not for stored rows.
@@ -158,7 +161,7 @@ def open(
     Returns
     -------
     StoredRun or xarray.Dataset
-        A run as a StoredRun; a sweep as a Dataset with a row per top, a
+        A run as a StoredRun; a sweep as a Dataset with a row per top (or per event), a
         surface or potential as a Dataset over its axes.
 
     Raises
@@ -169,6 +172,8 @@ def open(
     path = path_of("path", path)
     flag("gridded", gridded)
     attrs = root.attributes(path)
+    if group is not None:
+        return root.open_group(path, group)
     content, own = attrs.get("content"), of_stored(attrs, events, columns)
     if content is None:
         return StoredRun(path, own)

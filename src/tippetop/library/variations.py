@@ -1,6 +1,5 @@
 """Ensembles and sweeps from Python: many tops of one scenario."""
 
-import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,14 +13,13 @@ from ..mechanics.system import Quantity, System
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from ..progress import Report
+from ..sweeps.plan import Plan
+from ..sweeps.sweep import sweep as swept
 from .scenarios import problem_of
 
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from ..sweeps.plan import Plan
-
 
 OF_ROWS = ("output", "output_step", "output_times", "keyframe_steps")
 """Arguments of `run` that say which rows are kept."""
@@ -115,17 +113,14 @@ def ensemble(
     return (found, events) if event_table else found
 
 
+@takes(swept)
 def sweep(
-    plan: "str | Path | Mapping[str, Any] | Plan",
+    plan: str | Path | Mapping[str, Any] | Plan,
     out: str | Path,
     *,
     events: Iterable[str | Event] | str | Event | None = None,
     columns: Iterable[str | Quantity] | str | Quantity | None = None,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    progress: Report | bool = True,
-    stop: threading.Event | None = None,
-    overwrite: bool = False,
+    **options: Any,
 ) -> "xr.Dataset":
     """Run every top of a plan into the store `out`, or continue it, and open it.
 
@@ -179,9 +174,6 @@ def sweep(
     >>> spins = dict(of="initial.omega3", values=np.linspace(100, 200, 64))
     >>> tt.sweep(dict(scenario="inverting", axis=[spins]), "S.zarr")
     """
-    from ..sweeps.plan import Plan
-    from ..sweeps.sweep import sweep as swept
-
     place = path_of("out", out)
 
     def base(tables: dict[str, Any]) -> Problem:
@@ -191,12 +183,4 @@ def sweep(
         plan = Plan.from_tables(plain(plan), made=base)
     elif not isinstance(plan, Plan):
         plan = Plan.from_toml(plan, base)
-    return swept(
-        plan,
-        place,
-        workers=workers,
-        scheduler=scheduler,
-        progress=progress,
-        stop=stop,
-        overwrite=overwrite,
-    )
+    return swept(plan, place, **options)

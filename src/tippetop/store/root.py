@@ -102,7 +102,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     path : path-like
         The store.
     group : str
-        trajectory or events, of a run; sweep; surface; potential.
+        trajectory, events, ..., of a run; sweep or events of a sweep; surface; potential.
 
     Returns
     -------
@@ -116,12 +116,31 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     """
     import xarray as xr
 
-    attrs = plain_attributes(attributes(path_of("path", path)))
+    attrs = attributes(path_of("path", path))
+    # as attributes of a netCDF file these would have another meaning
+    shape = [attrs.pop(key, []) for key in ("coordinates", "columns", "dimensions", "shape")]
+    coordinates, columns, *_ = shape
     try:
-        table = xr.open_zarr(Path(path), group=group, chunks=None).assign_attrs(attrs)
-        return with_coordinates(table)
+        table = xr.open_zarr(Path(path), group=group, chunks=None)
+        if "part" in table.dims:
+            table = _joined(loaded(table, path))
+        elif coordinates:
+            table = table[[*coordinates, *columns]].set_coords(coordinates)
+        return with_coordinates(table.assign_attrs(plain_attributes(attrs)))
     except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+
+def _joined(table: "xr.Dataset") -> "xr.Dataset":
+    """Return the events of a sweep in one piece: the parts one after another."""
+    import xarray as xr
+
+    is_row = np.isfinite(table["time"].values.T)
+    columns = {
+        name: (("event", *column.dims[2:]), column.values.swapaxes(0, 1)[is_row], column.attrs)
+        for name, column in table.variables.items()
+    }
+    return xr.Dataset(columns)
 
 
 def loaded(table: Any, path: str | Path) -> Any:

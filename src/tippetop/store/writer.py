@@ -94,7 +94,10 @@ def begin_or_continue(
         store = Ledger.opened(path)
         with store.released_on_failure():
             if unsound := store.unsound():
-                store.restart(store.state.header, store.state.chunks.keys() - {*unsound})
+                # a chunk of a sweep and its events, a row of which it is, are computed together
+                unsound += [f"{content}/{key.rpartition('.')[2]}" for key in unsound]
+                keys = store.state.chunks.keys() - {*unsound}
+                store.restart(store.state.header, keys, rows=store.state.rows)
     return store
 
 

@@ -83,7 +83,7 @@ class PlanTable(Table, use_attribute_docstrings=True):
     """how axes with between are drawn"""
     keep: list[str] | None = None
     """columns to keep; by default all but orientation and lyapunov. final_state, drift, \
-orientation are groups of columns"""
+orientation are groups of columns; events is a table of the events of every top"""
     runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """numbers of tops to run alone as well, with rows, into runs/N"""
     chunk: Count | None = None
@@ -141,7 +141,11 @@ class Plan:
         for axis in plain_data["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
-        of_base = {"scenario": _without(build.resolved(base), user_records(base.system))}
+        tables, own = build.resolved(base), user_records(base.system)
+        for key in tables["run"].keys() & {"events", "columns"}:
+            names = {record.name for records in own for record in records}
+            tables["run"][key] = [name for name in tables["run"][key] if name not in names]
+        of_base = {"scenario": tables}
         design = Design(tuple(map(_axis, shape.axis)), shape.sample)
         plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, **of_base})
         if sentences := _run_faults(plan) + _keep_faults(plan):
@@ -242,14 +246,6 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
             "`initial.from` must not be given in a plan: it is the start of a single run."
         )
     return tables
-
-
-def _without(tables: dict[str, Any], own: Records) -> dict[str, Any]:
-    """Return a scenario without the names of user-defined events and columns."""
-    names = {record.name for records in own for record in records}
-    lists = {key: tables["run"].get(key) for key in ("events", "columns")}
-    kept = {key: [n for n in of if n not in names] for key, of in lists.items() if of is not None}
-    return {**tables, "run": tables["run"] | kept}
 
 
 def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:

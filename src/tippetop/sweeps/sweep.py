@@ -19,7 +19,7 @@ from ..store import files, provenance, root
 from ..store.ledger import Ledger
 from .chunk import Task
 from .plan import Plan
-from .store import GROUP, RUNS, opened
+from .store import GROUP, RUNS, opened, put_events
 from .sweep_summary import open_sweep
 from .workers import SchedulerLost, Workers, connect, in_process, on_workers, processes
 
@@ -119,9 +119,13 @@ def _fill(
             tops, key = plan.tops(task.chunk), f"{GROUP}/{task.chunk}"
             failed = {key: result} if isinstance(result, str) else {}
             with files.writing(store.path, KEPT):
+                rows = {}
                 if not isinstance(result, str):
                     store.put(key, {**plan.design.numbers(tops), **task.columns, **result})
-                store.commit(failed=failed)
+                    rows = put_events(store, task.chunk, int(tops[0]), result)
+                store.commit(failed=failed, rows=rows)
+                if rows:  # readers must know the shape
+                    store.derive({})
             if failed:
                 sentences.append(
                     f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {result}."

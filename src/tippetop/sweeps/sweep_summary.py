@@ -22,11 +22,8 @@ def open_sweep(path: str | Path) -> Any:
     Raises StoreError.
     """
     table = root.open_group(path, GROUP)
-    # as attributes of a netCDF file they would have another meaning
-    shape = ("coordinates", "columns", "dimensions", "shape")
-    coordinates, columns, *_ = (json.loads(table.attrs.pop(key)) for key in shape)
     table.attrs["chunks"] = json.dumps(chunk_counts(Path(path), table.attrs)[0])
-    return table[[*coordinates, *columns]].set_coords(coordinates)
+    return table
 
 
 def plan_of(table: Any) -> Plan:
