@@ -26,7 +26,7 @@ from .mechanics.contact.body import Top
 from .mechanics.event import Event
 from .mechanics.form import Quantity
 from .mechanics.friction import FrictionLaw
-from .mechanics.system import Quantity, System
+from .mechanics.system import System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
 from .mechanics.systems.heavy_top import HeavyTop as HeavyTop
 from .mechanics.systems.tippe_top import TippeTop as TippeTop

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .arguments import instance
 from .errors import InputError
 from .mechanics.units import Unit
 
@@ -154,7 +153,8 @@ def dataframe(table: "xr.Dataset") -> "pd.DataFrame":
     """
     import xarray as xr
 
-    instance("table", table, xr.Dataset, "an xarray.Dataset")
+    if not isinstance(table, xr.Dataset):
+        raise InputError(f"`table` must be an xarray.Dataset, but is {table!r:.60}.")
     columns: dict[Any, Any] = {}
     for name, variable in table.variables.items():
         letters = next((dim for dim in LETTERS if dim in variable.dims), "")

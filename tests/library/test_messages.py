@@ -252,7 +252,7 @@ CALLS: list[tuple[Call, str]] = [
             lambda given=given: tt.ensemble("inverting", SPINS, **given),
             f"`{name}` must not be given in an ensemble: it keeps no",
         )
-        for given in ({"columns": ["theta"]}, {"output": "events"}, {"output_step": 0.1})
+        for given in ({"output": "events"}, {"output_step": 0.1})
         for name in given
     ),
     # figures and files

@@ -38,8 +38,9 @@ def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray
     for top, numbers in zip(some.tolist(), np.split(order, first[1:]), strict=True):
         log, its = log_of(tops, top), rows[numbers]
         log.tallies.lane["lasts_since"] = lasts_since[top]
-        columns = (its[name] for name in ("time", "event", "sign", "at_pole"))
-        table, marks, _ = log.take(Passages(*columns, states[numbers, : len(tops.start)]))
+        columns = [its[name] for name in ("time", "event", "sign", "at_pole")]
+        zeros = Passages._make([*columns, states[numbers, : len(tops.start)]])
+        table, marks, _ = log.take(zeros)
         table.significant[[*marks, *log.finish(measured.final[:, [top]].T)]] = True
         measured.events[top] = table
 

@@ -15,6 +15,7 @@ from ..problem import Problem
 from ..progress import Report
 from ..sweeps.plan import Plan
 from ..sweeps.sweep import sweep as swept
+from .extensions import given_records
 from .scenarios import problem_of
 
 
@@ -62,7 +63,8 @@ def ensemble(
     event_table : bool
         Whether to return the events of the tops too, those of the kinds that `events` lists.
     columns : Quantity, or iterable of str and Quantity, optional
-        User-defined columns: the value of each at the end is a column NAME_end.
+        User-defined columns: the value of each at the end is a column NAME_end. With
+        `event_table` also names: the columns of that table, if it has user-defined events.
     {names}
         Common to all tops, as for `run`; ensembles have no further options for rows.
 
@@ -89,6 +91,9 @@ def ensemble(
         raise InputError(
             [f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows]
         )
+    columns = given_records("columns", scenario.get("columns"), Quantity)
+    if not event_table and any(isinstance(column, str) for column in columns):
+        raise InputError("`columns` must be Quantity records in an ensemble: it keeps no rows.")
     base = problem_of(source, friction, **scenario)
     instance("variations", variations, Mapping, "a mapping of names to arrays")
     keys = dotted_keys(variations, base.rules)
