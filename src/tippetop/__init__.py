@@ -26,7 +26,7 @@ _NAMES = {
     "scenario.reading": "presets",
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names.split()}
-_MODULES = ("derivatives", "errors", "extending", "friction", "landscapes", "theory")
+_MODULES = ("benchmark", "derivatives", "errors", "extending", "friction", "landscapes", "theory")
 __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 

@@ -6,6 +6,7 @@ from typing import Any, Literal
 import numpy as _np
 import xarray as _xr
 
+from . import benchmark as benchmark
 from . import derivatives as derivatives
 from . import errors as errors
 from . import extending as extending

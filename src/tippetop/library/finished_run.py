@@ -10,7 +10,7 @@ from ..mechanics.caching import cached_property
 from ..problem import Problem
 from ..runs import attributes, results
 from ..runs.certificate import certificate
-from ..runs.phases import tables_of
+from ..runs.phases import DIMENSIONS, tables_of
 from ..runs.results import Certificate, Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
@@ -103,9 +103,19 @@ class Run:
     def _table(self, name: str) -> "xr.Dataset":
         """Return a table. Raises AttributeError if the run has none of this name."""
         if name not in self._names:
-            why = "the contact of this run does not change its phase"
-            raise AttributeError(f"there is no table `{name}`: {why}")
+            raise AttributeError(name)  # `__getattr__` explains it
         return self._datasets[name]
+
+    if not TYPE_CHECKING:  # otherwise a type checker would take any name
+
+        def __getattr__(self, name: str) -> Any:
+            """Raise AttributeError that names the table of a column."""
+            hint = ""
+            if name in DIMENSIONS:
+                hint = ": the contact of this run does not change its phase"
+            elif not name.startswith("_") and name in self._datasets["trajectory"]:
+                hint = f": see run.trajectory.{name}"
+            raise AttributeError(f"a {type(self).__name__} has no attribute `{name}`{hint}")
 
     @property
     def _names(self) -> tuple[str, ...]:

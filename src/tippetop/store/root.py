@@ -67,7 +67,7 @@ def _no_store(place: Path) -> str:
         )
     except FileNotFoundError:
         if not place.exists():
-            return "does not exist"
+            return "does not exist: `tippetop run SCENARIO --out STORE` makes a store"
     except NotADirectoryError:
         return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
     except OSError as error:
