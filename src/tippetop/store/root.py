@@ -122,7 +122,7 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     coordinates, columns, *_ = shape
     try:
         table = xr.open_zarr(Path(path), group=group, chunks=None)
-        if "part" in table.dims:
+        if "row" in table.dims:
             table = _joined(loaded(table, path))
         elif coordinates:
             table = table[[*coordinates, *columns]].set_coords(coordinates)
