@@ -3,7 +3,7 @@
 import inspect
 import io
 import sys
-from typing import Any
+from unittest import mock
 
 import pytest
 
@@ -44,37 +44,19 @@ def test_any_callback_is_passed_on() -> None:
     assert seen == [(1, 2)]
 
 
-class Notebook:
-    """A module IPython in a kernel; it keeps the lines that are shown."""
-
-    kernel = "any"
-
-    def __init__(self) -> None:
-        self.lines: list[str] = []
-        self.display: Any = self
-
-    def get_ipython(self) -> "Notebook":
-        return self
-
-    def __call__(self, line: dict[str, str], *, raw: bool, display_id: bool) -> "Notebook":
-        self.update(line, raw=raw)
-        return self
-
-    def update(self, line: dict[str, str], *, raw: bool) -> None:
-        self.lines.append(line["text/plain"])
-
-
 def test_a_notebook_shows_one_line_which_vanishes(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    notebook = Notebook()
-    monkeypatch.setitem(sys.modules, "IPython", notebook)
+    ipython = mock.Mock()
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
     monkeypatch.setattr(progress, "FIRST_AFTER", 0.0)
     monkeypatch.setattr(progress, "AGAIN_AFTER", 0.0)
     with progress.reporting(True, "tops") as tell:
         tell(10, 40)
         tell(20, 40)
-    assert notebook.lines == ["10/40 tops (25%)", "20/40 tops (50%)", ""]
+    shown = ipython.display.display.mock_calls
+    lines = [call.args[0]["text/plain"] for call in shown]
+    assert lines == ["10/40 tops (25%)", "20/40 tops (50%)", ""]
     assert capsys.readouterr() == ("", "")
 
 

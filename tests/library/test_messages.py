@@ -255,6 +255,10 @@ CALLS: list[tuple[Call, str]] = [
         for given in ({"output": "events"}, {"output_step": 0.1})
         for name in given
     ),
+    (
+        lambda: tt.ensemble("inverting", SPINS, columns=["theta"]),
+        "`columns` must be Quantity records",
+    ),
     # figures and files
     (lambda: made().plot(3), "the kind of figure must be one of .* but is `3`"),
     (lambda: made().plot("theta", "theta"), "must end with the format"),

@@ -2,15 +2,15 @@
 and interrupts them; records of the user travel to workers.
 """
 
-import json
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from sections import RECORDS, SECTION, SPIN_ENERGY
+from sections import RECORDS, SECTION
 from stores import assert_same
 from typed import typed
 
@@ -36,10 +36,13 @@ def of_top(events: xr.Dataset, top: int) -> xr.Dataset:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A sweep with several files in a part."""
     store = tmp_path_factory.mktemp("whole") / "S.zarr"
-    tt.sweep(plan(), store, workers=1, **RECORDS)
-    return store
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("tippetop.sweeps.store.PER_FILE", 50)
+        tt.sweep(plan(), store, workers=1, **RECORDS)
+        yield store
 
 
 @pytest.mark.parametrize(("source", "until"), [("inverting", 4.0), ("plastic-toy", 0.5)])
@@ -69,8 +72,6 @@ def test_the_table_is_what_the_columns_count() -> None:
         some = found[(found.kind == kind) & found.significant]
         counts = np.bincount(some.top, minlength=len(SPINS))
         np.testing.assert_array_equal(counts, tops[column])
-    firsts = found[found.kind == "equator"].groupby("top").time.min()
-    np.testing.assert_array_equal(firsts, tops.first_equator[firsts.index])
 
 
 def test_neighbours_and_threads_change_no_bit_of_the_events() -> None:
@@ -108,21 +109,17 @@ def test_a_sweep_keeps_the_events_of_the_ensemble(whole: Path) -> None:
     kinds = tt.dataframe(found)
     counts = np.bincount(kinds[kinds.kind == "section"].top, minlength=len(SPINS))
     np.testing.assert_array_equal(counts, table.sections)
-    assert json.loads(table.attrs["chunks"]) == {"todo": 0, "done": 4, "failed": 0}
 
 
 def test_workers_and_interruptions_change_no_byte(whole: Path, tmp_path: Path) -> None:
-    class Stop(Exception):
-        pass
-
     def stop(done: int, of: int) -> None:
         if done == 6:
-            raise Stop
+            raise KeyError
 
     tt.sweep(plan(), tmp_path / "workers.zarr", workers=2, **RECORDS)
     assert_same(tmp_path / "workers.zarr", whole)
     store = tmp_path / "S.zarr"
-    with pytest.raises(Stop):
+    with pytest.raises(KeyError):
         tt.sweep(plan(), store, workers=1, progress=stop, **RECORDS)
     some = tt.open(store, group="events")
     assert set(some.top.values) == {0, 1, 2, 3, 4, 5}
@@ -130,34 +127,17 @@ def test_workers_and_interruptions_change_no_byte(whole: Path, tmp_path: Path) -
     assert_same(store, whole)
 
 
-@pytest.mark.parametrize("harm", ["flipped", "missing"])
-@pytest.mark.parametrize("part", ["c.0.1", "c.0.3"])
-def test_damaged_events_are_computed_again_with_their_tops(
-    part: str, harm: str, whole: Path, tmp_path: Path
-) -> None:
+def test_damaged_events_are_computed_again_with_their_tops(whole: Path, tmp_path: Path) -> None:
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    victim = store / "events" / "time" / part
-    if harm == "missing":
-        victim.unlink()
-    else:
-        content = bytearray(victim.read_bytes())
-        content[len(content) // 2] ^= 4
-        victim.write_bytes(content)
+    victim = store / "events" / "time" / "c.1.0"
+    content = bytearray(victim.read_bytes())
+    content[len(content) // 2] ^= 4
+    victim.write_bytes(content)
+    (store / "events" / "kind" / "c.0.2").unlink()
     with pytest.raises(StoreError, match="events"):
         tt.open(store, group="events")
     tt.sweep(plan(), store, workers=1, **RECORDS)
     assert_same(store, whole)
-
-
-def test_parts_of_several_files_are_one_table(
-    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tippetop.sweeps.store.PER_FILE", 50)
-    tt.sweep(plan(), tmp_path / "S.zarr", workers=1, **RECORDS)
-    assert (tmp_path / "S.zarr" / "events" / "time" / "c.2.0").exists()
-    found, expected = (tt.open(store, group="events") for store in (tmp_path / "S.zarr", whole))
-    assert found.drop_attrs().equals(expected.drop_attrs())
-    assert typed(f"info {tmp_path}/S.zarr") == 0
 
 
 def test_a_sweep_is_continued_with_its_own_records_only(whole: Path) -> None:
@@ -191,8 +171,3 @@ def test_a_sweep_with_records_is_read_drawn_and_run_alone_without_them(tmp_path:
         file = tmp_path / f"{group}.csv"
         assert typed(f"export {store} --to csv --group {group} --out {file}") == 0
     assert file.read_text().startswith("top,time [s],")
-
-
-def test_columns_of_an_ensemble_are_records() -> None:
-    with pytest.raises(InputError, match="`columns` must be Quantity records"):
-        tt.ensemble("inverting", {"omega3": [1.0]}, until=0.1, columns=["theta", SPIN_ENERGY])
