@@ -27,7 +27,7 @@ import numpy as _np
 import xarray as _xr
 
 from .mechanics.event import Event
-from .mechanics.system import Quantity
+from .mechanics.form import Quantity
 """
 NAMED = re.compile(r"\b((?:[a-z_]\w*\.)+)([A-Z]\w*)")
 

@@ -9,6 +9,7 @@ from docutils import nodes
 import tippetop
 
 
+os.environ["TIPPETOP_QUIET"] = "1"  # no progress bars in the cells of pages
 project = "tippetop"
 author = "tippetop developers"
 copyright = "2026, tippetop developers"

@@ -72,11 +72,11 @@ def file(tmp_path: Path) -> Path:
 @pytest.fixture(scope="session")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Its store, which nothing has disturbed."""
-    from tippetop.sweeps import sweep
+    import tippetop
 
     folder = tmp_path_factory.mktemp("whole")
     (folder / "PLAN.toml").write_text(PLAN)
-    sweep.sweep(folder / "PLAN.toml", folder / "S.zarr", workers=1)
+    tippetop.sweep(folder / "PLAN.toml", folder / "S.zarr", workers=1)
     return folder / "S.zarr"
 
 

@@ -84,7 +84,7 @@ typedef struct {
 
 typedef struct {
     real time;
-    integer event, sign, phase;
+    integer event, sign, phase, lane;
     bool at_pole;
 } Passage;
 
@@ -438,7 +438,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
-        if (l->log_room == 0) /* of a logged run the caller counts them, from logged states */
+        if (l->log_room == 0 || l->lanes > 1) /* of a run the caller counts them in the log */
             take_turning(tally, l->noise_floor, turn, theta);
     }
     if ((real)event->direction * sign < 0)
@@ -446,7 +446,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     loop_keep(l, event->first, event->last, lane, when, sign);
     if (l->logged[0] < l->log_room)
         l->passages[l->logged[0]++] =
-            (Passage){when, e, (integer)sign, *l->in_lane, at_pole};
+            (Passage){when, e, (integer)sign, l->in_lane[lane], lane, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -652,7 +652,7 @@ static bool take_step(const Loop *l, integer lane) {
 
 /* Whether there may be no room for what the next step finds. */
 static bool is_full(const Loop *l) {
-    return (l->log_room > 0 && l->logged[0] + l->events * l->size > l->log_room) ||
+    return (l->log_room > 0 && l->logged[0] + l->events * l->size * l->lanes > l->log_room) ||
            (l->sample_room > 0 && l->sampled[0] + l->lanes > l->sample_room);
 }
 
@@ -677,7 +677,11 @@ static bool end_step(const Loop *l) {
         ended = take_step(l, lane) || ended;
     sort_log(l, first);
     for (integer k = first; k < l->logged[0]; k++)
-        state_at(l, 0, l->passages[k].time, l->logged_states + k * l->width);
+    {
+        integer lane = l->passages[k].lane;
+        state_at(l, lane, l->passages[k].time, l->out);
+        copy(l->variables, l->out + lane, l->lanes, l->logged_states + k * l->width, 1);
+    }
     return ended;
 }
 
@@ -842,7 +846,7 @@ static bool change_phase(Phases *p) {
         return false;
 
     const Event *logged = p->events + c->logged;
-    l->passages[at] = (Passage){when, c->logged, 1, p->present, false};
+    l->passages[at] = (Passage){when, c->logged, 1, p->present, 0, false};
     loop_keep(l, logged->first, logged->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;

@@ -11,22 +11,22 @@ from typing import Any as _Any
 
 
 _NAMES = {
+    "columns": "dataframe",
     "errors": "InputError StoreError Interrupted",
     "problem": "Problem",
     "mechanics.systems.cylinder": "Cylinder",
     "mechanics.systems.heavy_top": "HeavyTop",
     "mechanics.systems.tippe_top": "TippeTop",
     "library.exchanging": "compare fit",
-    "library.variations": "ensemble",
+    "library.variations": "ensemble sweep",
     "library.finished_run": "Run",
     "library.stored_run": "StoredRun",
     "library.running": "open resume run",
     "runs.starting": "load",
     "scenario.reading": "presets",
-    "sweeps.sweep": "sweep",
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names.split()}
-_MODULES = ("derivatives", "errors", "extending", "friction", "landscapes", "theory")
+_MODULES = ("benchmark", "derivatives", "errors", "extending", "friction", "landscapes", "theory")
 __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 

@@ -6,12 +6,14 @@ from typing import Any, Literal
 import numpy as _np
 import xarray as _xr
 
+from . import benchmark as benchmark
 from . import derivatives as derivatives
 from . import errors as errors
 from . import extending as extending
 from . import friction as friction
 from . import landscapes as landscapes
 from . import theory as theory
+from .columns import dataframe as dataframe
 from .errors import InputError as InputError
 from .errors import Interrupted as Interrupted
 from .errors import StoreError as StoreError
@@ -23,15 +25,16 @@ from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun
 from .mechanics.contact.body import Top
 from .mechanics.event import Event
+from .mechanics.form import Quantity
 from .mechanics.friction import FrictionLaw
-from .mechanics.system import Quantity, System
+from .mechanics.system import System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
 from .mechanics.systems.heavy_top import HeavyTop as HeavyTop
 from .mechanics.systems.tippe_top import TippeTop as TippeTop
 from .problem.problem import Problem as Problem
 from .runs.starting import load as load
 from .scenario.reading import presets as presets
-from .sweeps.sweep import sweep as sweep
+from .sweeps.plan import Plan
 
 __version__: str
 
@@ -44,6 +47,7 @@ def ensemble(
     progress: Callable[[int, int], None] | bool = ...,
     orientation: bool = ...,
     lyapunov: bool = ...,
+    event_table: bool = ...,
     start: Mapping[str, Any] | str | Path | None = ...,
     parameters: Mapping[str, Any] | None = ...,
     system: str | System | None = ...,
@@ -61,7 +65,7 @@ def ensemble(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-) -> _xr.Dataset: ...
+) -> Any: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,
@@ -89,3 +93,15 @@ def run(
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
     orientation: bool | None = ...,
 ) -> Run: ...
+def sweep(
+    plan: str | Path | Mapping[str, Any] | Plan,
+    out: str | Path,
+    *,
+    events: Iterable[str | Event] | str | Event | None = ...,
+    columns: Iterable[str | Quantity] | str | Quantity | None = ...,
+    workers: int | None = ...,
+    scheduler: str | None = ...,
+    progress: Callable[[int, int], None] | bool = ...,
+    stop: threading.Event | None = ...,
+    overwrite: bool = ...,
+) -> _xr.Dataset: ...

@@ -219,6 +219,7 @@ OF_COMMANDS = (
     (r"`run\.(\w+)", r"`\1"),
     (r"--accept-other-version", "accept_other_version=True"),
     (r"--overwrite", "overwrite=True"),
+    (r"--group", "`group`"),
 )
 """Words for the command line, and those for callers."""
 

@@ -1,9 +1,10 @@
 """Named columns in SI units, as the store and a Dataset keep them."""
 
 import contextlib
+import json
 import re
 import unicodedata
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from .mechanics.units import Unit
 
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 
@@ -131,11 +133,60 @@ LETTERS = ("xyz", "wxyz")
 """Dimensions of vectors and of quaternions; their names are their labels."""
 
 
+def dataframe(table: "xr.Dataset") -> "pd.DataFrame":
+    """Return a table as a pandas DataFrame: words for codes, a column per component of a vector.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A table of a run, an ensemble, a sweep or derivatives.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The index is `time`, or the number of the row; several dimensions form a MultiIndex.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> print(tt.dataframe(tt.run("flying", until=1.0).phases))
+    """
+    import xarray as xr
+
+    if not isinstance(table, xr.Dataset):
+        raise InputError(f"`table` must be an xarray.Dataset, but is {table!r:.60}.")
+    columns: dict[Any, Any] = {}
+    for name, variable in table.variables.items():
+        letters = next((dim for dim in LETTERS if dim in variable.dims), "")
+        if "flag_meanings" in variable.attrs:
+            words = np.array(variable.attrs["flag_meanings"].split())
+            columns[name] = variable.dims, words[variable.values]
+        elif not letters:
+            columns[name] = variable
+        elif name != letters:
+            parts = {
+                f"{name}_{part}": variable.isel({letters: i}) for i, part in enumerate(letters)
+            }
+            columns |= parts
+    return xr.Dataset(columns).to_dataframe()
+
+
 def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
     """Add the coordinates of a table: letters of vectors, time, and kinds of events."""
     labels = {name: (name, list(name)) for name in LETTERS if name in table.dims}
     named = [name for name in ("time", "kind") if name in table and table[name].ndim == 1]
     return table.assign_coords(labels).set_coords(named)
+
+
+def plain_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as any file can contain them: numbers, texts, and others as JSON texts."""
+    return {
+        name: value
+        if isinstance(value, int | float | str) and not isinstance(value, bool)
+        else json.dumps(value)
+        for name, value in attrs.items()
+        if value is not None
+    }
 
 
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:

@@ -7,7 +7,8 @@ import xarray as _xr
 
 from .library.derivatives import Sensitivities as Sensitivities
 from .mechanics.event import Event
-from .mechanics.system import Quantity, System
+from .mechanics.form import Quantity
+from .mechanics.system import System
 
 def lyapunov(
     source: Any,

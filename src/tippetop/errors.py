@@ -193,8 +193,11 @@ class NamedFormula:
         try:
             value = self.formula(*arguments)
         except Exception as error:
+            rule = ""
+            if isinstance(error, TypeError):
+                rule = " (a formula has no `if` and no `abs`: see tippetop.mechanics.operand)"
             raise InputError(
-                f"the formula of {self.of} fails: {type(error).__name__}: {error}"
+                f"the formula of {self.of} fails: {type(error).__name__}: {error}{rule}"
             ) from error
         if not is_one_number(value, arguments):
             raise InputError(

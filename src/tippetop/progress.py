@@ -1,4 +1,4 @@
-"""A progress bar on stderr: how much is done, and the time that is left."""
+"""A progress bar: how much is done, and the time that is left."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1
 class Bar:
     """Follow work that can be counted or measured. A context; `update` is a progress callback.
 
-    Nothing is drawn where stderr is not a terminal, nor where the environment variable
-    TIPPETOP_QUIET is set.
+    It is drawn on stderr if that is a terminal, and as a line of text in a notebook. Nothing is
+    drawn elsewhere, nor where the environment variable TIPPETOP_QUIET is set.
 
     Parameters
     ----------
@@ -36,14 +36,18 @@ class Bar:
     def __init__(self, things: str, count: str = "{done}/{of} {things}"):
         self.things, self.count = things, count
         self.bar: Any = None
-        self.visible = sys.stderr.isatty() and not os.environ.get("TIPPETOP_QUIET")
+        self.notebook = _notebook()
+        seen = self.notebook is not None or sys.stderr.isatty()
+        self.visible = seen and not os.environ.get("TIPPETOP_QUIET")
         self.due = time.monotonic() + FIRST_AFTER
 
     def __enter__(self) -> Bar:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
+        if self.bar is not None and self.notebook is not None:
+            self._show("")
+        elif self.bar is not None:
             self.bar.stop()
 
     def update(self, done: float, of: float) -> None:
@@ -51,6 +55,10 @@ class Bar:
         if not self.visible or time.monotonic() < self.due:
             return
         self.due = time.monotonic() + AGAIN_AFTER
+        count = self.count.format(done=done, of=of, things=self.things)
+        if self.notebook is not None:
+            self._show(f"{count} ({done / of:.0%})")
+            return
         if self.bar is None:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -64,8 +72,23 @@ class Bar:
             )
             self.bar.start()
             self.task = self.bar.add_task("", total=of, completed=done)
-        count = self.count.format(done=done, of=of, things=self.things)
         self.bar.update(self.task, completed=done, total=of, description=count)
+
+    def _show(self, text: str) -> None:
+        """Show a line of text in the notebook, instead of the one before."""
+        line = {"text/plain": text}
+        if self.bar is None:
+            self.bar = self.notebook(line, raw=True, display_id=True)
+        else:
+            self.bar.update(line, raw=True)
+
+
+def _notebook() -> Any:
+    """Return the function that displays in a notebook; None elsewhere."""
+    ipython = sys.modules.get("IPython")
+    if ipython is None or not hasattr(ipython.get_ipython(), "kernel"):
+        return None
+    return ipython.display.display
 
 
 @contextlib.contextmanager

@@ -28,7 +28,6 @@ import tippetop as tt
 from tippetop.errors import InputError, StoreError
 from tippetop.landscape import surface_recording as surfaces
 from tippetop.runs import recording, resuming
-from tippetop.sweeps import sweep
 
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
@@ -46,7 +45,7 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
     elif kind == "sweep":
         plan = store.with_name("PLAN.toml")
         plan.write_text(PLAN)
-        sweep.sweep(plan, store, workers=1, progress=progress or False)
+        tt.sweep(plan, store, workers=1, progress=progress or False)
     else:
         axes = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
         surfaces.write(store, surfaces.Surface(CANONICAL, *axes, chunk=16), progress=progress)

@@ -8,6 +8,7 @@ import pytest
 from tippetop.ensembles import ensemble, hybrid_tops
 from tippetop.problem import Problem
 from tippetop.scenario import build, reading
+from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.sweep_summary import faults_of
 
 
@@ -35,5 +36,5 @@ def test_info_says_why_a_contact_cannot_be_followed() -> None:
         "scenario": "leine-glocker-stem",
         "axis": [{"of": "friction.mu", "values": [0.3, 5.0]}],
     }
-    (sentence,) = faults_of(document, np.array([1]))
+    (sentence,) = faults_of(Plan.from_tables(document), np.array([1]))
     assert sentence.startswith("top 1: `friction.mu` must be less than 1.3")

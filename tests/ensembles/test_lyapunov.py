@@ -2,6 +2,7 @@
 unless asked for.
 """
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +73,7 @@ def test_it_has_a_map(axes: list, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     numbers = plan.design.numbers(np.arange(plan.n))
     about = {"units": "1", "long_name": "an axis"}
     table = table.assign_coords({key: ("top", values, about) for key, values in numbers.items()})
-    table.attrs = {"plan": plan.document, "status": "finished", "title": "sweep: a top"}
+    table.attrs = {"plan": json.dumps(plan.document), "status": "finished", "title": "sweep: a top"}
     monkeypatch.setattr(maps, "open_sweep", lambda _: table)
     made = maps.make_map(tmp_path, "lyapunov")
     np.testing.assert_array_equal(made.fields["lyapunov"].ravel(), rates)

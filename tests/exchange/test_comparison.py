@@ -14,7 +14,6 @@ import tippetop as tt
 from tippetop.errors import InputError
 from tippetop.exchange.simulators import start_of, text_of
 from tippetop.runs import starting
-from tippetop.store.export import export
 
 
 SCENARIO = {
@@ -61,10 +60,7 @@ def columns(run: tt.Run, turn: float = 0.0) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("to", ["csv", "parquet"])
 def test_an_exported_run_is_its_own_scenario(run: tt.Run, tmp_path: Path, to: str) -> None:
     pytest.importorskip("pyarrow")
-    store, file = tmp_path / "run.zarr", tmp_path / f"run.{to}"
-    run.save(store)
-    export(store, to, file)
-    found = tt.compare(file, SCENARIO).to_dict()
+    found = tt.compare(run.export(tmp_path / f"run.{to}"), SCENARIO).to_dict()
     assert found["rows"] == len(run.trajectory.time)
     assert all(found[name]["max"] < 2e-15 for name in ("theta", "axis", "attitude", "place"))
     assert found["omega3"]["max"] < 1e-11

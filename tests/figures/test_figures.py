@@ -28,8 +28,8 @@ PARAMETERS = {**CANONICAL, "I1": 3.008e-6}
 @pytest.fixture(scope="module")
 def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
     """An inversion: its trajectory, its events, its attributes."""
-    groups = Run(solve(starting.load("inverting", until=8.0))).datasets()
-    return groups["trajectory"], groups["events"], groups["trajectory"].attrs
+    run = Run(solve(starting.load("inverting", until=8.0)))
+    return run.trajectory, run.events, run.attributes
 
 
 def figure_of(*given: Any) -> Figure:

@@ -306,8 +306,7 @@ def inverting_run():
     import tippetop
 
     run = tippetop.run("inverting", until=8)
-    groups = run.datasets()
-    return groups, groups["trajectory"].attrs
+    return run.datasets(), run.attributes
 
 
 def test_band_of_a_rolling_top_stands_still():

@@ -252,8 +252,12 @@ CALLS: list[tuple[Call, str]] = [
             lambda given=given: tt.ensemble("inverting", SPINS, **given),
             f"`{name}` must not be given in an ensemble: it keeps no",
         )
-        for given in ({"columns": ["theta"]}, {"output": "events"}, {"output_step": 0.1})
+        for given in ({"output": "events"}, {"output_step": 0.1})
         for name in given
+    ),
+    (
+        lambda: tt.ensemble("inverting", SPINS, columns=["theta"]),
+        "`columns` must be Quantity records",
     ),
     # figures and files
     (lambda: made().plot(3), "the kind of figure must be one of .* but is `3`"),

@@ -32,7 +32,7 @@ def sentences(*assignments: str) -> str:
             "unknown key `parameters.gama`. The keys of `parameters` are m, R, alpha, I1, I3, g.",
         ),
         ("friction.mu=-0.1", "`friction.mu` must be at least 0.0, but is -0.1."),
-        ("friction.law=mixed", "`friction.eps` must be given, but is missing."),
+        ("friction.law=mixed", "`friction.eps` must be given, but is missing (numbers of another"),
         ("friction.law=glue", "`friction.law` must be one of viscous"),
         ("friction={}", "`friction.law` must be one of"),
         ("initial.theta=3.2", "`initial.theta` must be at most 3.14"),

@@ -200,7 +200,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             {"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}},
             "must not be given in a plan",
         ),
-        ({"axis": [OMEGA], "keep": ["colour"]}, "`keep` must be of class, "),
+        ({"axis": [OMEGA], "keep": ["colour"]}, "`keep` must be of status, class, "),
         ({"axis": [OMEGA], "runs": [1]}, "`runs` must be numbers of tops, 0 to 0, but has 1"),
         (
             {"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]},

@@ -131,5 +131,7 @@ def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
     """
     from .application import application
 
-    sys.stdout.write(application().generate_completion(shell=shell))
+    script = application().generate_completion(shell=shell)
+    # where bash knows no word it completes files: scenarios and stores
+    sys.stdout.write(script.replace("complete -F", "complete -o default -F"))
     return 0

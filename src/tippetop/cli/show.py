@@ -6,7 +6,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, StoreError
 from .streams import print_json, visible
 from .values import Place, Seconds
 
@@ -147,14 +147,24 @@ def export(
         The file to write; must not exist yet (or use --overwrite).
     group
         `trajectory` or `events` of a run, `phases` or `impacts` of one whose contact changes its
-        phase. Without it CSV and Parquet contain the first, netCDF contains all.
+        phase, `sweep` or `events` of a sweep. Without it CSV and Parquet contain the first, netCDF
+        contains all, as groups.
     overwrite
         Replace an existing file.
     """
     if to not in ("mjcf", "urdf"):
+        from ..store import root
         from ..store.export import export as write
 
-        write(store, to, out, group, overwrite=overwrite)
+        attrs = root.attributes(store)
+        content = attrs.get("content", "run")
+        if content not in ("run", "sweep"):
+            raise StoreError(
+                f"`{store}` must be a run or a sweep to be exported, but is a {content}."
+            )
+        groups = [name for name in root.groups_of(store) if name != "keyframes"]
+        tables = {name: root.open_group(store, name) for name in groups}
+        write(tables, attrs, f"`{store}`", to, out, group, overwrite=overwrite)
         return 0
     from ..exchange.simulators import text_of
     from ..runs.starting import load_any

@@ -39,7 +39,8 @@ def sweep(
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED
-    from ..sweeps import sweep, sweep_summary
+    from ..library.variations import sweep as swept
+    from ..sweeps import sweep_summary
     from .targets import finished
 
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
@@ -49,9 +50,7 @@ def sweep(
     was_finished = finished(out, overwrite)
     failed: list[str] = []
     try:
-        sweep.sweep(
-            plan, out, workers=workers, scheduler=scheduler, progress=True, overwrite=overwrite
-        )
+        swept(plan, out, workers=workers, scheduler=scheduler, overwrite=overwrite)
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way
@@ -93,12 +92,14 @@ def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
         partial(measured, plan), "some tops are being run (their equations are compiled first)"
     )
     size = round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3)
+    if "events" not in (plan.keep or ()):  # as many as they are
+        expected["megabytes_at_most"] = size
     facts = {
         "tops": plan.n,
         "axes": plan.design.sizes,
         "chunks": plan.chunks,
         "tops_per_chunk": plan.chunk,
-        "expected": {**expected, "megabytes_at_most": size},
+        "expected": expected,
         "plan": plan.document,
     }
     return facts, units_of(build.resolved(plan.base)) | {"compiling": "s"}

@@ -574,7 +574,7 @@ class HybridDriver(Driver):
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase, given by its number."""
         at, when, event = self.logged[0], float(time), self.all_events.events[number]
-        self.log.rows[at] = when, number, sign, phase, False
+        self.log.rows[at] = when, number, sign, phase, 0, False
         self.times[at], self.log.states[at, : len(state)] = time, state
         self.logged[0] += 1
         if event["lasting"]:

@@ -155,15 +155,17 @@ from now on.
 
 
 class PassageLog(NamedTuple):
-    """Zeros of event functions in one lane, in the order of detection; of length 0 if unused."""
+    """Zeros of event functions, those of a lane in order; of length 0 if unused."""
 
     filled: np.ndarray  # (1,) how many there are
     rows: np.ndarray  # (n,) records
     states: np.ndarray  # (n, variables) in the working precision
 
 
-# internal; number of the event; of the crossing, +1 rising; whether the axis passes a pole there
-_PASSAGE = [("time", float), ("event", int), ("sign", int), ("phase", int), ("at_pole", bool)]
+# internal; number of the event; of the crossing, +1 rising; the phase of a run, or the top that is
+# in the lane; whether the axis passes a pole there
+_NUMBERS = [(name, int) for name in ("event", "sign", "phase", "lane")]
+_PASSAGE = [("time", float), *_NUMBERS, ("at_pole", bool)]
 PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 

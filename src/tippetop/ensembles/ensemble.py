@@ -17,9 +17,11 @@ from ..engine.tallies import EventRows, Tallies, new_tallies
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
+from ..runs import attributes
 from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, Lanes
 from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude, dataset
+from .top_events import event_table, log_events
 
 
 if TYPE_CHECKING:
@@ -34,6 +36,7 @@ def measure(
     progress: Report | None = None,
     wanted: Collection[str] | None = None,
     lyapunov: bool = False,
+    events: bool = False,
 ) -> Outcomes:
     """Integrate every valid top to its end; `progress(done, n)` is called now and then.
 
@@ -51,6 +54,8 @@ def measure(
     lyapunov
         Whether the finite-time Lyapunov exponents are wanted: one top after the other, several
         runs' cost each. That of a top that is invalid, or ends at its start, is NaN.
+    events
+        Whether the events of each top are logged.
 
     Returns
     -------
@@ -67,11 +72,12 @@ def measure(
                 progress(next(counted), total)
 
     alone = _ends_at_start(tops, functions) | tops.base.system.is_hybrid
-    run_each(measured, np.flatnonzero(tops.valid & alone), lambda *_: ended())
+    separate = np.flatnonzero(tops.valid & alone)
+    run_each(measured, separate, lambda *_: ended(), events=events)
     if len(numbers := np.flatnonzero(tops.valid & ~alone)):
         queue = iter(numbers.tolist())
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // LANES))
-        workers = [Lanes(tops, LANES, wanted) for _ in range(n)]
+        workers = [Lanes(tops, LANES, wanted, events=events) for _ in range(n)]
         tallies = new_tallies(workers[0].rows, functions.T)
         with ThreadPoolExecutor(n) as pool:
             try:
@@ -87,6 +93,8 @@ def measure(
         measured.steps_made += int(tallies.lane["steps"].sum())
         measured.steps_possible += sum(worker.steps_possible for worker in workers)
         _write(measured, numbers, tallies, workers[0].rows)
+        if measured.passages:
+            log_events(measured, measured.passages, tallies.lane["lasts_since"])
     _conclude(measured)
     if lyapunov:
         ends = measured.columns["t_end"]
@@ -205,8 +213,9 @@ def of_problem(
     progress: Report | bool = False,
     orientation: bool = False,
     lyapunov: bool = False,
-) -> "xr.Dataset":
-    """Return a Dataset with one row per top.
+    events: bool = False,
+) -> "tuple[xr.Dataset, xr.Dataset | None]":
+    """Return a Dataset with one row per top, and one with their events if these are wanted.
 
     The tops are a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
@@ -224,11 +233,13 @@ def of_problem(
         Whether the orientation at the end is wanted.
     lyapunov
         Whether the finite-time Lyapunov exponents are wanted.
+    events
+        Whether the events are wanted.
 
     Returns
     -------
-    xarray.Dataset
-        Dimension `top`, SI units.
+    (xarray.Dataset, xarray.Dataset or None)
+        Dimensions `top` and `event`, SI units.
 
     Raises
     ------
@@ -244,5 +255,7 @@ def of_problem(
         raise InputError(sentences)
     tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
-        measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov)
-        return dataset(measured)
+        measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov, events=events)
+        found = dataset(measured)
+        table = attributes.dataset(event_table(measured), found.attrs) if events else None
+        return found, table

@@ -7,10 +7,10 @@ import numpy as np
 
 from ..engine.status import Status
 from ..errors import InputError
-from ..problem import Problem, Problems
+from ..problem import TURN, Problem, Problems
 from ..progress import Report
 from ..runs.integration import Integration
-from ..runs.sinks import Sink
+from ..runs.sinks import Memory, Sink
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import SWINGS, Outcomes
@@ -35,6 +35,9 @@ def problem_of(tops: Problems, top: int) -> Problem:
     if touches(base) and "initial.gap" not in tops.columns:
         initial.pop("gap", None)
         initial = on_stem(initial, parameters, rules)
+    kept = base.columns
+    if kept is not None and not tops.orientation:
+        kept = tuple(name for name in kept if name not in TURN)
     return replace(
         base,
         parameters=parameters,
@@ -44,6 +47,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
         until=until,
         times=ListedTimes(np.array([until])),
         output="times",
+        columns=kept,
         orientation=tops.orientation,
     )
 
@@ -53,7 +57,9 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.clashes(), *contact_faults(problem)]
 
 
-def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -> None:
+def run_each(
+    outcomes: Outcomes, numbers: np.ndarray, progress: Report | None, *, events: bool = False
+) -> None:
     """Run tops one after the other, and write their rows.
 
     Parameters
@@ -64,6 +70,8 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
         Of the tops.
     progress
         Called as progress(done, of).
+    events
+        Whether events are logged.
     """
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
@@ -71,7 +79,7 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
         try:
             if faults := faults_of(problem):
                 raise InputError(faults)
-            _run(outcomes, top, problem)
+            _run(outcomes, top, problem, events)
         except InputError as error:
             outcomes.status[top] = Status.INVALID.code
             outcomes.faults.append((top, error.sentences[0]))
@@ -79,10 +87,14 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
             progress(done, len(numbers))
 
 
-def _run(outcomes: Outcomes, top: int, problem: Problem) -> None:
+def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     """Run a top and write its row, in internal units."""
     integration = Integration(problem)
-    integration.run(Sink())
+    memory = Memory()
+    memory.keeps_rows = False
+    integration.run(memory if logs else Sink())
+    if logs:
+        outcomes.events[top] = memory.table()
     end = integration.progress()
     events, kept = end.events, (name for name, _ in end.events.known.kept)
     values = {

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator
 import numpy as np
 
 from ..engine.expressions import formulas_of
-from ..engine.loop import Loop, new_motion
+from ..engine.loop import MOST_COEFFICIENTS, Loop, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
@@ -44,7 +44,7 @@ class Lanes:
         All that may run in them.
     lanes
         How many run at a time.
-    wanted
+    wanted, events
         As in `ensemble.measure`.
 
     Attributes
@@ -60,6 +60,8 @@ class Lanes:
         tops: Problems,
         lanes: int,
         wanted: Collection[str] | None = None,
+        *,
+        events: bool = False,
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
@@ -78,9 +80,11 @@ class Lanes:
         self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
-        self.loop = Loop(
-            self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
-        )
+        # twice what a step may find
+        room = 2 * lanes * len(self.rows.events) * MOST_COEFFICIENTS
+        self.log = new_log(room if events else 0, n)
+        found = self.tallies, self.log, self.samples
+        self.loop = Loop(self.motion, self.rows, *found, rules, code.machine)
 
     def run(
         self,
@@ -120,6 +124,12 @@ class Lanes:
             if idle or self.is_stopped:
                 return
             self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
+            if len(self.log.rows):
+                logged = slice(self.log.filled[0])
+                outcomes.passages.append(
+                    (self.log.rows[logged].copy(), self.log.states[logged].copy())
+                )
+                self.log.filled[0] = 0
             for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
                 if not self._stays(lane):
                     status[lane] = Status.RUNNING.code
@@ -148,7 +158,7 @@ class Lanes:
 
 
 def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:
-    """Return the events that end or settle a top, or that columns need.
+    """Return the events that end or settle a top, that are wanted, or that columns need.
 
     Parameters
     ----------
@@ -157,7 +167,8 @@ def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> Event
     base
         The base of the tops.
     reads
-        reads(*names) -> whether a column is wanted whose name begins like one of these.
+        reads(*names) -> whether a column, or an event, is wanted whose name begins like one of
+        these.
 
     Returns
     -------
@@ -166,7 +177,8 @@ def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> Event
     """
     watches, ranges = [], []
     for event in base.system.events:
-        names = [kept.name for kept in event.kept] + (list(SWINGS) if event.sense else [])
+        names = [event.name, *(kept.name for kept in event.kept)]
+        names += SWINGS if event.sense else ()
         watches.append(bool(event.ends or event.lasting) or reads(*names))
         ranges.append(reads(f"{event.extremes}_min", f"{event.extremes}_max"))
     return looked_for(rows, watches, ranges, stops=base.on_liftoff == "stop")

@@ -4,15 +4,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..columns import Column, column, flag_attributes
+from ..columns import Column, column, flag_attributes, plain_attributes
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
+from ..errors import owner
 from ..mechanics.contact.gliding import EVENTS
-from ..mechanics.system import System
+from ..mechanics.system import Quantity, System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
+from ..runs.events import EventTable
 from ..scenario import build
 
 
@@ -35,6 +37,11 @@ ORIENTATION: dict[str, Form] = {
     "psi_end": (np.nan, RADIAN, f"{PSI}; at the end"),
 }
 """Columns of the orientation at the end, where it is wanted."""
+
+
+def own_quantities(system: System) -> list[Quantity]:
+    """Return the user-defined numbers of a system, whose values at the end are columns."""
+    return [q for q in system.quantities if owner(q.formula) and not q.meanings]
 
 
 def columns_of(system: System) -> dict[str, Form]:
@@ -61,6 +68,10 @@ def columns_of(system: System) -> dict[str, Form]:
             if q.name in watched
             for end, word in (("min", "least"), ("max", "greatest"))
         },
+        **{
+            f"{q.name}_end": (np.nan, q.unit, f"{q.long_name}; at the end")
+            for q in own_quantities(system)
+        },
     }
 
 
@@ -84,6 +95,9 @@ class Outcomes:
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
+        # zeros of event functions that lanes found, rows and states; and the events of tops
+        self.passages: list[tuple[np.ndarray, np.ndarray]] = []
+        self.events: dict[int, EventTable] = {}
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     @QUIET
@@ -115,6 +129,8 @@ def _conclude(outcomes: Outcomes) -> None:
             columns[f"{name}_end"][ended] = value
     values = values_of(tops, final, ended)
     columns["theta_end"][ended] = values["theta"]
+    for q in own_quantities(tops.base.system):
+        columns[f"{q.name}_end"][ended] = values[q.name] * tops.unit(q.unit)[ended]
     body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
     second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
     kind[ended] = classes_of(tops.base.system, values, second, settled, body)
@@ -146,7 +162,7 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
         "processor_seconds": outcomes.processor,
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
-    return xr.Dataset(columns, coords, attrs)
+    return xr.Dataset(columns, coords, plain_attributes(attrs))
 
 
 def table(outcomes: Outcomes) -> dict[str, Column]:

@@ -168,7 +168,7 @@ def fit(
     quaternion: str | None = None,
     up: str = "z",
     noise: float | str | None = None,
-    progress: Report | bool = False,
+    progress: Report | bool = True,
 ) -> Fitted:
     """Fit numbers of a scenario to a measured motion, by least squares with exact derivatives.
 
@@ -196,8 +196,8 @@ def fit(
         Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg".
         theta may lie beyond 0 and pi by five of these, and larger residuals are reported.
     progress : bool or callable
-        True shows a bar on a terminal; a callable is called with the numbers of windows of the data
-        that are done and that are expected.
+        True shows a bar in a terminal or a notebook; a callable is called with the numbers of
+        windows of the data that are done and that are expected.
 
     Returns
     -------

@@ -20,6 +20,7 @@ ALWAYS = (
     "time",
     "event",
     "top",
+    "t",
     "xyz",
     "wxyz",
     "psi",
@@ -103,6 +104,7 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
     faults += [] if faults else rivals([*system.events, *events])
     numbers = {*columns_of(system), *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
     numbers.update(*(law.parameters for law in system.laws.values()))
+    numbers.update(f"{column.name}_end" for column in columns)
     kept = [k.name for event in events for k in event.kept]
     return faults + _names("the name of a Kept", kept, system, numbers)
 

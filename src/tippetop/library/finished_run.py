@@ -4,13 +4,13 @@ import html
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import in_python, path_of, seconds
+from ..arguments import flag, in_python, path_of, seconds
 from ..errors import InputError, StoreError
 from ..mechanics.caching import cached_property
 from ..problem import Problem
 from ..runs import attributes, results
 from ..runs.certificate import certificate
-from ..runs.phases import tables_of
+from ..runs.phases import DIMENSIONS, tables_of
 from ..runs.results import Certificate, Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
@@ -103,9 +103,19 @@ class Run:
     def _table(self, name: str) -> "xr.Dataset":
         """Return a table. Raises AttributeError if the run has none of this name."""
         if name not in self._names:
-            why = "the contact of this run does not change its phase"
-            raise AttributeError(f"there is no table `{name}`: {why}")
+            raise AttributeError(name)  # `__getattr__` explains it
         return self._datasets[name]
+
+    if not TYPE_CHECKING:  # otherwise a type checker would take any name
+
+        def __getattr__(self, name: str) -> Any:
+            """Raise AttributeError that names the table of a column."""
+            hint = ""
+            if name in DIMENSIONS:
+                hint = ": the contact of this run does not change its phase"
+            elif not name.startswith("_") and name in self._datasets["trajectory"]:
+                hint = f": see run.trajectory.{name}"
+            raise AttributeError(f"a {type(self).__name__} has no attribute `{name}`{hint}")
 
     @property
     def _names(self) -> tuple[str, ...]:
@@ -158,6 +168,45 @@ class Run:
         place = path_of("path", path)
         with in_python():
             recording.save(self.solution, self.attributes, place, overwrite=overwrite)
+        return place
+
+    def export(
+        self, path: str | Path, *, group: str | None = None, overwrite: bool = False
+    ) -> Path:
+        """Write the run as netCDF, CSV or Parquet: the file of `tippetop export`.
+
+        Parameters
+        ----------
+        path : path-like
+            The file; its ending names the format: .nc, .csv, .parquet or .pq.
+        group : str, optional
+            The only table to write: trajectory, events, phases or impacts. By default netCDF has
+            all of them as groups, other formats have the trajectory.
+        overwrite : bool
+            Whether an existing file is replaced.
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        InputError
+            If the ending or the group is unknown.
+        StoreError
+            If the path exists already, or cannot be written.
+        """
+        from ..store.export import ENDINGS, export
+
+        place = path_of("path", path)
+        if place.suffix not in ENDINGS:
+            endings = ", ".join(ENDINGS)
+            raise InputError(f"`path` must end with one of {endings}, but is {str(path)!r:.60}.")
+        flag("overwrite", overwrite)
+        of, to = f"`{getattr(self, 'path', 'the run')}`", ENDINGS[place.suffix]
+        with in_python():
+            export(self.datasets(), self.attributes, of, to, place, group, overwrite=overwrite)
         return place
 
     @property

@@ -30,7 +30,7 @@ def run(
     *,
     out: str | Path | None = None,
     overwrite: bool = False,
-    progress: bool = False,
+    progress: bool = True,
     stop: threading.Event | None = None,
     **scenario: Any,
 ) -> Run:
@@ -72,7 +72,7 @@ def run(
     overwrite : bool
         Replace an existing store at `out`.
     progress : bool
-        Show a progress bar in a terminal.
+        Show a progress bar of a longer run, in a terminal or a notebook.
     stop : threading.Event, optional
         With `out`: set it in a signal handler or another thread to stop the run; `resume`
         continues it.
@@ -98,10 +98,9 @@ def run(
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
     flag("overwrite", overwrite)
-    flag("progress", progress)
     problem = problem_of(source, friction, **scenario)
     instance("stop", stop, threading.Event | None, "a threading.Event")
-    bar: Any = bar_of_run() if progress else contextlib.nullcontext()
+    bar = _bar(progress)
     if out is None:
         if problem.output == "keyframes":
             raise InputError(
@@ -115,6 +114,12 @@ def run(
     with bar as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(place, problem.system)
+
+
+def _bar(progress: bool) -> Any:
+    """Return a context that provides the progress callback of a run, or None."""
+    flag("progress", progress)
+    return bar_of_run() if progress else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
@@ -135,6 +140,7 @@ def open(
     path: str | Path,
     *,
     gridded: bool = False,
+    group: str | None = None,
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
@@ -146,6 +152,8 @@ def open(
         The store of a run, a sweep, a minimal surface or a potential.
     gridded : bool
         Make the axes of a sweep the dimensions of its table, which is read into memory.
+    group : str, optional
+        One table of the store, such as "events" of a sweep that keeps them, as a Dataset.
     events, columns : iterable of Event and of Quantity, optional
         User-defined records of the run. They are required for `problem`, `certify` and
         `replay`, but not for stored rows.
@@ -153,7 +161,7 @@ def open(
     Returns
     -------
     StoredRun or xarray.Dataset
-        A run as a StoredRun; a sweep as a Dataset with a row per top, a
+        A run as a StoredRun; a sweep as a Dataset with a row per top (or per event), a
         surface or potential as a Dataset over its axes.
 
     Raises
@@ -164,6 +172,8 @@ def open(
     path = path_of("path", path)
     flag("gridded", gridded)
     attrs = root.attributes(path)
+    if group is not None:
+        return root.open_group(path, group)
     content, own = attrs.get("content"), of_stored(attrs, events, columns)
     if content is None:
         return StoredRun(path, own)
@@ -179,6 +189,7 @@ def resume(
     path: str | Path,
     *,
     until: float | str | None = None,
+    progress: bool = True,
     stop: threading.Event | None = None,
     accept_other_version: bool = False,
     events: Iterable[Event] | Event | None = None,
@@ -194,7 +205,7 @@ def resume(
         The store.
     until : float, optional
         A later end of the run [s].
-    stop : threading.Event, optional
+    progress, stop
         As for `run`.
     accept_other_version : bool
         Continue a run of other versions or another processor: bits may differ, and the store
@@ -222,9 +233,10 @@ def resume(
     place = path_of("path", path)
     own = of_stored(root.root_of(place), events, columns)
     instance("stop", stop, threading.Event | None, "a threading.Event")
-    with in_python(), _resumable(place):
+    with _bar(progress) as follow, in_python(), _resumable(place):
         resumed(
             place,
+            follow,
             until=end,
             stop=stop,
             accept_other_version=accept_other_version,

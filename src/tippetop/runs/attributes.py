@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from ..columns import Column, with_coordinates
+from ..columns import Column, plain_attributes, with_coordinates
 from ..engine.status import Status
 from ..mechanics.friction import PARTS
 from ..problem import ROUNDING
@@ -33,7 +33,7 @@ def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
     """Return columns as a labelled Dataset."""
     import xarray as xr
 
-    return with_coordinates(xr.Dataset(dict(columns), attrs=attrs))
+    return with_coordinates(xr.Dataset(dict(columns), attrs=plain_attributes(attrs)))
 
 
 def attributes(progress: RunProgress) -> dict[str, Any]:

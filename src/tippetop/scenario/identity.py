@@ -69,9 +69,10 @@ def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...
         registered = opened(registered, *system.contact)
     if registered is None or registered is system:
         return (), ()
+    known = *registered.quantities, *system.on_request
     return (
         tuple(event for event in system.events if event not in (*registered.events, SETTLED)),
-        tuple(quantity for quantity in system.quantities if quantity not in registered.quantities),
+        tuple(quantity for quantity in system.quantities if quantity not in known),
     )
 
 

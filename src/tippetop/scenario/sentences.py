@@ -45,7 +45,8 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
     """Return the sentence on one pydantic error at `key`, whose table may have `known` keys."""
     context, kind = error.get("ctx", {}), error["type"]
     if kind == "missing":
-        return f"`{key}` must be given, but is missing."
+        not_taken = " (numbers of another law are not taken)" if "friction" in key else ""
+        return f"`{key}` must be given, but is missing{not_taken}."
     if kind == "extra_forbidden":
         return unknown_key(key, known, [])
     must = {

@@ -493,6 +493,8 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
     keys = [*state.chunks]
     for table in state.rows:  # further chunks are derived from the tail
         path = tables[table][0]
+        if len(zarr3.chunk_shape(members[path])) > 1:  # the events of a sweep
+            continue
         count = -(-rows[path] // zarr3.chunk_shape(members[path])[0])
         keys += [key for k in range(count) if (key := f"{table}/{k}") not in state.chunks]
     for key in keys:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import flag, path_of
-from ..columns import with_coordinates
+from ..columns import plain_attributes, with_coordinates
 from ..errors import StoreError
 from . import files, ledger
 from .ledger import Ledger
@@ -67,7 +67,7 @@ def _no_store(place: Path) -> str:
         )
     except FileNotFoundError:
         if not place.exists():
-            return "does not exist"
+            return "does not exist: `tippetop run SCENARIO --out STORE` makes a store"
     except NotADirectoryError:
         return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
     except OSError as error:
@@ -102,12 +102,12 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     path : path-like
         The store.
     group : str
-        trajectory or events, of a run; sweep; surface; potential.
+        trajectory, events, ..., of a run; sweep or events of a sweep; surface; potential.
 
     Returns
     -------
     xarray.Dataset
-        In SI units, with the root attributes of the store.
+        In SI units, with the root attributes of the store; tables among them are JSON texts.
 
     Raises
     ------
@@ -117,11 +117,30 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     import xarray as xr
 
     attrs = attributes(path_of("path", path))
+    # as attributes of a netCDF file these would have another meaning
+    shape = [attrs.pop(key, []) for key in ("coordinates", "columns", "dimensions", "shape")]
+    coordinates, columns, *_ = shape
     try:
-        table = xr.open_zarr(Path(path), group=group, chunks=None).assign_attrs(attrs)
-        return with_coordinates(table)
+        table = xr.open_zarr(Path(path), group=group, chunks=None)
+        if "row" in table.dims:
+            table = _joined(loaded(table, path))
+        elif coordinates:
+            table = table[[*coordinates, *columns]].set_coords(coordinates)
+        return with_coordinates(table.assign_attrs(plain_attributes(attrs)))
     except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+
+def _joined(table: "xr.Dataset") -> "xr.Dataset":
+    """Return the events of a sweep in one piece: the parts one after another."""
+    import xarray as xr
+
+    is_row = np.isfinite(table["time"].values.T)
+    columns = {
+        name: (("event", *column.dims[2:]), column.values.swapaxes(0, 1)[is_row], column.attrs)
+        for name, column in table.variables.items()
+    }
+    return xr.Dataset(columns)
 
 
 def loaded(table: Any, path: str | Path) -> Any:

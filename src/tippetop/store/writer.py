@@ -83,17 +83,21 @@ def begin_or_continue(
     if content != found:
         raise StoreError(f"`{path}` must be a {content} to be continued, but is a {found}.")
     for key in same:
-        if stored.get(key) != wanted[key]:
+        if stored.get(key) != wanted.get(key):
+            words = "events and columns of the user" if key == "own" else key
             raise StoreError(
-                f"`{path}` must have the same {key} to be continued, but "
-                f"{_difference(stored[key], wanted[key])}: name another store."
+                f"`{path}` must have the same {words} to be continued, but "
+                f"{_difference(stored.get(key, {}), wanted.get(key, {}))}: name another store."
             )
     with files.writing(path):
         files.refuse_links(path)
         store = Ledger.opened(path)
         with store.released_on_failure():
             if unsound := store.unsound():
-                store.restart(store.state.header, store.state.chunks.keys() - {*unsound})
+                # a chunk of a sweep and its events, a row of which it is, are computed together
+                unsound += [f"{content}/{key.rpartition('.')[2]}" for key in unsound]
+                keys = store.state.chunks.keys() - {*unsound}
+                store.restart(store.state.header, keys, rows=store.state.rows)
     return store
 
 

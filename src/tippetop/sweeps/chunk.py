@@ -6,6 +6,9 @@ import numpy as np
 
 from ..columns import Column, without_rows
 from ..ensembles import ensemble, outcomes
+from ..ensembles.top_events import event_table
+from ..mechanics.event import Event
+from ..mechanics.system import Quantity
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
 from ..scenario import build
@@ -15,6 +18,11 @@ from ..store import provenance
 Rows = dict[str, np.ndarray]  # the columns of a chunk by name
 # names in `keep` for several columns; those of the orientation are left out unless they are named
 FINAL, DRIFT, ORIENTATION = "final_state", "drift", "orientation"
+EVENTS = "events"  # the name in `keep` of the table of events, which is left out unless it is named
+
+
+Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
+"""Events and columns that no registered system has."""
 
 
 class Task(NamedTuple):
@@ -25,6 +33,7 @@ class Task(NamedTuple):
     columns: dict[str, np.ndarray]  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
+    own: Records = ((), ())
 
 
 class OtherVersions(Exception):
@@ -38,9 +47,14 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
         raise OtherVersions(
             f"the worker has other versions of {', '.join(differ)} than the sweep was begun with"
         )
-    measured = measure(build.problem(task.tables), task.columns, task.keep, threads)
+    measured = measure(base_of(task.tables, task.own), task.columns, task.keep, threads)
     table = columns(measured, task.keep)
     return {name: column.values for name, column in table.items()}
+
+
+def base_of(tables: dict[str, Any], own: Records) -> Problem:
+    """Return the problem of a scenario's tables, with events and columns of the user."""
+    return build.problem(tables, build.system_of(tables).with_records(*own))
 
 
 def measure(
@@ -50,16 +64,26 @@ def measure(
     names = keep or []
     chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
-    wanted = [*names, "t_end"] if chaos else keep
-    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos)
+    wanted, events = [*names, "t_end"] if chaos else keep, EVENTS in names
+    if events:
+        wanted = [*names, "t_end", *base.events]
+    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos, events=events)
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
-    """Return the rows of tops as labelled columns, always with `status`."""
+    """Return the rows of tops as labelled columns, always with `status`.
+
+    Those of events have other rows: they are a part of a table.
+    """
     with np.errstate(all="ignore"):  # of invalid tops
         table = {**outcomes.table(measured), **_final_states(measured)}
     kept = None if keep is None else {*keep, "status"}
-    return {n: c for n, c in table.items() if kept is None or {n, _group(n)} & kept}
+    found = {n: c for n, c in table.items() if kept is None or {n, _group(n)} & kept}
+    if EVENTS in (kept or ()):
+        for name, (dims, values, attrs) in event_table(measured).items():
+            column = Column(("row", "part", *dims[1:]), values[:, None], attrs)
+            found[f"{EVENTS}/{name}"] = column
+    return found
 
 
 def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
@@ -89,8 +113,7 @@ def column_names(base: Problem) -> list[str]:
     """Return the valid names of `keep`: columns, groups of columns, and `lyapunov` if it exists."""
     oriented = [ORIENTATION, *outcomes.ORIENTATION] if base.form.orientation else []
     chaos = [] if derivative_faults(base) else [outcomes.LYAPUNOV]
-    names = [name for name in column_schema(base, None) if name != "status"]
-    return [*names, FINAL, DRIFT, *oriented, *chaos]
+    return [*column_schema(base, None), FINAL, DRIFT, EVENTS, *oriented, *chaos]
 
 
 def _group(name: str) -> str:

@@ -15,7 +15,7 @@ from ..errors import InputError
 from . import derived_axes
 from .design import Axis
 from .plan import Plan
-from .sweep_summary import column, open_sweep
+from .sweep_summary import column, open_sweep, plan_of
 
 
 POINTS = 121  # of a border, along each axis
@@ -77,7 +77,7 @@ def make_map(path: Path, kind: str) -> Map:
     Raises InputError for an unknown kind, or one whose column was not kept; StoreError.
     """
     table = open_sweep(path)
-    plan = Plan.from_tables(table.attrs["plan"])
+    plan = plan_of(table)
     numbers = plan.design.numbers(np.arange(plan.n))
     columns = derived_axes.resolved(plan.base, numbers)
     alpha = columns.get("parameters.alpha", plan.base.parameters.get("alpha", 1))

@@ -2,6 +2,7 @@
 
 import math
 import operator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,9 +21,11 @@ from ..problem import Problem, derivative_faults, key_faults
 from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
+from ..scenario.identity import user_records
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived_axes
+from .chunk import Records, base_of, column_names
 from .design import MOST_TOPS, Axis, Design, Sample
 
 
@@ -35,6 +38,7 @@ CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; what 
 WAYS = ("values", "linspace", "geomspace", "between")  # in which an axis gives its numbers
 # of a top whose contact may change its phase: a hop takes as long as a thousand steps
 SECONDS_ALONE = 0.1
+Maker = Callable[[dict[str, Any]], Problem]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
 
@@ -79,7 +83,7 @@ class PlanTable(Table, use_attribute_docstrings=True):
     """how axes with between are drawn"""
     keep: list[str] | None = None
     """columns to keep; by default all but orientation and lyapunov. final_state, drift, \
-orientation are groups of columns"""
+orientation are groups of columns; events is a table of the events of every top"""
     runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """numbers of tops to run alone as well, with rows, into runs/N"""
     chunk: Count | None = None
@@ -98,14 +102,19 @@ class Plan:
     document: dict[str, Any]
 
     @classmethod
-    def from_toml(cls, path: str | Path) -> "Plan":
+    def from_toml(cls, path: str | Path, made: Maker = build.problem) -> "Plan":
         """Return the plan of a TOML file. Raises InputError with every fault."""
         place = path_of("plan", path)
-        return cls.from_tables(reading.read(str(place)), place.parent)
+        return cls.from_tables(reading.read(str(place)), place.parent, made)
 
     @classmethod
-    def from_tables(cls, document: dict[str, Any], folder: Path = Path()) -> "Plan":
-        """Return the plan of plain data; files are relative to `folder`. Raises InputError."""
+    def from_tables(
+        cls, document: dict[str, Any], folder: Path = Path(), made: Maker = build.problem
+    ) -> "Plan":
+        """Return the plan of plain data.
+
+        Files are relative to `folder`; `made` makes the base of its tables. Raises InputError.
+        """
         if "system" in document and not is_plan(document):
             raise InputError(
                 "this is a scenario, not a plan: a plan names its scenario and has tables [[axis]]."
@@ -116,7 +125,7 @@ class Plan:
             raise InputError(
                 first_sentences(error.errors(include_url=False), scenario_sentence)
             ) from None
-        base, sentences = build.problem(_base(shape, folder)), []
+        base, sentences = made(_base(shape, folder)), []
         keys = [axis.of for axis in shape.axis]
         for i, axis in enumerate(shape.axis, 1):
             rule = base.rules.get(axis.of)
@@ -132,7 +141,11 @@ class Plan:
         for axis in plain_data["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
-        of_base = {"scenario": build.resolved(base)}
+        tables, own = build.resolved(base), user_records(base.system)
+        for key in tables["run"].keys() & {"events", "columns"}:
+            names = {record.name for records in own for record in records}
+            tables["run"][key] = [name for name in tables["run"][key] if name not in names]
+        of_base = {"scenario": tables}
         design = Design(tuple(map(_axis, shape.axis)), shape.sample)
         plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, **of_base})
         if sentences := _run_faults(plan) + _keep_faults(plan):
@@ -143,6 +156,11 @@ class Plan:
     def n(self) -> int:
         """Number of tops."""
         return self.design.n
+
+    @cached_property
+    def own(self) -> Records:
+        """User-defined events and columns, which the document does not contain."""
+        return user_records(self.base.system)
 
     @property
     def keep(self) -> list[str] | None:
@@ -190,7 +208,7 @@ class Plan:
         run = tables["run"]
         if "output_times" in run:
             run["output_times"] = [t for t in run["output_times"] if t <= run["until"]]
-        return build.problem(tables)
+        return base_of(tables, self.own)
 
     @cached_property
     def seconds_per_top(self) -> float:
@@ -330,8 +348,6 @@ def _run_faults(plan: Plan) -> list[str]:
 
 def _keep_faults(plan: Plan) -> list[str]:
     """Return the faults of `keep`."""
-    from .chunk import column_names
-
     if plan.keep is None:
         return []
     known = column_names(plan.base)

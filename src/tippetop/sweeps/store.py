@@ -9,34 +9,42 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column
+from ..scenario.identity import DIGESTS, digests_of
 from ..store import ledger, provenance, zarr3
 from ..store.ledger import Ledger
 from ..store.root import RUNS, finite
 from ..store.writer import begin_or_continue
 from . import chunk, derived_axes
+from .chunk import EVENTS, Rows
 from .plan import Plan
 
 
 GROUP = "sweep"
+PER_FILE = 1 << 17  # events
 
 
 def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dict[str, str]]:
     """Count the chunks that are todo, done and failed; return them, and why chunks failed."""
     state = ledger.read(path, chunks=False)
     failed = {key.rpartition("/")[2]: sentence for key, sentence in state.failed.items()}
-    done = len(state.chunks)
+    done = sum(key.startswith(f"{GROUP}/") for key in state.chunks)
     todo = -(-attrs["tops"] // attrs["chunk"]) - done - len(failed)
     return {"todo": todo, "done": done, "failed": len(failed)}, failed
 
 
 def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
     """Open the store of a sweep to write it, new or continued. Raises StoreError."""
-    same = ("plan", "versions", "cpu", "chunk")
+    same = ("plan", DIGESTS, "versions", "cpu", "chunk")
     return begin_or_continue(path, lambda: _header(plan), same, overwrite)
 
 
 def _header(plan: Plan) -> dict[str, Any]:
     coordinates, columns = _coordinates(plan), chunk.column_schema(plan.base, plan.keep)
+    sizes = {"top": (plan.n, plan.chunk), "row": (0, PER_FILE), "part": (plan.chunks, 1)}
+    tables: dict[str, dict[str, Any]] = {}
+    for name, column in {**coordinates, **columns}.items():
+        path = name if "/" in name else f"{GROUP}/{name}"
+        tables.setdefault(path.partition("/")[0], {})[path] = zarr3.array(column, sizes)
     attributes = {
         "content": GROUP,
         "title": f"sweep: {plan.base.system.title}",
@@ -48,17 +56,29 @@ def _header(plan: Plan) -> dict[str, Any]:
         "dimensions": list(plan.design.sizes),
         "shape": list(plan.design.sizes.values()),
         "coordinates": list(coordinates),
-        "columns": list(columns),
+        "columns": [name for name in columns if "/" not in name],
+        **({DIGESTS: digests} if (digests := digests_of(plan.base)) else {}),
         **provenance.provenance(),
     }
-    sizes = {"top": (plan.n, plan.chunk)}
-    arrays = {
-        f"{GROUP}/{name}": zarr3.array(column, sizes)
-        for name, column in {**coordinates, **columns}.items()
-    }
-    header = ledger.header(finite(attributes), {GROUP: arrays})
+    header = ledger.header(finite(attributes), tables)
     header["members"] |= {RUNS: zarr3.group({})} if plan.runs else {}
     return header
+
+
+def put_events(store: Ledger, part: int, first: int, result: Rows) -> dict[str, int]:
+    """Write the events of a chunk of tops, of which `first` is the first.
+
+    Return the rows of the longest part by table, for a commit; empty without events.
+    """
+    rows = {name.partition("/")[2]: values for name, values in result.items() if "/" in name}
+    if not rows:
+        return {}
+    rows["top"] += first
+    count = len(rows["top"])
+    for start in range(0, count, PER_FILE):
+        some = {name: values[start : start + PER_FILE] for name, values in rows.items()}
+        store.put(f"{EVENTS}/{start // PER_FILE}.{part}", some)
+    return {EVENTS: max(count, store.state.rows.get(EVENTS, 0))}
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:

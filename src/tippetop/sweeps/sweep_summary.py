@@ -1,5 +1,6 @@
 """The content of a sweep's store, finished or not: counts, worst drift, and faults."""
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,13 @@ def open_sweep(path: str | Path) -> Any:
     Raises StoreError.
     """
     table = root.open_group(path, GROUP)
-    table.attrs["chunks"] = chunk_counts(Path(path), table.attrs)[0]
-    return table.set_coords(table.attrs["coordinates"])[table.attrs["columns"]]
+    table.attrs["chunks"] = json.dumps(chunk_counts(Path(path), table.attrs)[0])
+    return table
+
+
+def plan_of(table: Any) -> Plan:
+    """Return the plan of a table of a sweep, without `keep` and `runs`."""
+    return Plan.from_tables(json.loads(table.attrs["plan"]) | {"keep": None, "runs": []})
 
 
 def gridded(table: Any) -> Any:
@@ -40,10 +46,10 @@ def gridded(table: Any) -> Any:
     """
     import xarray as xr
 
-    names, shape = table.attrs["dimensions"], table.attrs["shape"]
+    design = plan_of(table).design
+    names, shape = [*design.sizes], [*design.sizes.values()]
     axes = {
-        axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)
-        for axis in Plan.from_tables(table.attrs["plan"]).design.grid
+        axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs) for axis in design.grid
     }
     columns = {
         name: (names, np.asarray(values).reshape(shape), values.attrs)
@@ -57,8 +63,10 @@ def gridded(table: Any) -> Any:
 def report(path: str | Path) -> dict[str, Any]:
     """Return the content of a sweep's store, as `info --json` prints it."""
     table, folder = open_sweep(path), Path(path)
-    attrs, failed = table.attrs, chunk_counts(folder, table.attrs)[1]
+    attrs = root.root_of(path)
+    attrs["chunks"], failed = chunk_counts(folder, attrs)
     status = column(path, table, "status")
+    invalid = np.flatnonzero(status == Status.INVALID.code)
     runs = sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit())
     for number in runs:
         root.attributes(folder / RUNS / str(number))  # raises StoreError if it is damaged
@@ -79,7 +87,7 @@ def report(path: str | Path) -> dict[str, Any]:
         "tops_done": int((status != Status.TODO.code).sum()),
         "counts": counts,
         "drift": drift,
-        "faults": faults_of(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
+        "faults": faults_of(plan_of(table), invalid) if len(invalid) else [],
         "failed": failed,
         "runs": runs,
     }
@@ -126,11 +134,9 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
     return root.loaded(table[[name]], path)[name].values
 
 
-def faults_of(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
+def faults_of(plan: Plan, invalid: np.ndarray) -> list[str]:
     """Return why the first invalid tops are invalid."""
-    if not len(invalid):
-        return []
-    plan, some = Plan.from_tables(document), invalid[:FAULTS]
+    some = invalid[:FAULTS]
     tops = ensemble.vary(plan.base, plan.columns(some))
     faults = list(tops.checked[1])
     if plan.base.system.is_hybrid:  # each top is asked for its contact

@@ -13,7 +13,7 @@ from ..scenario import build
 from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
-from ..sweeps.sweep_summary import column, open_sweep
+from ..sweeps.sweep_summary import column, open_sweep, plan_of
 from . import pages
 from .borders import borders
 from .encoding import encode
@@ -43,7 +43,7 @@ LINE = (
 def page_of_sweep(path: Path) -> str:
     """Return the text of the HTML file of a stored sweep. Raises InputError, StoreError."""
     table = open_sweep(path)
-    plan = Plan.from_tables(table.attrs["plan"])
+    plan = plan_of(table)
     if plan.n > MOST:
         raise InputError(
             f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop "

@@ -1,0 +1,53 @@
+"""The events of many tops, as the log of a run has them."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ..columns import Column
+from ..engine.driver import Passages
+from ..engine.observables import Observables
+from ..engine.tallies import event_rows, new_tallies
+from ..problem import Problems
+from ..runs.event_log import EventLog
+from ..runs.events import EventTable, event_columns
+from .hybrid_tops import problem_of
+from .outcomes import Outcomes
+
+
+TOP = {"units": "1", "long_name": "number of the top"}
+
+
+def log_of(tops: Problems, top: int) -> EventLog:
+    """Return an empty log of one top."""
+    problem = problem_of(tops, top)
+    tallies = new_tallies(event_rows((), (), ()), np.ones((0, 1)))
+    return EventLog(problem, Observables(problem), problem.start()[None], tallies)
+
+
+def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray) -> None:
+    """Log the zeros that lanes found, rows and states, of tops in any order.
+
+    `lasts_since` is that of the tallies of all tops, (n,).
+    """
+    tops = measured.tops
+    rows, states = map(np.concatenate, zip(*found, strict=True))
+    order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend
+    some, first = np.unique(rows["phase"][order], return_index=True)
+    for top, numbers in zip(some.tolist(), np.split(order, first[1:]), strict=True):
+        log, its = log_of(tops, top), rows[numbers]
+        log.tallies.lane["lasts_since"] = lasts_since[top]
+        columns = [its[name] for name in ("time", "event", "sign", "at_pole")]
+        zeros = Passages._make([*columns, states[numbers, : len(tops.start)]])
+        table, marks, _ = log.take(zeros)
+        table.significant[[*marks, *log.finish(measured.final[:, [top]].T)]] = True
+        measured.events[top] = table
+
+
+def event_table(measured: Outcomes) -> dict[str, Column]:
+    """Return the events of all tops as columns along `event`, ascending by top and time."""
+    each = sorted(measured.events.items())
+    joined = EventTable.joined([log_of(measured.tops, 0).empty, *(table for _, table in each)])
+    numbers = np.repeat([top for top, _ in each], [len(table.time) for _, table in each])
+    return {"top": Column(("event",), numbers.astype(np.int64), TOP), **event_columns(joined)}
