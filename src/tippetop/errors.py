@@ -1,11 +1,12 @@
-"""Errors that the user can mend: each is one or more sentences."""
+"""Errors that the user can mend, and warnings: each is one or more sentences."""
 
 import functools
+import warnings
 from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
 
-__all__ = ["InputError", "Interrupted", "StoreError", "Unfinished"]
+__all__ = ["InputError", "Interrupted", "StoreError", "TippetopWarning", "Unfinished"]
 
 
 def __dir__() -> list[str]:
@@ -156,6 +157,16 @@ class Unfinished(_Sentences):
 
     The same call computes the missing chunks.
     """
+
+
+class TippetopWarning(UserWarning):
+    """A scenario is doubtful, or a run broke a promise: one sentence."""
+
+
+def warn(sentences: Iterable[str], level: int) -> None:
+    """Issue a warning for each sentence; `level` counts the calls from here up to the user's."""
+    for sentence in sentences:
+        warnings.warn(sentence, TippetopWarning, stacklevel=level + 1)
 
 
 def _leaves(record: Any) -> Iterable[Any]:

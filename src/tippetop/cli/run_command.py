@@ -203,7 +203,7 @@ def _print(
 ) -> int:
     """Print the result of a run; return its exit code."""
     from ..runs.attributes import headline_of
-    from ..runs.certificate import certificate_violations, contract_violations
+    from ..runs.certificate import LOST, broken_promises
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from .text import table
@@ -215,11 +215,9 @@ def _print(
         print(visible(headline_of(attrs)))
         files = [(name, str(place)) for name, place in places.items() if place is not None]
         table([*lines(content, seconds), *files])
-    if attrs["status"] in ("non-finite", "stalled"):
+    if attrs["status"] in LOST:
         return complain([attrs["reason"]], 3)
-    broken = contract_violations(attrs["report"], attrs["tolerance"])
-    if "certificate" in attrs:
-        broken += certificate_violations(attrs["certificate"])
+    broken = broken_promises(attrs)
     for sentence in broken:
-        report(f"the accuracy contract is broken: {sentence}")
+        report(sentence)
     return 4 if broken else 0

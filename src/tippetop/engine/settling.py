@@ -117,7 +117,7 @@ def classes_of(
     away = np.minimum(theta, np.pi - theta) >= LINEAR
     known, gliding = isinstance(body, Touch), system.frictional
     law, free = body.friction if known else None, False
-    parts = known and (has_parts(law) or bool(law.regions) and np.any(law.mu))
+    parts = known and (has_parts(law) or (bool(law.regions) and np.any(law.mu)))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     if known:
         omega3 = values["omega3"].astype(float) / second

@@ -18,7 +18,7 @@ def doubts(problem: Problem) -> list[str]:
     """Return one sentence for each doubt; empty for most scenarios."""
     initial, given, sentences = problem.initial, problem.parameters, []
     if "omega3" in problem.system.initial:
-        if not {"omega3", "psi_dot"} & set(initial):
+        if not {"omega3", "psi_dot", "phi_dot"} & set(initial):
             sentences.append("`initial.omega3` is not given: this top does not spin.")
         if "theta" not in initial and starts_at_pole(problem):
             sentences.append(
