@@ -49,9 +49,10 @@ def run(
         `dict(mu=0.2)`.
     start : mapping or path, optional
         Initial values that replace those of the source: theta, phi, psi [rad], theta_dot,
-        phi_dot, omega3 [rad/s], nu_x, nu_y [m/s], x, y [m]; by default zero. psi_dot [rad/s]
-        can replace omega3, and centre_at_rest (a bool) nu_x and nu_y. psi is the angle of the
-        body about its axis; it affects only the columns psi and orientation. A cylinder has
+        phi_dot, omega3 [rad/s], nu_x, nu_y [m/s], x, y [m]; by default zero, so that the contact
+        point starts at rest. psi_dot [rad/s] can replace omega3, and centre_at_rest (a bool) nu_x
+        and nu_y: the contact then slides. psi is the angle of the body about its axis; it affects
+        only the columns psi and orientation. A cylinder has
         theta, theta_dot, x and, if it glides, nu_x. With the store of a finished run of the same
         body, the new run starts at t = 0 from the exact final state of that run.
     parameters : mapping, optional
