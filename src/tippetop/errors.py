@@ -90,8 +90,9 @@ MOST_FAULTS = 20
 def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> list[str]:
     """Return the sentences on the first faults and the number of the others."""
     more = len(faults) - MOST_FAULTS
-    sentences = [sentence(fault) for fault in faults[:MOST_FAULTS]]
-    return [*sentences, f"{more} more faults were found."] if more > 0 else sentences
+    if more <= 1:
+        return [*map(sentence, faults)]
+    return [*map(sentence, faults[:MOST_FAULTS]), f"{more} more faults were found."]
 
 
 class BuildError(ImportError):
@@ -149,7 +150,12 @@ class _Sentences(Exception):
 
 
 class InputError(_Sentences, ValueError):
-    """Input that cannot be used; each of `sentences` reports one fault."""
+    """Input that cannot be used; each of `sentences` reports one fault, up to a number of them."""
+
+    def __init__(self, sentences: str | list[str]):
+        super().__init__(
+            sentences if isinstance(sentences, str) else first_sentences(sentences, str)
+        )
 
 
 class Unfinished(_Sentences):

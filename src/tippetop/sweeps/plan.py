@@ -152,7 +152,7 @@ class Plan:
     @property
     def runs(self) -> list[int]:
         """Tops that are also run alone, with rows and events."""
-        return self.document["runs"]
+        return list(dict.fromkeys(self.document["runs"]))
 
     @cached_property
     def chunk(self) -> int:
