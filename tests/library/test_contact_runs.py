@@ -122,6 +122,20 @@ def test_what_does_not_slide_from_its_start_settles(law: Any, theta: float, omeg
     assert "nothing slid from the start" in run.summary.reason
 
 
+@pytest.mark.parametrize("preset", ["rolling", "heavy-top", "rolling-cylinder"])
+def test_a_system_in_which_nothing_slides_cannot_settle(preset: str) -> None:
+    with pytest.raises(tt.InputError, match='`stop_when` must be "until" for'):
+        tt.run(preset, until=1.0, stop_when="settled")
+
+
+def test_a_spin_is_not_called_final_before_friction_that_drills_ends_it() -> None:
+    """This top stands inverted at 2.5 s, and has left that spin at 13 s."""
+    law = tt.friction.Contensou(mu=0.3, patch=5e-4)
+    run = tt.run("inverting", law, output_times=[0.0, 2.5, 13.0], until=13.0)
+    assert run.trajectory.theta.values[1] > np.pi - 0.1 > run.trajectory.theta.values[2] + 0.1
+    assert tt.run("inverting", law, until=2.5).summary.outcome == "under-way"
+
+
 def test_what_slides_without_friction_has_not_settled() -> None:
     start = {"theta": 0.5, "omega3": 100.0}
     law = tt.friction.Coulomb(0.0)

@@ -74,8 +74,14 @@ def test_gamma_star_is_where_two_wells_begin() -> None:
 
 @pytest.mark.parametrize(
     "sets",
-    [[], ["initial.phi_dot=3"], ["initial.nu_x=0.1"], ["initial.nu_y=0.1"], ["friction.mu=0"]]
-    + [["friction.mu=0", "initial.nu_x=0.1"], ["initial.theta_dot=0.1"]],
+    [
+        [],
+        ["initial.phi_dot=3"],
+        ["initial.nu_x=0.1"],
+        ["initial.nu_y=0.1"],
+        ["friction.mu=0", "initial.nu_x=0.1"],
+        ["initial.theta_dot=0.1"],
+    ],
 )
 def test_only_a_start_that_stays_upright_is_said_to_stay(sets: list[str]) -> None:
     problem = starting.load("inverting", ["initial.theta=", *sets], until=1.0)
