@@ -13,6 +13,7 @@ import argparse
 import ast
 import copy
 import importlib
+import itertools
 import multiprocessing
 import os
 import resource
@@ -231,7 +232,7 @@ def main() -> int:
             f"no module with a formula is called {unknown[0]}; there are {', '.join(modules())}"
         )
     clock, survivors, left = time.monotonic(), [], 0
-    for module in sorted({*sum(chosen.values(), [])}) or modules():
+    for module in [m for m in modules() if not chosen or m in itertools.chain(*chosen.values())]:
         found = mutants(module)
         for mutant in [] if options.list else found:
             if time.monotonic() - clock > options.seconds:

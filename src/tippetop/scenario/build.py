@@ -142,8 +142,8 @@ def checked(given: Problem) -> Problem:
     if given.checked:
         return given
     faults = [
-        f"`{name}` of a Problem must be a {getattr(kind, '__name__', kind)}, but is "
-        f"{getattr(given, name)!r:.60}."
+        f"`{name}` of a Problem must be a "
+        f"{kind.__name__ if isinstance(kind, type) else kind}, but is {getattr(given, name)!r:.60}."
         for name, kind in KINDS.items()
         if not isinstance(getattr(given, name), kind)
     ]

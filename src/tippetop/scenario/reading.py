@@ -1,5 +1,6 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
+import os
 import re
 import tomllib
 from collections.abc import Collection, Mapping
@@ -43,11 +44,12 @@ def read(source: str) -> dict[str, Any]:
     """Return the tables of a TOML file or of a preset. Raises InputError."""
     path = Path(source)
     try:
-        if path.suffix != ".toml" and not path.is_file():
+        if path.suffix != ".toml" and not os.path.isfile(path):
             known = _presets()
             if source not in known:
                 raise InputError(
-                    f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
+                    f"`{_short(source)}` is neither a TOML file nor a preset."
+                    f"{suggestion(source, known)} "
                     f"The presets are {', '.join(known)}."
                 )
             text = known[source]

@@ -2,6 +2,7 @@
 
 import math
 import operator
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -218,7 +219,7 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
         tables = dict(shape.scenario)
     else:
         local = folder / shape.scenario
-        tables = reading.read(str(local) if local.is_file() else shape.scenario)
+        tables = reading.read(str(local) if os.path.isfile(local) else shape.scenario)
     for name, value in dict[str, Any](shape.set).items():
         old: Any = tables.get(name)
         both = isinstance(old, dict) and isinstance(value, dict)
