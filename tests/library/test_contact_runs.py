@@ -17,9 +17,6 @@ from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import ONE, SECOND, SECOND_PER_METRE
 
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*bring this body to rest")
-
-
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
 COULOMB, VISCOUS = {"law": "coulomb", "mu": 0.3}, {"law": "viscous", "mu": 2.0}
 

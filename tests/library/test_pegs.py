@@ -15,9 +15,6 @@ from tippetop.scenario import build
 from tippetop.sweeps.plan import Plan
 
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*bring this body to rest")
-
-
 TOP = tt.TippeTop(**BODY)
 PEG = tt.TippeTop(**{**BODY, "alpha": -BODY["alpha"]})
 START = {"theta": 0.5, "theta_dot": 2.0, "phi_dot": 5.0, "omega3": 60.0}

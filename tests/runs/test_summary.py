@@ -10,9 +10,6 @@ import tippetop
 from tippetop.runs.summary import lines
 
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*bring this body to rest")
-
-
 NEVER = {"first_equator": None, "last_equator": None, "inverted_at": None}
 
 
