@@ -116,7 +116,8 @@ def classes_of(
     still = np.abs([*rates.values()]).max(axis=0, initial=0.0) < STILL
     away = np.minimum(theta, np.pi - theta) >= LINEAR
     known, gliding = isinstance(body, Touch), system.frictional
-    law, free = body.friction if known else None, False
+    law: Any = body.friction if known else None
+    free = False
     parts = known and (has_parts(law) or (bool(law.regions) and np.any(law.mu)))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     if known:
