@@ -143,21 +143,14 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as TOML contains it: numbers of Python and lists. Raises InputError."""
-    try:
-        return _plain(value)
-    except RecursionError:
-        raise InputError("tables and lists are nested too deeply.") from None
-
-
-def _plain(value: Any) -> Any:
+    """Return a value as TOML contains it: numbers of Python and lists."""
     import numpy as np
 
     if hasattr(value, "__array__") and not isinstance(value, str | Mapping):
         return np.asarray(value).tolist()
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
+        return {str(key): plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:

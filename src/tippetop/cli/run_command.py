@@ -203,7 +203,7 @@ def _print(
 ) -> int:
     """Print the result of a run; return its exit code."""
     from ..runs.attributes import headline_of
-    from ..runs.certificate import LOST, broken_promises
+    from ..runs.certificate import broken_promises
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from .text import table
@@ -215,7 +215,7 @@ def _print(
         print(visible(headline_of(attrs)))
         files = [(name, str(place)) for name, place in places.items() if place is not None]
         table([*lines(content, seconds), *files])
-    if attrs["status"] in LOST:
+    if attrs["status"] in ("non-finite", "stalled"):
         return complain([attrs["reason"]], 3)
     broken = broken_promises(attrs)
     for sentence in broken:

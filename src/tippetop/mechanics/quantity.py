@@ -27,7 +27,7 @@ PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 MOST_CHARACTERS = 200
 MOST_POWER = 12
 MOST_EXPONENT = 2048  # of ten in a literal: doubles have 324 at most
-MOST_BITS = 1 << 16  # of an exact number: powers of powers would have billions
+MOST_BITS = 1 << 16  # of an exact number: a power of powers may have billions
 OPERATORS: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -133,6 +133,13 @@ class _Reading:
 
     def term(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
         """Return the number of an expression and its powers of kg, m and s."""
+        value, powers = self.computed(node)
+        if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
+            self.refuse(f"be computed from numbers of at most {MOST_BITS} bits")
+        return value, powers
+
+    def computed(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
+        """Return the number of an expression, however long, and its powers."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 digits = ast.get_source_segment(_python(self.text), node) or str(number)
@@ -149,22 +156,12 @@ class _Reading:
                 if power.denominator != 1 or abs(power) > MOST_POWER:
                     self.refuse(f"have whole powers up to {MOST_POWER}")
                 n = int(power)
-                self.bound(abs(n) * _bits(value))
                 return value**n, powers and tuple(n * each for each in powers)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
                 (one, first), (other, second) = self.term(left), self.term(right)
                 powers = self.combined(op, first, second)
-                self.bound(_bits(one) + _bits(other))
                 return OPERATORS[type(op)](one, other), powers
         return self.refuse(FORMS)
-
-    def bound(self, bits: int) -> None:
-        """Raise InputError if an exact number would be too long."""
-        if bits > MOST_BITS:
-            self.refuse(
-                f"be computed with exact numbers of at most {MOST_BITS} bits",
-                f'"{self.text}" needs more',
-            )
 
     def combined(self, op: ast.operator, first: Powers, second: Powers) -> Powers:
         """Return the powers of a sum, a difference, a product or a quotient."""
@@ -252,11 +249,6 @@ def _symbol(powers: tuple[int, ...]) -> str:
     """Return the symbol of a unit with these powers of kg, m and s."""
     pairs = zip(("kg", "m", "s"), powers, strict=True)
     return " ".join(f"{name}{'' if n == 1 else n}" for name, n in pairs if n) or "1"
-
-
-def _bits(value: Fraction) -> int:
-    """Return the bits of the numerator and the denominator together."""
-    return value.numerator.bit_length() + value.denominator.bit_length()
 
 
 def _python(text: str) -> str:

@@ -28,14 +28,10 @@ MAX_TOLERANCE = 2.3e-16
 MAX_THETA_ERROR = 1e-10
 NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
-# Runs that could not be continued.
-LOST = ("non-finite", "stalled")
 
 
 def broken_promises(attrs: dict[str, Any]) -> list[str]:
     """Return one message for each promise that a run with these root attributes does not keep."""
-    if attrs["status"] in LOST:
-        return []  # its reason is reported instead
     broken = contract_violations(attrs["report"], attrs["tolerance"])
     if "certificate" in attrs:
         broken += certificate_violations(attrs["certificate"])

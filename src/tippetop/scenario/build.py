@@ -111,7 +111,11 @@ def problem(
         *contact_faults(built),
         *_pole_faults(built),
         *run.option_faults(kinds),
-        *_settling_faults(system, run),
+        *(
+            [f'`run.stop_when` must be "until" for {system.name}, in which nothing slides.']
+            if run.stop_when == "settled" and not any(event.lasting for event in system.events)
+            else []
+        ),
         *column_faults(run.columns or (), known_columns, run.orientation),
     ] or [sentence for _, sentence in built.alone.checked[1]]
     if faults:
@@ -232,16 +236,6 @@ def resolved(problem: Problem) -> dict[str, Any]:
     if problem.contact is not None:
         tables["contact"] = {"restitution": problem.contact.restitution, **tables["contact"]}
     return {"system": problem.system.name, "form": problem.form.name, **tables}
-
-
-def _settling_faults(system: System, run: RunOptions) -> list[str]:
-    """Return a sentence on a run that cannot settle, as nothing slides in its system."""
-    if run.stop_when == "until" or any(event.lasting for event in system.events):
-        return []
-    return [
-        f'`run.stop_when` must be "until" for {system.name}, which has no event that ends sliding, '
-        f'but is "{run.stop_when}".'
-    ]
 
 
 def _pole_faults(problem: Problem) -> list[str]:

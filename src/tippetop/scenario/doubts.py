@@ -24,12 +24,9 @@ def doubts(problem: Problem) -> list[str]:
             sentences.append(
                 "`initial.theta` is not given: this top starts exactly upright, and stays there."
             )
-    if problem.law.set_valued and contact_start(problem):
+    if problem.law.set_valued and (start := contact_start(problem)):
         sentences.append(
-            "`initial.nu_x` is not given: the contact point starts at rest, and under Coulomb's "
-            "law itself it rolls until this takes more friction than mu. "
-            "`initial.centre_at_rest = true` starts with sliding; `initial.nu_x = 0` confirms "
-            "this start."
+            f"the contact point starts {start}. Under Coulomb's law itself it may never slide."
         )
     theta = float(initial.get("theta", 0.0))
     falls = any(event.ends == "fallen" for event in problem.system.events)
@@ -75,11 +72,10 @@ def starts_at_pole(problem: Problem) -> bool:
 def contact_start(problem: Problem) -> str:
     """Return how the contact point starts where the scenario leaves that out, or an empty text."""
     given = {"nu_x", "nu_y", "nu_z", "centre_at_rest"} & set(problem.initial)
-    may_slide = "nu_x" in problem.system.initial and not is_frictionless(problem.friction)
     stands = problem.contact is None or touches(problem)
-    if given or problem.origin or not (may_slide and stands) or starts_at_pole(problem):
+    if given or not stands or is_frictionless(problem.friction) or starts_at_pole(problem):
         return ""
     return (
-        "at rest: the body rolls at first. `initial.centre_at_rest = true` starts with the centre "
-        "of mass at rest, so that the contact point slides"
+        "at rest, so that the body rolls at first: `initial.centre_at_rest = true` starts with "
+        "sliding, `initial.nu_x = 0` confirms this start"
     )
