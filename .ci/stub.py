@@ -37,7 +37,7 @@ def written(annotation: Any, imports: set[str], home: Any) -> str:
     text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
 
     def short(found: re.Match[str]) -> str:
-        module, name = found[1].removesuffix("."), found[2]
+        module, name = found[1].removesuffix(".").partition("._")[0], found[2]  # pathlib._local
         if module in ("np", "xr"):
             return found[0]
         if name in home.__all__ and getattr(home, name) is getattr(import_module(module), name):

@@ -13,6 +13,7 @@ import argparse
 import ast
 import copy
 import importlib
+import itertools
 import multiprocessing
 import os
 import resource
@@ -223,10 +224,15 @@ def main() -> int:
     )
     parser.add_argument("--list", action="store_true", help="only count the mutants")
     options = parser.parse_args()
+    chosen = {
+        name: [m for m in modules() if f".{m}".endswith(f".{name}")] for name in options.modules
+    }
+    if unknown := [name for name in options.modules if not chosen[name]]:
+        parser.error(
+            f"no module with a formula is called {unknown[0]}; there are {', '.join(modules())}"
+        )
     clock, survivors, left = time.monotonic(), [], 0
-    for module in modules():
-        if options.modules and not f".{module}".endswith(tuple(f".{n}" for n in options.modules)):
-            continue
+    for module in [m for m in modules() if not chosen or m in itertools.chain(*chosen.values())]:
         found = mutants(module)
         for mutant in [] if options.list else found:
             if time.monotonic() - clock > options.seconds:

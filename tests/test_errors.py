@@ -5,7 +5,7 @@ near.
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tippetop.errors import nearest, unknown_key
+from tippetop.errors import InputError, nearest, unknown_key
 
 
 @settings(max_examples=50, deadline=None)
@@ -39,3 +39,10 @@ def test_an_unknown_key_is_looked_for_everywhere() -> None:
     assert (
         unknown_key("zzzz", ["system", "form"]) == "unknown key `zzzz`. The keys are system, form."
     )
+
+
+def test_of_many_faults_the_first_are_reported_and_the_others_counted() -> None:
+    for count, last in ((1, "fault 0."), (21, "fault 20."), (22, "2 more faults were found.")):
+        sentences = InputError([f"fault {i}." for i in range(count)]).sentences
+        assert len(sentences) == min(count, 21)
+        assert (sentences[0], sentences[-1]) == ("fault 0.", last)

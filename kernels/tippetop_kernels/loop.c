@@ -36,6 +36,9 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
+/* The longest step: its powers, up to the 25th, are doubles. At rest a series allows any step. */
+static const real LONGEST = 1e12;
+
 /* The last place of a zero in a step: what happens at its very end happens in it, not behind it. */
 static const real BEFORE_END = 1 - 0x1p-53;
 
@@ -586,7 +589,7 @@ static void begin_step(const Loop *l) {
         l->start_high[lane] = l->high[lane];
         l->start_low[lane] = l->low[lane];
         l->limit[lane] = runs ? (l->end[lane] - l->high[lane]) - l->low[lane] : 0;
-        l->h[lane] = l->limit[lane];
+        l->h[lane] = MIN(l->limit[lane], LONGEST);
     }
 }
 

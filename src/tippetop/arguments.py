@@ -206,8 +206,9 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
             return function(*arguments, **named)
 
         called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]
-        text = (function.__doc__ or "").replace("{names}", ", ".join(p.name for p in added))
-        called.__doc__ = text.replace("    {options}", options())
+        text = inspect.cleandoc(function.__doc__ or "")  # as Python 3.13 has it already
+        text = text.replace("{names}", ", ".join(p.name for p in added))
+        called.__doc__ = text.replace("{options}", options())
         return called  # type: ignore[return-value]
 
     return decorated

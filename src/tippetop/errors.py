@@ -1,11 +1,12 @@
-"""Errors that the user can mend: each is one or more sentences."""
+"""Errors that the user can mend, and warnings: each is one or more sentences."""
 
 import functools
+import warnings
 from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any
 
 
-__all__ = ["InputError", "Interrupted", "StoreError", "Unfinished"]
+__all__ = ["InputError", "Interrupted", "StoreError", "TippetopWarning", "Unfinished"]
 
 
 def __dir__() -> list[str]:
@@ -89,8 +90,9 @@ MOST_FAULTS = 20
 def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> list[str]:
     """Return the sentences on the first faults and the number of the others."""
     more = len(faults) - MOST_FAULTS
-    sentences = [sentence(fault) for fault in faults[:MOST_FAULTS]]
-    return [*sentences, f"{more} more faults were found."] if more > 0 else sentences
+    if more <= 1:
+        return [*map(sentence, faults)]
+    return [*map(sentence, faults[:MOST_FAULTS]), f"{more} more faults were found."]
 
 
 class BuildError(ImportError):
@@ -149,7 +151,12 @@ class _Sentences(Exception):
 
 
 class InputError(_Sentences, ValueError):
-    """Input that cannot be used; each of `sentences` reports one fault."""
+    """Input that cannot be used; each of `sentences` reports one fault, up to a number of them."""
+
+    def __init__(self, sentences: str | list[str]):
+        super().__init__(
+            sentences if isinstance(sentences, str) else first_sentences(sentences, str)
+        )
 
 
 class Unfinished(_Sentences):
@@ -157,6 +164,16 @@ class Unfinished(_Sentences):
 
     The same call computes the missing chunks.
     """
+
+
+class TippetopWarning(UserWarning):
+    """A scenario is doubtful, or a run broke a promise: one sentence."""
+
+
+def warn(sentences: Iterable[str], level: int) -> None:
+    """Issue a warning for each sentence; `level` counts the calls from here up to the user's."""
+    for sentence in sentences:
+        warnings.warn(sentence, TippetopWarning, stacklevel=level + 1)
 
 
 def _leaves(record: Any) -> Iterable[Any]:

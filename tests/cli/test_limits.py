@@ -69,6 +69,8 @@ def test_a_terminal_without_our_characters_is_written_to_nevertheless() -> None:
     [
         "a = " + "[" * 5000 + "]" * 5000,
         "a = " + "{a=" * 3000 + "1" + "}" * 3000,
+        ".".join("a" * 3000) + " = 1",
+        "[" + ".".join("a" * 3000) + "]",
     ],
 )
 def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:

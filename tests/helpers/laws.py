@@ -342,7 +342,10 @@ def newton_and_euler(case: Case) -> Pairs:
 
 
 def contact_law(case: Case, m: Motion, change: Motion, N: Any) -> np.ndarray:
-    """The horizontal force that the friction law asks for."""
+    """The horizontal force that the friction law asks for, written a second time.
+
+    Only a law of another package is taken from that package.
+    """
     law, v, z = case.body.friction, m.v[:2], m.u[2]
     v2 = np.sum(v**2, axis=0)
     if case.law == "modified":
@@ -359,9 +362,11 @@ def contact_law(case: Case, m: Motion, change: Motion, N: Any) -> np.ndarray:
         ),
         "latitude": lambda: law.mu * (1 + z) / 2 + law.mu_stem * (1 - z) / 2,
     }
-    own = case.system.laws[case.law].coefficient  # of a package beside this one
-    slip = known[case.law]() if case.law in known else own(v2, z, law)
-    return -slip * N * v
+    if case.law in known:
+        return -known[case.law]() * N * v
+    other = case.system.laws[case.law]
+    assert not other.__module__.startswith("tippetop."), f"write `{case.law}` here a second time"
+    return -other.coefficient(v2, z, law) * N * v
 
 
 def quantities_are_what_they_say(case: Case) -> Pairs:

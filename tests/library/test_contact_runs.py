@@ -110,13 +110,27 @@ RESTS = (tt.friction.Contensou(0.3, patch=2e-3), 1.2, 0.0)
 
 @pytest.mark.parametrize(("law", "theta", "omega3"), [ROLLS, RESTS])
 def test_what_does_not_slide_from_its_start_settles(law: Any, theta: float, omega3: float) -> None:
-    start = {"theta": theta, "omega3": omega3}
+    start = {"theta": theta, "omega3": omega3, "nu_x": 0.0}
     run = tt.run(tt.TippeTop(**BODY), law, start=start, until=30.0, stop_when="settled")
     assert run.summary.status == "settled"
     assert len(run.phases.phase) == 1
     unit = float(run.problem.scales.of(SECOND))
     assert 200 * unit < run.summary.t_end < 220 * unit
     assert "nothing slid from the start" in run.summary.reason
+
+
+@pytest.mark.parametrize("preset", ["rolling", "heavy-top", "rolling-cylinder"])
+def test_a_system_in_which_nothing_slides_cannot_settle(preset: str) -> None:
+    with pytest.raises(tt.InputError, match="in which nothing slides"):
+        tt.run(preset, until=1.0, stop_when="settled")
+
+
+def test_a_spin_is_not_called_final_before_friction_that_drills_ends_it() -> None:
+    """This top stands inverted at 2.5 s, and has left that spin at 13 s."""
+    law = tt.friction.Contensou(mu=0.3, patch=5e-4)
+    run = tt.run("inverting", law, output_times=[0.0, 2.5, 13.0], until=13.0)
+    assert run.trajectory.theta.values[1] > np.pi - 0.1 > run.trajectory.theta.values[2] + 0.1
+    assert tt.run("inverting", law, until=2.5).summary.outcome == "under-way"
 
 
 def test_what_slides_without_friction_has_not_settled() -> None:
@@ -136,7 +150,7 @@ def test_an_unstable_spin_that_does_not_slide_yet_has_not_settled_in_a_lane() ->
 
 def test_a_body_in_the_air_is_not_at_rest() -> None:
     """It bounces upright without spin, so nothing of it moves but its height."""
-    dropped = {"theta": 0, "gap": 0.0075, "nu_z": -0.1}
+    dropped = {"theta": 0, "omega3": 0, "gap": 0.0075, "nu_z": -0.1}
     law = {"law": "viscous", "mu": 1.0, "mu_r": 1.5e-5}
     run = tt.run(scenario(law, dropped, 0.2, contact={"e_n": 0.8}))
     assert run.trajectory.z.values[-1] > run.trajectory.z.values.min() + 1e-3
@@ -146,7 +160,7 @@ def test_a_body_in_the_air_is_not_at_rest() -> None:
 def test_a_body_that_torques_stop_is_at_rest_alone_and_in_a_sweep() -> None:
     body = tt.TippeTop(**BODY)
     for law in (tt.friction.Coulomb(0.3, mu_d=1e-4), tt.friction.Viscous(0.3, mu_d=1e-4)):
-        run = tt.run(body, law, start={"omega3": 1.0}, until=0.3)
+        run = tt.run(body, law, start={"theta": 0.0, "omega3": 1.0}, until=0.3)
         assert abs(run.trajectory.omega3.values[-1]) < 1e-6
         assert run.summary.outcome == "at-rest"
         tops = tt.ensemble(body, {"omega3": [1.0]}, law, until=0.3)
@@ -172,7 +186,7 @@ def test_a_top_in_the_air_has_not_settled() -> None:
     ("law", "start", "until"),
     [
         (COULOMB, TOSSED, 0.06),
-        (COULOMB, {"theta": 0.1, "omega3": 155.0}, 0.05),
+        (COULOMB, {"theta": 0.1, "omega3": 155.0, "nu_x": 0.0}, 0.05),
         (VISCOUS, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.02),
         ({"law": "none"}, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.01),
     ],
@@ -225,6 +239,7 @@ def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> 
         "theta": 1.4074573419766757,
         "phi_dot": 7.937053797883742,
         "omega3": 41.604276802429794,
+        "nu_x": 0.0,
     }
     rows = tt.run(
         scenario({"law": "coulomb", "mu": 0.2}, start, 0.003, body), output_step=0.001

@@ -107,6 +107,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.run(TOP, until=1.0), "must have a friction law, such as Viscous"),
     (lambda: tt.run(3.0), "the first argument must be a body"),
     (lambda: tt.run("nothing"), "neither a TOML file nor a preset"),
+    (lambda: tt.run("a" * 5000), "neither a TOML file nor a preset"),
     (lambda: tt.load(Path("nope")), "`nope` is neither"),
     (lambda: run(["mu"]), "the friction law must be a record such as Viscous"),
     (lambda: run(0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),

@@ -151,3 +151,12 @@ def test_a_peg_with_a_stem_stands_on_it_only_with_its_centre_of_mass_above() -> 
             "leine-glocker-stem", [f"parameters.alpha={alpha}", "friction.mu=0.1", *stem]
         )
         assert ("lambda_s_stem" in forecast.assessment(problem)["thresholds"]) is stands
+
+
+def test_a_peg_near_its_lowest_point_has_not_inverted() -> None:
+    law = tt.friction.Viscous(mu=0.3)
+    run = tt.run(PEG, law, start={"theta": 2.5, "omega3": 5.0}, until=1.0)
+    assert run.summary.event_counts["inverted"] > 1
+    assert run.summary.inversion.inverted_at is None
+    assert "rises through" not in str(run)
+    assert "\ninversion" not in str(run)

@@ -1,6 +1,9 @@
 """Every law for every system, form and friction law, at random states."""
 
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import heyoka as hy
 import laws
@@ -149,3 +152,10 @@ def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
         equations, np.ones(len(equations)), tol=1e-3, compact_mode=True, opt_level=0
     )
     assert len(integrator.decomposition) == DECOMPOSITION[system, form]
+
+
+def test_the_mutation_check_refuses_an_unknown_module() -> None:
+    check = [sys.executable, Path(laws.__file__).parents[1] / "mutation.py"]
+    done = subprocess.run([*check, "mechanics/friction.py"], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "mechanics.friction," in done.stderr

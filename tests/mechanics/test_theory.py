@@ -160,7 +160,7 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str) -> None:
     known = dict.fromkeys(("outlook", "motion", "borders", "landscape"))
     toy = dataclasses.replace(made.system, inverts=False, **known)
     made = dataclasses.replace(made, system=toy, until=1e6)
-    assert set(forecast.assessment(made)) == {"at_start", "expected"}
+    assert set(forecast.assessment(made)) - {"contact_point"} == {"at_start", "expected"}
     assert forecast.comments(made) == {}
 
 

@@ -154,3 +154,15 @@ def test_the_length_of_an_integrated_axis_is_watched() -> None:
     assert (
         made.report["drift"]["axis_norm"] >= np.abs(np.linalg.norm(axis, axis=1) - 1).max() - 1e-14
     )
+
+
+@pytest.mark.parametrize("law", ["viscous", "coulomb"])
+def test_a_body_at_rest_stays_for_as_long_as_a_run_may_last(law: str) -> None:
+    """Its series allows any step, the powers of which a double may not contain."""
+    sets = ["initial.theta=0", "initial.omega3=0", f"friction.law={law}", "friction.mu=0.3"]
+    for until in (1e12, 1e15, 1e16):
+        problem = starting.load("inverting", [*sets, "run.output=events"], until)
+        run = solve(problem, keep=False)
+        assert run.status is Status.FINISHED
+        assert run.report["t_end"] == until
+        assert run.report["theta_end"] == 0.0

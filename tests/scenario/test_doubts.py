@@ -8,6 +8,7 @@ from typed import typed
 
 from tippetop.cli import main
 from tippetop.runs import forecast, starting
+from tippetop.runs.run import solve
 from tippetop.scenario import build, reading
 from tippetop.scenario.doubts import doubts
 
@@ -69,3 +70,38 @@ def test_gamma_star_is_where_two_wells_begin() -> None:
     top = starting.load("rolling", ["parameters.I1=3.2e-6", "parameters.I3=3.2e-6"])
     found = forecast.assessment(top)["thresholds"]["gamma_star"]["value"]
     assert found == pytest.approx(2.1213, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    "sets",
+    [
+        [],
+        ["initial.phi_dot=3"],
+        ["initial.nu_x=0.1"],
+        ["initial.nu_y=0.1"],
+        ["friction.mu=0", "initial.nu_x=0.1"],
+        ["initial.theta_dot=0.1"],
+    ],
+)
+def test_only_a_start_that_stays_upright_is_said_to_stay(sets: list[str]) -> None:
+    problem = starting.load("inverting", ["initial.theta=", *sets], until=1.0)
+    stays = solve(problem, keep=False).report["theta_end"] == 0
+    assert any("stays there" in sentence for sentence in doubts(problem)) == stays
+
+
+@pytest.mark.parametrize(
+    "start", [[], ["initial.centre_at_rest=true"], ["initial.nu_x=0.1"], ["initial.nu_x=0"]]
+)
+@pytest.mark.parametrize("law", ["viscous", "coulomb", "none"])
+def test_check_states_how_the_contact_starts_where_that_is_left_out(
+    law: str, start: list[str]
+) -> None:
+    """Under Coulomb's law itself it decides that the top rolls: a doubt."""
+    sets = [f"friction.law={law}", *(["friction.mu=0.3"] if law != "none" else []), *start]
+    problem = starting.load("inverting", sets, until=0.2)
+    left_out = not start and law != "none"
+    assert forecast.assessment(problem).get("contact_point", "").startswith("at rest") == left_out
+    doubted = any("it may never slide" in sentence for sentence in doubts(problem))
+    assert doubted == (left_out and law == "coulomb")
+    if doubted:
+        assert solve(problem).report["contact_phases"]["counts"] == {"roll": 1}

@@ -81,6 +81,8 @@ def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
         ("1/0", "divides by zero"),
         ("9**9**9", "whole powers up to 12"),
         ("2^0.5", "whole powers"),
+        ("(((((((9^12)^12)^12)^12)^12)^12)^12)", "numbers of at most 65536 bits"),
+        ("*".join(["((9^12)^12)^12"] * 13), "numbers of at most 65536 bits"),
         ("__import__('os').getpid()", "must be a number, arithmetic"),
         ("m.real", "must be a number, arithmetic"),
         ("", "must be a number, arithmetic"),

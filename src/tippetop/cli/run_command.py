@@ -203,7 +203,7 @@ def _print(
 ) -> int:
     """Print the result of a run; return its exit code."""
     from ..runs.attributes import headline_of
-    from ..runs.certificate import certificate_violations, contract_violations
+    from ..runs.certificate import broken_promises
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from .text import table
@@ -217,9 +217,7 @@ def _print(
         table([*lines(content, seconds), *files])
     if attrs["status"] in ("non-finite", "stalled"):
         return complain([attrs["reason"]], 3)
-    broken = contract_violations(attrs["report"], attrs["tolerance"])
-    if "certificate" in attrs:
-        broken += certificate_violations(attrs["certificate"])
+    broken = broken_promises(attrs)
     for sentence in broken:
-        report(f"the accuracy contract is broken: {sentence}")
+        report(sentence)
     return 4 if broken else 0

@@ -94,8 +94,8 @@ def classes_of(
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
     motion ends nowhere: it nutates, unless it is that of a pole, or impacts have taken energy.
-    Under rolling resistance or a drilling torque no spin lasts, and every top is under way until it
-    is at rest.
+    Under rolling resistance or friction that drills no spin lasts, and every top is under way until
+    it is at rest or rolls.
 
     Parameters
     ----------
@@ -116,7 +116,9 @@ def classes_of(
     still = np.abs([*rates.values()]).max(axis=0, initial=0.0) < STILL
     away = np.minimum(theta, np.pi - theta) >= LINEAR
     known, gliding = isinstance(body, Touch), system.frictional
-    parts, free = known and has_parts(body.friction), False
+    law: Any = body.friction if known else None
+    free = False
+    parts = known and (has_parts(law) or (bool(law.regions) and np.any(law.mu)))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     if known:
         omega3 = values["omega3"].astype(float) / second
@@ -125,7 +127,7 @@ def classes_of(
         ends["tumbling"] = settled & away
         if gliding and not parts:
             ends["tumbling"] &= shows_sliding(body, np.cos(theta))
-            free = takes_nothing(body.friction)
+            free = takes_nothing(law)
     swings = (np.sin(theta) >= STILL) | (np.abs(rates.get("theta_dot", 0.0)) >= STILL)
     phase, ball = values.get("phase", -1), values.get("ball", -1)
     rolls = (phase == PHASES.index("roll")) | (phase == PHASES.index("rest"))

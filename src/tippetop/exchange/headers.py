@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from ..errors import InputError, first_sentences, suggestion
+from ..errors import InputError, suggestion
 from ..mechanics.quantity import number_of
 from ..mechanics.units import (
     METRE,
@@ -85,5 +85,5 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
     if "t" not in found:
         faults.append("the times must be a column `t [s]`, but it is missing.")
     if faults:
-        raise InputError(first_sentences(faults, str))
+        raise InputError(faults)
     return found

@@ -10,6 +10,7 @@ from ..columns import capitalised, on_sphere, significant_turnings
 from ..errors import InputError
 from ..mechanics.friction import PARTS, Frictionless
 from ..mechanics.system import System
+from ..mechanics.systems.tippe_top import is_peg
 from ..mechanics.theory import thresholds, tumbling
 from .landscape_body import landscape_of
 from .marked_lines import marked_lines
@@ -83,7 +84,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
             "the potential is that of a top on its sphere, and this one is on its stem or "
             "in the air."
         )
-    risen = -theta if parameters.get("alpha", 0) < 0 else theta
+    risen = -theta if is_peg(parameters) else theta
     reached = np.maximum.accumulate(risen)
     picks = np.unique(np.searchsorted(reached, np.linspace(risen[0], reached[-1], TIMES)))
     if picks.size < TIMES:  # the top does not rise: evenly spread in time

@@ -5,15 +5,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import flag, in_python, path_of, seconds
-from ..errors import InputError, StoreError
+from ..errors import InputError, StoreError, warn
 from ..mechanics.caching import cached_property
 from ..problem import Problem
 from ..runs import attributes, results
-from ..runs.certificate import certificate
+from ..runs.certificate import broken_promises, certificate, certificate_violations
 from ..runs.phases import DIMENSIONS, tables_of
 from ..runs.results import Certificate, Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
+from ..scenario.doubts import doubts
 from ..store import root
 
 
@@ -48,6 +49,8 @@ class Run:
         The summary of the run, as `tippetop info --json` prints it.
     drift : Record
         Of each invariant, the largest relative deviation from its start.
+    warnings : list of str
+        Doubts about the scenario, and promises that the run broke: `run` warns of each.
     problem : Problem
         The problem.
     attributes : dict
@@ -277,6 +280,7 @@ class Run:
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)
         self.__dict__.pop("summary", None)
+        warn(certificate_violations(result), 2)
         return Certificate(self.summary.certificate)
 
     def __repr__(self) -> str:
@@ -290,8 +294,21 @@ class Run:
     def _headline(self) -> str:
         return attributes.headline_of(self.attributes)
 
+    @property
+    def warnings(self) -> list[str]:
+        """Return doubts about the scenario, and the promises that the run broke, in sentences."""
+        try:
+            doubtful = doubts(self.problem)
+        except InputError:  # of a system, law or event that this process does not know
+            doubtful = []
+        return [*doubtful, *broken_promises(self.attributes)]
+
     def _lines(self) -> list[tuple[str, str]]:
-        return lines(self.summary, self.solution.seconds)
+        return lines(self.summary, self._seconds) + [("warning", each) for each in self.warnings]
+
+    @property
+    def _seconds(self) -> dict[str, float] | None:
+        return self.solution.seconds
 
     def __str__(self) -> str:
         return "\n".join([self._headline, *(f"{name:16}{text}" for name, text in self._lines())])

@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import flag, in_python, instance, path_of, seconds, takes
-from ..errors import InputError, Interrupted
+from ..errors import InputError, Interrupted, warn
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
 from ..problem.options import documentation
+from ..runs.certificate import broken_promises
 from ..runs.cost import bar_of_run
 from ..runs.run import solve
+from ..scenario.doubts import doubts
 from ..store import root
 from .extensions import of_stored
 from .finished_run import Run
@@ -47,9 +49,10 @@ def run(
         `dict(mu=0.2)`.
     start : mapping or path, optional
         Initial values that replace those of the source: theta, phi, psi [rad], theta_dot,
-        phi_dot, omega3 [rad/s], nu_x, nu_y [m/s], x, y [m]; by default zero. psi_dot [rad/s]
-        can replace omega3, and centre_at_rest (a bool) nu_x and nu_y. psi is the angle of the
-        body about its axis; it affects only the columns psi and orientation. A cylinder has
+        phi_dot, omega3 [rad/s], nu_x, nu_y [m/s], x, y [m]; by default zero, so that the contact
+        point starts at rest. psi_dot [rad/s] can replace omega3, and centre_at_rest (a bool) nu_x
+        and nu_y: the contact then slides. psi is the angle of the body about its axis; it affects
+        only the columns psi and orientation. A cylinder has
         theta, theta_dot, x and, if it glides, nu_x. With the store of a finished run of the same
         body, the new run starts at t = 0 from the exact final state of that run.
     parameters : mapping, optional
@@ -100,20 +103,23 @@ def run(
     flag("overwrite", overwrite)
     problem = problem_of(source, friction, **scenario)
     instance("stop", stop, threading.Event | None, "a threading.Event")
+    place = None if out is None else path_of("out", out)
+    if place is None and problem.output == "keyframes":
+        raise InputError('`out` must be given where `output` is "keyframes": a store keeps them.')
+    warn(doubts(problem), 3)
     bar = _bar(progress)
-    if out is None:
-        if problem.output == "keyframes":
-            raise InputError(
-                '`out` must be given where `output` is "keyframes": a store keeps them.'
-            )
+    made: Run
+    if place is None:
         with bar as follow:
-            return Run(solve(problem, follow))
-    place = path_of("out", out)
-    from ..runs.recording import record
+            made = Run(solve(problem, follow))
+    else:
+        from ..runs.recording import record
 
-    with bar as follow, in_python(), _resumable(place):
-        record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
-    return StoredRun(place, problem.system)
+        with bar as follow, in_python(), _resumable(place):
+            record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
+        made = StoredRun(place, problem.system)
+    warn(broken_promises(made.attributes), 3)
+    return made
 
 
 def _bar(progress: bool) -> Any:
@@ -242,4 +248,6 @@ def resume(
             accept_other_version=accept_other_version,
             known=own,
         )
-    return StoredRun(place, own)
+    stored = StoredRun(place, own)
+    warn(broken_promises(stored.attributes), 2)
+    return stored

@@ -46,7 +46,7 @@ def problem_of(
                 "give the preset or file that it was loaded from instead."
             )
         return checked(source)
-    if not given and isinstance(source, str) and not Path(source).is_file():
+    if not given and isinstance(source, str) and not os.path.isfile(source):
         return _preset(source)
     names, events = _named("events", options.pop("events", None), Event)
     kept, columns = _named("columns", options.pop("columns", None), Quantity)

@@ -9,7 +9,6 @@ from ..mechanics.caching import cached_property
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import attributes, keyframes
-from ..runs.summary import lines
 from ..sampling import EvenTimes
 from ..scenario import build
 from ..store import chunks, root
@@ -115,8 +114,9 @@ class StoredRun(Run):
 
         return page_of_store(self.path, self.attributes, start, until)
 
-    def _lines(self) -> list[tuple[str, str]]:
-        return lines(self.summary)
+    @property
+    def _seconds(self) -> None:
+        return None
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Raise InputError: a stored run is saved already."""

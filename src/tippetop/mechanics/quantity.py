@@ -27,6 +27,7 @@ PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 MOST_CHARACTERS = 200
 MOST_POWER = 12
 MOST_EXPONENT = 2048  # of ten in a literal: doubles have 324 at most
+MOST_BITS = 1 << 16  # of an exact number: a power of powers may have billions
 OPERATORS: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -132,6 +133,13 @@ class _Reading:
 
     def term(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
         """Return the number of an expression and its powers of kg, m and s."""
+        value, powers = self.computed(node)
+        if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
+            self.refuse(f"be computed from numbers of at most {MOST_BITS} bits")
+        return value, powers
+
+    def computed(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
+        """Return the number of an expression, however long, and its powers."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 digits = ast.get_source_segment(_python(self.text), node) or str(number)

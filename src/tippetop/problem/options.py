@@ -240,6 +240,6 @@ def documentation() -> str:
         unit = f" [{about['unit'].symbol}]" if about["unit"] else ""
         note = f". {about['note'][0].upper()}{about['note'][1:]}" if about["note"] else ""
         text = f"{about['words'][0].upper()}{about['words'][1:]}{unit}{note}."
-        lines += [f"    {name} : {given_type(name).replace(' | None', ', optional')}"]
-        lines += textwrap.wrap(text, 110, initial_indent=" " * 8, subsequent_indent=" " * 8)
+        lines += [f"{name} : {given_type(name).replace(' | None', ', optional')}"]
+        lines += textwrap.wrap(text, 106, initial_indent=" " * 4, subsequent_indent=" " * 4)
     return "\n".join(lines)

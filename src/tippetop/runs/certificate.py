@@ -30,6 +30,14 @@ NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
 
 
+def broken_promises(attrs: dict[str, Any]) -> list[str]:
+    """Return one message for each promise that a run with these root attributes does not keep."""
+    broken = contract_violations(attrs["report"], attrs["tolerance"])
+    if "certificate" in attrs:
+        broken += certificate_violations(attrs["certificate"])
+    return [f"the accuracy contract is broken: {sentence}" for sentence in broken]
+
+
 def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
     """Return one message for each drift in a report that exceeds the contract."""
     if tolerance > MAX_TOLERANCE:

@@ -1,13 +1,12 @@
 """Facts about a scenario before it is run: invariants, regime, fate."""
 
-import math
 from dataclasses import replace
 from typing import Any
 
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
-from ..mechanics.friction import is_frictionless
 from ..problem import Problem
+from ..scenario.doubts import contact_start, starts_at_pole
 from .cost import estimate
 
 
@@ -22,8 +21,10 @@ def assessment(problem: Problem) -> dict[str, Any]:
         for q in problem.system.quantities
         if q.is_column
     }
+    contact = contact_start(problem)
     return {
         "at_start": quantities,
+        **({"contact_point": contact} if contact else {}),
         **_outlook(problem, start),
         "expected": estimate(problem),
     }
@@ -40,10 +41,8 @@ def at_start(problem: Problem) -> dict[str, float]:
         q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
     }
-    moving = ("theta_dot",) if is_frictionless(problem.friction) else ("theta_dot", "nu_x", "nu_y")
-    at_rest = not any(problem.initial.get(name) for name in moving)
     theta = problem.initial.get("theta", 0.0)
-    return start | {"at_pole": float(at_rest and theta in (0.0, math.pi)), "theta": theta}
+    return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
 
 
 def comments(problem: Problem) -> dict[str, Any]:

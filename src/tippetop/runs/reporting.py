@@ -13,6 +13,7 @@ from ..engine.status import Status
 from ..errors import owner
 from ..mechanics.caching import cached_property
 from ..mechanics.event import Event
+from ..mechanics.systems.tippe_top import is_peg
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 from .event_log import LogReport
@@ -75,12 +76,15 @@ class RunProgress:
 
 def report(progress: RunProgress) -> dict[str, Any]:
     """Return the measured part of `info --json`, as far as the run has come."""
+    events = progress.events.report()
+    if is_peg(progress.problem.parameters):
+        events["inversion"]["inverted_at"] = None
     return {
         "t_end": progress.t_end,
         "steps": progress.steps,
         "drift": progress.drift,
         **_normal_force(progress),
-        **progress.events.report(),
+        **events,
         "theta_end": progress.view.theta(progress.last),
         **({} if progress.phases is None else {"contact_phases": progress.phases}),
         **outcome(progress),

@@ -71,9 +71,9 @@ class Summary(Record):
     theta_end : float
         Inclination at the end [rad].
     outcome : str
-        Only for a top that can turn over: upright or inverted (near a pole whose spin is stable),
-        tumbling, lifted-off, under-way; if its contact can change its phase also rolling, on-stem,
-        bouncing, at-rest.
+        Only for a top that can turn over: upright or inverted (near a pole whose spin is stable
+        and is not ended by a torque of friction), tumbling, lifted-off, under-way; if its contact
+        can change its phase also rolling, on-stem, bouncing, at-rest.
     system, form, parameters, friction, initial, run
         The scenario with all defaults, in SI units; `friction` only if there is a law.
     certificate : Record

@@ -87,7 +87,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     if len(initial) > 1:
         surplus = ", ".join(f"`{name}`" for name in initial if name != "from")
         raise InputError(f"`initial.from` must be given alone, but {surplus} is given too.")
-    is_file = isinstance(source, str | os.PathLike) and Path(source).is_file()
+    is_file = isinstance(source, str | os.PathLike) and os.path.isfile(source)
     folder = Path(source).parent if is_file else Path()
     path = folder / path_of("initial.from", initial["from"])
     attrs = _ended(path)

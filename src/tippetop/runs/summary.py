@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..mechanics.systems import find
+from ..mechanics.systems.tippe_top import is_peg
 
 
 Info = Mapping[str, Any]
@@ -60,11 +61,16 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
         )
     system = find(info["system"])
     events = {event.name: event for event in system.events} if system is not None else {}
-    others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
+    peg = is_peg(info.get("parameters", {}))
+    others = {
+        kind: n
+        for kind, n in info["event_counts"].items()
+        if not (kind.startswith("turning") or (peg and kind == "inverted"))
+    }
     drift = [f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items()]
     rows = {
         "status": status,
-        **_axis(info, system, events),
+        **_axis(info, system, events, peg),
         "phases": contact(info["contact_phases"])
         if info.get("contact_phases", {}).get("last")
         else "",
@@ -88,16 +94,15 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
     return [(name, text) for name, text in rows.items() if text]
 
 
-def _axis(info: Info, system: Any, events: Info) -> dict[str, str]:
+def _axis(info: Info, system: Any, events: Info, peg: bool) -> dict[str, str]:
     """Return the inversion, or only the last theta of a body that cannot invert."""
     inversion, end = info["inversion"], info["theta_end"]
     first, last, inverted = (
         inversion[name] for name in ("first_equator", "last_equator", "inverted_at")
     )
-    is_peg = info.get("parameters", {}).get("alpha", 0) < 0  # at its lowest near theta = pi
     inverts = system.inverts if system is not None else False
     can_invert = system is None or inverts or "inverted" in events
-    if is_peg or not can_invert or not (inverts or any(inversion.values())):
+    if peg or not can_invert or not (inverts or any(inversion.values())):
         return {} if end is None else {"theta": f"ends at {end:.6g} rad"}
     if inverted is not None:
         equator = f"theta = pi/2 at {first:.6f} s" if first else "inverted"

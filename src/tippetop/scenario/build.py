@@ -111,6 +111,11 @@ def problem(
         *contact_faults(built),
         *_pole_faults(built),
         *run.option_faults(kinds),
+        *(
+            [f'`run.stop_when` must be "until" for {system.name}, in which nothing slides.']
+            if run.stop_when == "settled" and not any(event.lasting for event in system.events)
+            else []
+        ),
         *column_faults(run.columns or (), known_columns, run.orientation),
     ] or [sentence for _, sentence in built.alone.checked[1]]
     if faults:
@@ -141,8 +146,8 @@ def checked(given: Problem) -> Problem:
     if given.checked:
         return given
     faults = [
-        f"`{name}` of a Problem must be a {getattr(kind, '__name__', kind)}, but is "
-        f"{getattr(given, name)!r:.60}."
+        f"`{name}` of a Problem must be a "
+        f"{kind.__name__ if isinstance(kind, type) else kind}, but is {getattr(given, name)!r:.60}."
         for name, kind in KINDS.items()
         if not isinstance(getattr(given, name), kind)
     ]

@@ -2,9 +2,10 @@
 
 import math
 
-from ..mechanics.friction import PARTS
+from ..mechanics.friction import PARTS, is_frictionless
 from ..mechanics.units import INERTIA, KILOGRAM, METRE
 from ..problem import Problem
+from .contact import touches
 
 
 # by unit: a larger parameter of a top looks like another unit
@@ -17,12 +18,16 @@ def doubts(problem: Problem) -> list[str]:
     """Return one sentence for each doubt; empty for most scenarios."""
     initial, given, sentences = problem.initial, problem.parameters, []
     if "omega3" in problem.system.initial:
-        if not {"omega3", "psi_dot"} & set(initial):
+        if not {"omega3", "psi_dot", "phi_dot"} & set(initial):
             sentences.append("`initial.omega3` is not given: this top does not spin.")
-        if not {"theta", "theta_dot"} & set(initial):
+        if "theta" not in initial and starts_at_pole(problem):
             sentences.append(
                 "`initial.theta` is not given: this top starts exactly upright, and stays there."
             )
+    if problem.law.set_valued and (start := contact_start(problem)):
+        sentences.append(
+            f"the contact point starts {start}. Under Coulomb's law itself it may never slide."
+        )
     theta = float(initial.get("theta", 0.0))
     falls = any(event.ends == "fallen" for event in problem.system.events)
     if falls and abs(theta) >= math.pi / 2:
@@ -53,3 +58,24 @@ def doubts(problem: Problem) -> list[str]:
             "run then takes some 1e4 to 1e7 steps a second. End it before."
         )
     return sentences
+
+
+def starts_at_pole(problem: Problem) -> bool:
+    """Return whether the axis starts exactly vertical, with nothing that turns it away."""
+    initial, turning = problem.initial, ["theta_dot"]
+    if not is_frictionless(problem.friction):
+        turning += ["nu_x", "nu_y"]
+    at_rest = not any(initial.get(name) for name in turning)
+    return at_rest and initial.get("theta", 0.0) in (0.0, math.pi)
+
+
+def contact_start(problem: Problem) -> str:
+    """Return how the contact point starts where the scenario leaves that out, or an empty text."""
+    given = {"nu_x", "nu_y", "nu_z", "centre_at_rest"} & set(problem.initial)
+    stands = problem.contact is None or touches(problem)
+    if given or not stands or is_frictionless(problem.friction) or starts_at_pole(problem):
+        return ""
+    return (
+        "at rest, so that the body rolls at first: `initial.centre_at_rest = true` starts with "
+        "sliding, `initial.nu_x = 0` confirms this start"
+    )

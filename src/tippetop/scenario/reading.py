@@ -1,5 +1,6 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
+import os
 import re
 import tomllib
 from collections.abc import Collection, Mapping
@@ -43,11 +44,12 @@ def read(source: str) -> dict[str, Any]:
     """Return the tables of a TOML file or of a preset. Raises InputError."""
     path = Path(source)
     try:
-        if path.suffix != ".toml" and not path.is_file():
+        if path.suffix != ".toml" and not os.path.isfile(path):
             known = _presets()
             if source not in known:
                 raise InputError(
-                    f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
+                    f"`{_short(source)}` is neither a TOML file nor a preset."
+                    f"{suggestion(source, known)} "
                     f"The presets are {', '.join(known)}."
                 )
             text = known[source]
@@ -56,6 +58,8 @@ def read(source: str) -> dict[str, Any]:
         return plain(_parsed(text))
     except InputError:
         raise
+    except RecursionError:
+        raise InputError(f"`{source}` has tables or lists that are nested too deeply.") from None
     except OSError as error:
         raise InputError(f"`{source}` cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
@@ -64,11 +68,8 @@ def read(source: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=64)
 def _parsed(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text. Raises ValueError."""
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise ValueError("tables or lists are nested too deeply") from None
+    """Return the tables of a TOML text. Raises ValueError, or RecursionError if it is too deep."""
+    return tomllib.loads(text)
 
 
 def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str, Any]:
@@ -135,7 +136,7 @@ def _value(key: str, text: str) -> Any:
     """Return the value of an assignment: TOML, or a text without quotes. Raises InputError."""
     try:
         return _parsed(f"value = {text}")["value"]
-    except ValueError:
+    except (ValueError, RecursionError):
         if key == "initial.from" or not re.search(r"[\"'\[\]{}=,#]", text):
             return text
         raise InputError(

@@ -2,6 +2,7 @@
 
 import math
 import operator
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -170,7 +171,7 @@ class Plan:
     @property
     def runs(self) -> list[int]:
         """Tops that are also run alone, with rows and events."""
-        return self.document["runs"]
+        return list(dict.fromkeys(self.document["runs"]))
 
     @cached_property
     def chunk(self) -> int:
@@ -236,7 +237,7 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
         tables = dict(shape.scenario)
     else:
         local = folder / shape.scenario
-        tables = reading.read(str(local) if local.is_file() else shape.scenario)
+        tables = reading.read(str(local) if os.path.isfile(local) else shape.scenario)
     for name, value in dict[str, Any](shape.set).items():
         old: Any = tables.get(name)
         both = isinstance(old, dict) and isinstance(value, dict)

@@ -5,6 +5,7 @@ Its radius is R, its centre of mass lies alpha*R below its centre.
 With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from ..contact import body as contact
@@ -67,6 +68,11 @@ class TippeTop(Top):
     def seen(self, friction: Any) -> Touch:
         """Return the body: c = alpha*R."""
         return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
+
+
+def is_peg(parameters: Mapping[str, Any]) -> bool:
+    """Return whether these are numbers of a peg, which is lowest near theta = pi."""
+    return parameters.get("alpha", 0.0) < 0
 
 
 @formula
