@@ -19,7 +19,7 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO, zero_of
-from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
+from ..mechanics.form import CLOCK, ENDS, STALL, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
@@ -45,6 +45,9 @@ from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
+
+NODES = 8
+"""Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
@@ -268,7 +271,7 @@ class Track:
         self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
-            run.numbers.get(exit.event, CLOCK): run.jump(name, phase, exit)
+            run.numbers.get(exit.event, exit.event): run.jump(name, phase, exit)
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
@@ -400,6 +403,8 @@ class HybridDriver(Driver):
         self.copies = Changes(self) if struck and number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
+        if self.series:
+            self.first = self.rows_of(self.motion.in_lane, self.series(self.number(0)))
 
     def _start(self, state: tuple) -> None:
         """Enter the first phase."""
@@ -443,9 +448,15 @@ class HybridDriver(Driver):
             self.tables.begin(float(now + n.logged_after), track, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
-        signs, zeros, passed = track.begins(n, values, self.functions["sign"])
-        self.functions["sign"], self.functions["on_zero"] = signs, zeros
         self.series = n.series and partial(self._during, n.series, now)
+        signs = self.functions["sign"]
+        if self.series:
+            first = self._ranged(now, time)
+            if before is None:
+                sides, zeros, _ = track.begins(n, first, signs)
+                signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
+        signs, zeros, passed = track.begins(n, values, signs)
+        self.functions["sign"], self.functions["on_zero"] = signs, zeros
         for number in passed:
             self._note_passed(number, signs[number], before, now)
         self.begin()
@@ -464,17 +475,23 @@ class HybridDriver(Driver):
         while True:
             self.end_next()
             is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
-            room = 0 if is_over else most - steps
+            is_through = not (is_over or self.clock[0] < self.goal)  # the phase lasts no time
+            room = 0 if is_over or is_through else most - steps
             steps += self.drive(min(room, 1) if self.track.sampled else room)
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending: Any = self.ending if status is Status.FINISHED else None
+            ending: Any = self.ending if is_through or status is Status.FINISHED else None
+            if status is Status.STALLED:
+                ending = STALL
+            if is_through:
+                when = self.until
             if self.upto[0] < 1.0:
                 ending = self.log.rows["event"][self.logged[0] - 1]
             jump = self.track.exits.get(ending)
             if jump:
                 status = self._change(jump, when)
+            room = room or is_through
             if status is not None or not room or not (jump or self.track.sampled):
                 break
         if status is None and not self.clock[0] < self.end:
@@ -500,7 +517,8 @@ class HybridDriver(Driver):
         Return how it ends the run, or None.
         """
         shortest = CHATTER * max(self.began, 1.0)
-        self.short = self.short + 1 if float(when) - self.began < shortest else 0
+        if float(self.until) > self.began:  # it was to last some time
+            self.short = self.short + 1 if float(when) - self.began < shortest else 0
         now, track, last = self.number(when), self.track, self.last
         if self.upto[0] < 1.0:
             self.logged[0] -= 1  # the jump logs it
@@ -556,6 +574,23 @@ class HybridDriver(Driver):
         """Return states at internal times in a jump that takes time."""
         values = self.track.variables.join(*series(np.array(times, self.number) - began))
         return np.array([[self.number(one) for one in value] for value in values]).T
+
+    def _ranged(self, began: Any, end: Any) -> list:
+        """Take in the extremes of event functions during a jump; return the functions at its
+        start.
+        """
+        track, every = self.track, []
+        for time in (began + (end - began) * k / NODES for k in range(NODES + 1)):
+            state = self.series(time)[0]
+            values = track.formulas.functions(*track.variables.split(state), track.b)
+            every.append(values)
+            for number, value in zip(track.events, values, strict=True):
+                event, known = self.all_events.events[number], self.functions[number]
+                scaled = float(value) * event["scale"]
+                for side, is_beyond in enumerate((np.less, np.greater)):
+                    if event["ranged"] and is_beyond(scaled, known["extremes"][side]):
+                        known["extremes"][side], known["times"][side] = scaled, time
+        return every[0]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log an event that happens in a jump from a phase."""

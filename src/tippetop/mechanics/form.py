@@ -190,7 +190,7 @@ class Next:
         function of an event with an exit has the sign from which it can reach its zero.
     lasts
         Time after which the next phase ends by its exit `CLOCK`, unless another exit comes first.
-        By default it has no such time.
+        By default it has no such time. 0: it ends immediately, after `delay`.
     cause
         The reason in the table of phases. None: the event that ended the phase before. Empty: no
         new row, because the same phase continues with other variables.
@@ -218,6 +218,9 @@ class Next:
 CLOCK = "clock"
 """The event by which a phase ends that lasts a time known at its beginning."""
 
+STALL = "stall"
+"""The event by which a phase ends whose steps have become too short to go on."""
+
 ENDS = ("ended", "liftoff", "fallen", "stalled")
 """Statuses with which a jump may end a run."""
 
@@ -232,7 +235,7 @@ class Exit:
     Parameters
     ----------
     event
-        The name of an event of the phase, or `CLOCK`.
+        The name of an event of the phase, `CLOCK` or `STALL`.
     to
         The names of the phases that may follow.
     jump
