@@ -208,10 +208,13 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         against = (atan2(-F.y, -F.x),) if F.z > 0 else ()
         for beta in (*first_directions(partial(pushed, x, b)), *against):
-            # on the edge, by rounding, nothing may slide
-            n = slide(x, world, ball, beta, cause)
-            return n or Next(phase_name("roll", ball), x, cause, zeros={**roots, CONE.name: 1})
+            return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
     return fly(x, world, ball, 2, "opens-at-once")
+
+
+def on_edge(x: Moving, ball: int, cause: str, roots: Any = ()) -> Next:
+    """Return rolling on the edge of the friction cone, where by rounding nothing slides."""
+    return Next(phase_name("roll", ball), x, cause, zeros={**dict(roots), CONE.name: 1})
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
@@ -416,11 +419,11 @@ def stick(x: Moving, world: Any) -> Next:
 def slide_on(x: Moving, world: Any) -> Next:
     """Return the phase after a part of a slow slide: the next part, or what follows its end."""
     ball = world.phase.ball
-    v = contact_velocity(x, world.body[ball])
-    if size(v) > STOPS_AT:
-        n = slide(x, world, ball, atan2(v.y, v.x), "", size(v))
-        assert n is not None
+    b = world.body[ball]
+    v = contact_velocity(x, b)
+    if size(v) > STOPS_AT and (n := slide(x, world, ball, atan2(v.y, v.x), "", size(v))):
         return n
+    x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
     n = on_plane(x, world, ball, "stick")
     n.logged = ("stick" if world.phases[n.phase].label == "roll" else "reversal",)
     return n
@@ -431,9 +434,7 @@ def begin_slip(x: Moving, world: Any) -> Next:
     ball = world.phase.ball
     F = resting(x, world.body[ball])[0]
     n = slide(x, world, ball, atan2(-F.y, -F.x), "slip")
-    if n is None:
-        raise ArithmeticError("no slip begins at this edge of the cone")
-    return replace(n, logged=("slip",))
+    return replace(n, logged=("slip",)) if n else on_edge(x, ball, "")
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:

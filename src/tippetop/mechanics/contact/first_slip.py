@@ -59,7 +59,7 @@ def first_slip(
         if found:
             at, pace, stiffness = found
             times = duration * np.arange(1, 2 * NODES + 1) / (2 * NODES)
-            if not pace(BRIEF * duration) > 0:
+            if not max(pace(BRIEF * duration), pace(times[0])) > 0:
                 return None
             stop = zero_of(pace, BRIEF * duration, *times)
             end = duration if stop is None else stop
