@@ -226,7 +226,6 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"series": lambda t: (t, ())}), "return arrays of h, v at the given times"),
         (("fall", {}, {"delay": [1]}), "have a time of at least 0 in `delay`, but has [1]"),
         (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
-        (("fall", {}, {"logged_after": -1}), "at least 0 in `logged_after`, but has -1"),
         (("fall", {}, {"lasts": -1}), "have a time of at least 0 in `lasts`, but has -1"),
         (("fall", {}, {"lasts": 0}), "leave out `lasts`, as phase `fall` has no exit by 'clock'"),
         (lambda x: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),

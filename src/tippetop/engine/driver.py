@@ -189,7 +189,6 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
         self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
-        self.forget()
         steps, when, last, ended = self.run(most)
         logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
@@ -204,6 +203,7 @@ class Driver:
         at_passages, samples, last = np.split(rows, [len(events), -1])
         columns = self.times[logged], events["event"], events["sign"], events["at_pole"]
         passages = Passages._make([*(column.copy() for column in columns), at_passages])
+        self.forget()
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
@@ -348,6 +348,7 @@ class Driver:
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
         self.put(state, clock)
+        self.forget()
         self.tallies.lane[0] = tuple(kept["tally"])
         self.tallies.functions.view(float)[:] = kept["functions"]
         self.tallies.kept[:, 0] = kept["kept"]

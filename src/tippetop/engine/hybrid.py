@@ -216,7 +216,7 @@ def begin_in_first(x: Any, world: World) -> Next:
 
 def wrong_time(n: Next, to: "Track") -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
-    for what in ("delay", "logged_after", "lasts"):
+    for what in ("delay", "lasts"):
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
@@ -445,7 +445,7 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(now + n.logged_after), track, n.cause)
+            self.tables.begin(float(now), track, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         self.series = n.series and partial(self._during, n.series, now)
@@ -527,7 +527,7 @@ class HybridDriver(Driver):
         if self.copies:
             self.copies.learn(jump, *given)
         for name in n.logged:
-            self._note(self.numbers[name], now + n.logged_after, 1, track, last)
+            self._note(self.numbers[name], now, 1, track, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -594,14 +594,14 @@ class HybridDriver(Driver):
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log an event that happens in a jump from a phase."""
-        event, track, state = self.track.events[number], before, self.last
-        if self.series:
-            track, during = self.track, self.series
+        track, during = self.track, self.series
+        if during:
             now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
-            state = during(now)[0]
-        elif not (event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO)):
+            self._note(number, now, sign, track, during(now)[0])
             return
-        self._note(number, now, sign, track, state)
+        event, state = track.events[number], self.last
+        if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
+            self._note(number, now, sign, before, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         system, variables = self.problem.system, self.problem.variables

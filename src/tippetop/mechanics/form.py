@@ -180,8 +180,6 @@ class Next:
         state at its end.
     logged
         Names of events that the jump adds to the event log, because no step finds their zeros.
-    logged_after
-        The part of `delay` that passes before these events.
     zeros
         The event functions of the next phase that are zero at its start: multiplicity of the root,
         by name.
@@ -206,7 +204,6 @@ class Next:
     delay: Any = 0
     series: Any = None
     logged: tuple[str, ...] = ()
-    logged_after: Any = 0
     zeros: Mapping[str, int] = field(default_factory=dict)
     sides: Mapping[str, int] = field(default_factory=dict)
     lasts: Any = math.inf
