@@ -77,7 +77,8 @@ def test_a_slide_from_rest_is_that_of_an_own_integration(count: int) -> None:
         try:
             run = followed(system, body, {"mu": b.mu}, start, until=until, output_times=times)
         except tt.InputError as error:
-            assert "mu` must be less than" in str(error)  # the contact would jam
+            if "mu` must be less than" not in str(error):  # the contact would jam
+                raise
             continue
         assert run.summary.status == "finished", seed
         theta, axis = run.trajectory.theta.values, axes(b, u, L, times)
@@ -159,6 +160,7 @@ def test_long_runs_end_at_their_end(kind: str, count: int) -> None:
         try:
             run = followed(system, body, friction, start, until=50 / swing, output="events")
         except tt.InputError as error:
-            assert "mu` must be less than" in str(error)
+            if "mu` must be less than" not in str(error):
+                raise
             continue
         assert run.summary.status == "finished", (seed, run.summary.reason)
