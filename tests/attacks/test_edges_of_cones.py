@@ -164,3 +164,11 @@ def test_long_runs_end_at_their_end(kind: str, count: int) -> None:
                 raise
             continue
         assert run.summary.status == "finished", (seed, run.summary.reason)
+
+
+def test_the_extremes_of_the_force_include_the_first_instants_of_a_slide() -> None:
+    start = {"theta": 1.0, "phi_dot": 12.0, "omega3": 80.0}
+    run = followed("tippe-top", BODY, {"mu": 0.02}, start, until=0.003, output_step=1e-6)
+    forces = run.trajectory.normal_force.values
+    assert run.summary.normal_force.t_min == 0
+    assert run.summary.normal_force.min == pytest.approx(forces.min(), rel=1e-15)

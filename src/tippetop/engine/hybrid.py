@@ -481,11 +481,9 @@ class HybridDriver(Driver):
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending: Any = self.ending if is_through or status is Status.FINISHED else None
-            if status is Status.STALLED:
-                ending = STALL
+            ending: Any = {Status.FINISHED: self.ending, Status.STALLED: STALL}.get(status)
             if is_through:
-                when = self.until
+                ending, when = CLOCK, self.until
             if self.upto[0] < 1.0:
                 ending = self.log.rows["event"][self.logged[0] - 1]
             jump = self.track.exits.get(ending)
@@ -588,7 +586,7 @@ class HybridDriver(Driver):
                 event, known = self.all_events.events[number], self.functions[number]
                 scaled = float(value) * event["scale"]
                 for side, is_beyond in enumerate((np.less, np.greater)):
-                    if event["ranged"] and is_beyond(scaled, known["extremes"][side]):
+                    if event["extremes"] and is_beyond(scaled, known["extremes"][side]):
                         known["extremes"][side], known["times"][side] = scaled, time
         return every[0]
 

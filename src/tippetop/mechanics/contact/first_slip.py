@@ -58,10 +58,10 @@ def first_slip(
         found = _swept(rates, state, beta, duration)
         if found:
             at, pace, stiffness = found
-            times = duration * np.arange(1, 2 * NODES + 1) / (2 * NODES)
-            if not max(pace(BRIEF * duration), pace(times[0])) > 0:
+            first, *times = BRIEF * duration, *np.linspace(0, duration, 2 * NODES)[1:]
+            if not max(pace(first), pace(times[0])) > 0:
                 return None
-            stop = zero_of(pace, BRIEF * duration, *times)
+            stop = zero_of(pace, first, *times)
             end = duration if stop is None else stop
             if lasts(at(end)):
                 return end, at, stop is not None or stiffness > SLAVED
@@ -70,8 +70,8 @@ def first_slip(
 
 
 def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tuple | None:
-    """Return at(t), a function of time that is positive while w is, and the duration in units of
-    the time in which the direction changes, where the sweeps converge; otherwise None.
+    """Return at(t), w/t as a function of time, and the duration in units of the time in which the
+    direction changes, where the sweeps converge; otherwise None.
     """
     pi = np.arccos(-start.dtype.type(1))
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
@@ -83,8 +83,8 @@ def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tup
     with np.errstate(all="ignore"):
         for _ in range(SWEEPS):
             near = np.concatenate([beta, beta - STEP, beta + STEP])
-            by, Q = (np.split(one, 3, -1) for one in rates(np.tile(state, 3), near))
-            (Q, below, above), w = Q, state[-1]
+            by, every = (np.split(one, 3, -1) for one in rates(np.tile(state, 3), near))
+            (Q, below, above), w = every, state[-1]
             follows = (below - above) / (2 * STEP)
             equations = np.array(w[:, None] * slope.T + np.diag(follows), float)
             if not np.isfinite(equations).all():
@@ -110,8 +110,7 @@ def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tup
         return (begin + moved).T  # exactly the start at 0
 
     def pace(t: Any) -> Any:
-        own = start[-1]
-        return own + (t if own else 1) * chebval(2 * t / duration - 1, gained)
+        return start[-1] / t + chebval(2 * t / duration - 1, gained)
 
     return at, pace, follows[0] * duration / w[0]
 
