@@ -449,7 +449,7 @@ class HybridDriver(Driver):
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         self.series = n.series and partial(self._during, n.series, now)
-        signs = self.functions["sign"]
+        signs: Any = self.functions["sign"]
         if self.series:
             first = self._ranged(now, time)
             if before is None:
@@ -481,7 +481,8 @@ class HybridDriver(Driver):
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending: Any = {Status.FINISHED: self.ending, Status.STALLED: STALL}.get(status)
+            endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: STALL}
+            ending: Any = endings.get(status)
             if is_through:
                 ending, when = CLOCK, self.until
             if self.upto[0] < 1.0:
