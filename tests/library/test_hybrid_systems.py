@@ -266,8 +266,6 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"series": lambda t: (t, ())}), "return arrays of h, v at the given times"),
         (("fall", {}, {"delay": [1]}), "have a time of at least 0 in `delay`, but has [1]"),
         (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
-        (("fall", {}, {"logged_after": -1}), "at least 0 in `logged_after`, but has -1"),
-        (("fall", {}, {"logged_after": 1e9}), "not before `logged_after`, but has 0"),
         (("fall", {}, {"delay": np.inf}), "have a finite `delay`"),
         (("fall", {}, {"logged": ("rests",) * 1025}), "log at most 1024 events, but logs 1025"),
         (("fall", {}, {"ends": "ended", "message": 5}), "have a str in `message`, but has 5"),
@@ -327,6 +325,29 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
     summary = broken(jump).summary
     assert summary.status == status
     assert words in summary.reason
+
+
+def test_a_phase_may_last_no_time_after_a_jump_that_takes_some() -> None:
+    """Each bounce waits on the ground, in a phase that its clock ends immediately."""
+    rest, phases = 0.1, SYSTEMS["bouncing-point"].phases
+
+    def lands(x: Any, world: Any) -> Next:
+        still = lambda t: (type(x)(0 * t, x.v + 0 * t), ())  # noqa: E731
+        return Next("rest", x, delay=rest, series=still, lasts=0)
+
+    def leaves(x: Any, world: Any) -> Next:
+        x = x._replace(h=0, v=-0.5 * x.v)
+        return Next("fall", x, "ground", zeros={"ground": 1})
+
+    fall = phases["fall"]
+    waits = dataclasses.replace(fall, exits=(Exit("clock", ("fall",), leaves),))
+    left = dataclasses.replace(fall, exits=(Exit("ground", ("rest",), lands),))
+    register("broken-point", {"fall": left, "rest": waits})
+    run = tt.run(POINT | {"system": "broken-point"}, until=2, output_times=[0.46])
+    starts, first = run.phases.start.values, np.sqrt(2 / 9.81)
+    np.testing.assert_allclose(np.diff(starts)[[0, 2]], first, rtol=1e-14)  # half the speed, twice
+    np.testing.assert_allclose(np.diff(starts)[[1, 3]], rest / 4, rtol=1e-14)  # internal units
+    assert run.trajectory.h[0] == 0
 
 
 def test_bounces_that_double_precision_cannot_shorten_stall() -> None:

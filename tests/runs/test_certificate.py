@@ -189,3 +189,24 @@ def test_a_form_that_is_singular_at_a_pole_breaks_the_promise_near_it(
     said = capsys.readouterr().err.strip().splitlines()[-1]
     assert said.startswith("tippetop: the accuracy contract is broken: the drift of energy")
     assert typed(words) == 0
+
+
+@pytest.mark.parametrize(
+    ("tables", "named"),
+    [({}, 0), ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1e-3}}, 1)],
+)
+def test_a_certificate_names_the_thresholds_of_contact_that_a_run_met(
+    tables: dict, named: int
+) -> None:
+    """A disc that starts to slide slowly comes to rest; a point only rolls."""
+    body = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-6, "g": 9.82}
+    start = {"theta": 1.0, "nu_x": 0.01}
+    friction = {"law": "coulomb", "mu": 0.9}
+    problem = build.problem(
+        {"system": "tippe-top", "parameters": body, "friction": friction, "initial": start}
+        | {"contact": {"e_n": 0.0}, "run": {"until": 0.02}}
+        | tables
+    )
+    found = certificate.certificate(problem)["thresholds"]
+    assert len(found) == named
+    assert all("disc" in text for text in found)

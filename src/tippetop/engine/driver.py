@@ -356,6 +356,7 @@ class Driver:
         """Continue from a snapshot, of which state and time come in the working precision."""
         self.forget()
         self.put(state, clock)
+        self.forget()
         self.tallies.lane[0] = tuple(kept["tally"])
         self.tallies.functions.view(float)[:] = kept["functions"]
         self.tallies.kept[:, 0] = kept["kept"]

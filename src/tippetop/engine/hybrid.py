@@ -19,7 +19,7 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO, zero_of
-from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, Exit, Next, Phase
+from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, STALL, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.readonly import ReadOnly
@@ -47,6 +47,9 @@ from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
+
+NODES = 8
+"""Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
@@ -219,12 +222,12 @@ def begin_in_first(x: Any, world: World) -> Next:
 
 def wrong_time(n: Next, to: "Track") -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
-    for what in ("delay", "logged_after", "lasts"):
+    for what in ("delay", "lasts"):
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
-    if not n.logged_after <= (time := n.delay) < math.inf:
-        return f"have a finite `delay`, not before `logged_after`, but has {time!r:.60}"
+    if not n.delay < math.inf:
+        return f"have a finite `delay`, but has {n.delay!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
     if n.series:
@@ -276,7 +279,7 @@ class Track:
         self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
-            run.numbers.get(exit.event, CLOCK): run.jump(name, phase, exit)
+            run.numbers.get(exit.event, exit.event): run.jump(name, phase, exit)
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
@@ -412,6 +415,8 @@ class HybridDriver(Driver):
         self.copies = Changes(self) if struck and number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
+        if self.series:
+            self.first = self.rows_of(self.motion.in_lane, self.series(self.number(0)))
 
     def _start(self, state: tuple) -> None:
         """Enter the first phase."""
@@ -430,7 +435,7 @@ class HybridDriver(Driver):
         self._enter(begun, self.number(0), None)
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
-            self._note(self.numbers[name], n.logged_after, 1, AS_ROW, np.array(state))
+            self._note(self.numbers[name], self.number(0), 1, AS_ROW, np.array(state))
         begin_lasting(self.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
@@ -458,13 +463,19 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(min(now + n.logged_after, self.end)), track, n.cause)
+            self.tables.begin(float(now), track, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
-        signs, zeros, passed = track.begins(n, values, self.functions["sign"])
-        self.functions["sign"], self.functions["on_zero"] = signs, zeros
         self.series = n.series and partial(self._during, n.series, now)
-        for number in passed if before else ():
+        signs: Any = self.functions["sign"]
+        if self.series:
+            first = self._ranged(now, time)
+            if before is None:
+                sides, zeros, _ = track.begins(n, first, signs)
+                signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
+        signs, zeros, passed = track.begins(n, values, signs)
+        self.functions["sign"], self.functions["on_zero"] = signs, zeros
+        for number in passed if before or self.series else ():
             self._note_passed(number, signs[number], before, now)
         self.begin()
         self.time[0] = self.began
@@ -488,7 +499,8 @@ class HybridDriver(Driver):
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending: Any = self.ending if status is Status.FINISHED else None
+            endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: STALL}
+            ending: Any = endings.get(status)
             if self.upto[0] < 1.0:
                 ending = self.log.rows["event"][self.logged[0] - 1]
             jump = self.track.exits.get(ending)
@@ -528,7 +540,8 @@ class HybridDriver(Driver):
         Return how it ends the run, or None.
         """
         shortest = CHATTER * max(self.began, 1.0)
-        self.short = self.short + 1 if float(when) - self.began < shortest else 0
+        if float(self.until) > self.began:  # it was to last some time
+            self.short = self.short + 1 if float(when) - self.began < shortest else 0
         now, track, last = self.number(when), self.track, self.last
         if self.upto[0] < 1.0:
             self.logged[0] -= 1  # the jump logs it
@@ -536,9 +549,8 @@ class HybridDriver(Driver):
         begun = n, _, state, _ = jump(self, *given)
         if self.copies:
             self.copies.learn(jump, *given)
-        after = now + n.logged_after
-        for name in n.logged if after <= self.end + self.number(shortest) else ():
-            self._note(self.numbers[name], min(after, self.end), 1, track.at, last)
+        for name in n.logged:
+            self._note(self.numbers[name], now, 1, track.at, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -586,16 +598,33 @@ class HybridDriver(Driver):
         values = self.track.variables.join(*series(np.array(times, self.number) - began))
         return np.array([[self.number(one) for one in value] for value in values]).T
 
+    def _ranged(self, began: Any, end: Any) -> list:
+        """Take in the extremes of event functions during a jump; return the functions at its
+        start.
+        """
+        track, every = self.track, []
+        for time in (began + (end - began) * k / NODES for k in range(NODES + 1)):
+            state = self.series(time)[0]
+            values = track.formulas.functions(*track.variables.split(state), track.b)
+            every.append(values)
+            for number, value in zip(track.events, values, strict=True):
+                event, known = self.all_events.events[number], self.functions[number]
+                scaled = float(value) * event["scale"]
+                for side, is_beyond in enumerate((np.less, np.greater)):
+                    if event["extremes"] and is_beyond(scaled, known["extremes"][side]):
+                        known["extremes"][side], known["times"][side] = scaled, time
+        return every[0]
+
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log an event that happens in a jump from a phase."""
-        event, track, state = self.track.events[number], before, self.last
-        if self.series:
-            track, during = self.track, self.series
+        track, during = self.track, self.series
+        if during:
             now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
-            state = during(now)[0]
-        elif not (event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO)):
+            self._note(number, now, sign, track.at, during(now)[0])
             return
-        self._note(number, now, sign, track.at, state)
+        event, state = track.events[number], self.last
+        if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
+            self._note(number, now, sign, before.at, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         system, variables = self.problem.system, self.problem.variables

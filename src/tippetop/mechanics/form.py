@@ -181,9 +181,6 @@ class Next:
     logged
         Names of events that the jump adds to the event log, because no step finds their zeros; at
         most 1024.
-    logged_after
-        The part of `delay` that passes before these events; after the end of the run there are
-        none.
     zeros
         The event functions of the next phase that are zero at its start: multiplicity of the root,
         by name.
@@ -192,7 +189,7 @@ class Next:
         function of an event with an exit has the sign from which it can reach its zero.
     lasts
         Time after which the next phase ends by its exit `CLOCK`, unless another exit comes first.
-        By default it has no such time.
+        By default it has no such time. 0: it ends immediately, after `delay`.
     cause
         The reason in the table of phases. None: the event that ended the phase before. Empty: no
         new row, because the same phase continues with other variables.
@@ -208,7 +205,6 @@ class Next:
     delay: Any = 0
     series: Any = None
     logged: tuple[str, ...] = ()
-    logged_after: Any = 0
     zeros: Mapping[str, int] = field(default_factory=dict)
     sides: Mapping[str, int] = field(default_factory=dict)
     lasts: Any = math.inf
@@ -219,6 +215,9 @@ class Next:
 
 CLOCK = "clock"
 """The event by which a phase ends that lasts a time known at its beginning."""
+
+STALL = "stall"
+"""The event by which a phase ends whose steps have become too short to go on."""
 
 ENDS = ("ended", "liftoff", "fallen", "stalled")
 """Statuses with which a jump may end a run."""
@@ -237,7 +236,7 @@ class Exit:
     Parameters
     ----------
     event
-        The name of an event of the phase, or `CLOCK`.
+        The name of an event of the phase, `CLOCK` or `STALL`.
     to
         The names of the phases that may follow.
     jump

@@ -176,11 +176,12 @@ def _ending(progress: RunProgress) -> Event:
 def _lost(progress: RunProgress) -> str:
     """Return why the state, or the step, could not be continued."""
     t, is_infinite = progress.t_end, progress.status is Status.NON_FINITE
-    domains, system = progress.view.domains(progress.last), progress.problem.system
+    problem = progress.problem
+    domains, system = progress.view.domains(progress.last), problem.system
     cause = min(domains, key=lambda name: domains[name]) if domains else ""
     if not cause or not domains[cause] < 1e-3:
         law = "the friction law is singular or too stiff (large mu, small eps)"
-        if not system.frictional:
+        if not system.frictional or problem.law.set_valued or problem.law.regions:
             law = "the equations of the system are singular or too stiff"
         cause = f"the coordinates are regular there, so {law}"
         if any(owner(event.formula) for event in system.events):

@@ -196,4 +196,5 @@ def certificate(result: Info) -> str:
                 text += f", {rows} {words} by {result[name][time]:.1e} s"
             else:
                 text += f", {rows} {words}, but {expected} in {result['against']}"
-    return text
+    shared = "; ".join(result.get("thresholds", ()))
+    return f"{text}. Both runs share the thresholds of contact of {shared}" if shared else text

@@ -60,8 +60,8 @@ def slip_rates(ball: Touch) -> Callable:
     return rates
 
 
-def slipped(edge: "Edge") -> tuple[float, Callable]:
-    """Duration and motion of the first slip from an edge."""
+def slipped(edge: "Edge") -> Any:
+    """Duration and motion of the first slip from an edge, and whether it is slow; None inside."""
     start = np.append(edge.state, 0.0).astype(np.longdouble)
     span = 0.03 / edge.omega
     return first_slip(slip_rates(edge.ball), start, edge.beta, span, lambda end: True)
@@ -109,7 +109,7 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
 ) -> None:
     for edge in edges(rng, 3):
         rates = slip_rates(edge.ball)
-        duration, at = slipped(edge)
+        duration, at, _ = slipped(edge)
 
         def rate(t: float, y: Any, rates: Callable = rates) -> Any:
             state_rate, Q = rates(y[:-1], y[-1])
@@ -129,7 +129,7 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
 
 def test_slip_begins_where_its_rate_is_zero_by_rounding(rng: np.random.Generator) -> None:
     for edge in edges(rng, 15):
-        duration, at = slipped(edge)
+        duration, at, _ = slipped(edge)
         assert np.all(at(duration * np.linspace(0.01, 1, 12))[-2] > 0)
 
 
@@ -137,8 +137,7 @@ def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> Non
     (edge,) = edges(rng, 1)
     state = np.concatenate([edge.state[:3], -edge.state[3:6], edge.state[6:]])  # it comes in
     F = reaction(state, edge.ball)
-    with pytest.raises(ArithmeticError, match="no slip begins"):
-        slipped(edge._replace(state=state, beta=float(np.arctan2(-F.y, -F.x))))
+    assert slipped(edge._replace(state=state, beta=float(np.arctan2(-F.y, -F.x)))) is None
 
 
 def test_outside_the_cone_there_is_one_first_direction_and_inside_none(

@@ -5,6 +5,7 @@ the common state.
 struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -13,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from ..form import CLOCK, Next
-from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
+from ..operand import Vector, atan2, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import BALLS, Moving, Touch, contact_velocity
 from .contact_phases import (
+    CONE,
     DIRECTED,
     DIRECTED_SLIP,
     RESTS,
@@ -45,9 +47,6 @@ from .response import (
 )
 
 
-BEGINS_AT = 1e-8
-"""|v_A| with which sliding begins from rest outside the friction cone; its square is the error."""
-
 CLOSES_AT = 1e-8
 """v_n below which an impact does not bounce: the error is its square."""
 
@@ -68,8 +67,8 @@ MOST_STRIKES = 256
 """Impacts at one instant: balls that throw each other down strike ever more slowly."""
 
 SPAN, SLOW = 0.03, 0.5
-"""Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that
-of the time in which gravity swings the body."""
+"""Time over which a slow slide is one series: this part of 1/|omega|, and at most that of the time
+in which gravity swings the body."""
 
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = (
@@ -128,6 +127,11 @@ def first_touch(n: Next, world: Any) -> Next:
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
     lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
+    if series := n.series:
+        n.series = lambda t: (
+            (after := series(t))[0],
+            after[1]._replace(jellett_reference=now + lost + 0 * t),
+        )
     return n
 
 
@@ -202,13 +206,15 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
-        for beta in first_directions(partial(pushed, x, b)):
-            name, q = phase_name("slip", ball), directed(x, beta)
-            rates = DIRECTED_SLIP.form.rates(q, b)._replace(beta=0)
-            delay = min(BEGINS_AT / rates.w, world.left)
-            x = slid(x, world, world.phases[name], q._replace(w=0), rates, delay)
-            return Next(name, x, cause, delay, zeros=roots)
+        against = (atan2(-F.y, -F.x),) if F.z > 0 else ()
+        for beta in (*first_directions(partial(pushed, x, b)), *against):
+            return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
     return fly(x, world, ball, 2, "opens-at-once")
+
+
+def on_edge(x: Moving, ball: int, cause: str, roots: Any = ()) -> Next:
+    """Return rolling on the edge of the friction cone, where by rounding nothing slides."""
+    return Next(phase_name("roll", ball), x, cause, zeros={**dict(roots), CONE.name: 1})
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
@@ -316,12 +322,6 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
     return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
-def slid(x: Moving, world: Any, phase: Any, q: Any, rates: Any, delay: Any) -> Moving:
-    """Return the body after a slide from the state q, so short that its rates stay."""
-    carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
-    return phase.leave(moved(q, rates, delay), world.body[phase.ball])._replace(carried=carried)
-
-
 def eighty_bits(value: Any) -> Any:
     """Return a number, of 80 bits."""
     high = float(value)
@@ -333,13 +333,15 @@ def rounded(record: Any) -> Any:
     return refill(record, map(eighty_bits, leaves(record)))
 
 
-def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
-    """Return how long a slide from the edge of the friction cone is a series, and the series.
+def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -> Next | None:
+    """Return the slow slide of a body with the speed w, or from rest, in the direction beta.
 
-    It gives states and integrals of times (n,). Numbers have 80 bits.
+    It is a series, computed with numbers of 80 bits; None if nothing begins to slide. Where it ends
+    slow, the phase ends immediately, by its exit `CLOCK`.
     """
-    x, world = rounded(x), world._replace(body=rounded(world.body))
-    b = world.body[phase.ball]
+    name, number = phase_name("slip", ball), type(world.left)
+    phase, wide = world.phases[name], world._replace(body=rounded(world.body))
+    x, b = rounded(x), wide.body[ball]
 
     def read(values: Any) -> tuple[Any, Any]:
         *moved, w, beta = values
@@ -348,10 +350,9 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
-        every = (*by[:6], *world.rates(phase, q, carried), by.w)
+        every = (*by[:6], *wide.rates(phase, q, carried), by.w)
         return np.array(np.broadcast_arrays(*every)), by.beta
 
-    F = resting(x, b)[0]
     omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
@@ -359,9 +360,19 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         q, _ = read(end)
         return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
-    state, beta = np.array([*x.u, *x.L, *x.carried, 0 * F.z]), np.arctan2(-F.y, -F.x)
-    duration, at = first_slip(rates, state, beta, span, lasts)
-    return duration, lambda t: read(at([eighty_bits(one) for one in t]))
+    state = np.array([*x.u, *x.L, *x.carried, eighty_bits(w)])
+    slides = first_slip(rates, state, eighty_bits(beta), span, lasts)
+    if slides is None:
+        return None
+    duration, at, is_slow = slides
+    delay = number(min(duration, eighty_bits(world.left)))
+
+    def series(times: Any) -> tuple[Any, Any]:
+        return read(at([eighty_bits(one) for one in times]))
+
+    q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
+    end = phase.leave(q, world.body[ball])._replace(carried=carried)
+    return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
 
 
 # --- exits of the phases ------------------------------------------------------------------------
@@ -392,26 +403,38 @@ def stay_on(x: Moving, world: Any, ball: int) -> Next:
 
 def stick(x: Moving, world: Any) -> Next:
     """Return the phase after sliding stops."""
-    phase, ball = world.phase, world.phase.ball
-    q = phase.enter(x, world.body[ball])
-    rates = phase.form.rates(q, world.body[ball])
+    phase, b = world.phase, world.body[world.phase.ball]
+    q = phase.enter(x, b)
+    rates, carried = phase.form.rates(q, b), world.rates(phase, q, x.carried)
     delay = -q.w / rates.w
-    n = on_plane(slid(x, world, phase, q, rates, delay), world, ball, "stick")
+
+    def series(t: Any) -> tuple[Any, Any]:
+        return moved(q, rates, t), moved(x.carried, carried, t)
+
+    q_end, carried_end = series(delay)
+    x = phase.leave(q_end, b)._replace(carried=carried_end)
+    return Next(phase_name("slip", phase.ball), x, "", delay, series, lasts=0)
+
+
+def slide_on(x: Moving, world: Any) -> Next:
+    """Return the phase after a part of a slow slide: the next part, or what follows its end."""
+    ball = world.phase.ball
+    b = world.body[ball]
+    v = contact_velocity(x, b)
+    if size(v) > STOPS_AT and (n := slide(x, world, ball, atan2(v.y, v.x), "", size(v))):
+        return n
+    x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
+    n = on_plane(x, world, ball, "stick")
     n.logged = ("stick" if world.phases[n.phase].label == "roll" else "reversal",)
-    n.logged_after, n.delay = delay, delay + n.delay
     return n
 
 
 def begin_slip(x: Moving, world: Any) -> Next:
     """Return the phase after rolling needs more friction than the law allows."""
-    name = phase_name("slip", world.phase.ball)
-    phase = world.phases[name]
-    lasts, series = slide_from_cone(x, world, phase)
-    number = type(world.left)
-    delay = number(min(lasts, eighty_bits(world.left)))
-    q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
-    x = phase.leave(q, world.body[phase.ball])._replace(carried=carried)
-    return Next(name, x, "slip", delay, series, ("slip",))
+    ball = world.phase.ball
+    F = resting(x, world.body[ball])[0]
+    n = slide(x, world, ball, atan2(-F.y, -F.x), "slip")
+    return replace(n, logged=("slip",)) if n else on_edge(x, ball, "")
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:

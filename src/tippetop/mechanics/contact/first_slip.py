@@ -1,9 +1,9 @@
-"""How slip begins where nothing slips: at the edge of the cone, and outside it. [contact 2.4, 2.5]
+"""How a point slides while it is so slow that its direction follows the forces: from rest, at the
+edge of the friction cone or outside it, and to the next rest. [contact 2.4, 2.5]
 
-At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' =
-Q is singular, and so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps
-solve it on a whole interval at once: the direction from Q = w beta', everything else by
-integration.
+The direction has the equation w beta' = Q, which is singular at w = 0, and so stiff nearby that no
+explicit step begins there. Its smooth solution is found on a whole interval at once, at the nodes
+of Chebyshev: the direction by Newton's rule, everything else by Picard's, by integration.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,14 +15,25 @@ from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
 from ..event import zero_of
 
 
-NODES, STEP = 12, 1e-5  # of beta, for a slope
+NODES, STEP = 16, 1e-5  # of beta, for a slope
+SWEEPS, HALVINGS = 40, 40
+
+RESOLVED = 1e-17
+"""Size of the last coefficients of a series that is resolved, relative to the largest."""
+
+BRIEF = 1e-9
+"""Part of the duration within which a slide that stops is due to rounding."""
+
+SLAVED = 100
+"""Length of a slide in units of the time in which its direction turns into that of the forces, from
+which on an explicit integrator needs a multiple of the steps."""
 
 
 def first_slip(
     rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
-) -> tuple[Any, Callable]:
-    """Return the duration of the motion from the edge of the cone, where w = P = Q = 0, and at(t),
-    the state and beta at times t since then: at its end an integrator begins.
+) -> tuple[Any, Callable, bool] | None:
+    """Return the duration of a slow slide, at(t), the state and beta at times t since its start,
+    and whether it is slow at its end too, or stops there; None if nothing begins to slide.
 
     Parameters
     ----------
@@ -30,29 +41,38 @@ def first_slip(
         rates(state, beta) -> (the state's rate, Q) of slip in the direction beta, an angle from a
         fixed axis; of arrays (k, n), (n,). The last of the state is w, whose rate is P.
     state
-        At the edge, (k,).
+        At the start, (k,).
     beta
-        The direction of the first slip: against the horizontal force of rolling.
+        About the direction there: the force of rolling points against it, or Q = 0.
     duration
-        How long; 0.03/|omega| is right. It is halved until the sweeps converge and it `lasts`.
+        How long at most. It is halved until the series is resolved and the slide `lasts`.
     lasts
         lasts(end) -> whether nothing else happens to the contact until this state and beta.
 
     Raises
     ------
     ArithmeticError
-        Nothing begins to slip so.
+        There is no such slide: its direction does not follow the forces.
     """
-    for _ in range(12):
-        at = _swept(rates, state, beta, duration)
-        if at and lasts(at(duration)):
-            return duration, at
+    for _ in range(HALVINGS):
+        found = _swept(rates, state, beta, duration)
+        if found:
+            at, pace, stiffness = found
+            first, *times = BRIEF * duration, *np.linspace(0, duration, 2 * NODES)[1:]
+            if not max(pace(first), pace(times[0])) > 0:
+                return None
+            stop = zero_of(pace, first, *times)
+            end = duration if stop is None else stop
+            if lasts(at(end)):
+                return end, at, stop is not None or stiffness > SLAVED
         duration = duration / 2
-    raise ArithmeticError("no slip begins at this edge of the cone")
+    raise ArithmeticError("the direction of a slow slide does not follow the forces")
 
 
-def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> Callable | None:
-    """Return at(t) after sweeps that converge; None if they do not, or nothing slips."""
+def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tuple | None:
+    """Return at(t), w/t as a function of time, and the duration in units of the time in which the
+    direction changes, where the sweeps converge; otherwise None.
+    """
     pi = np.arccos(-start.dtype.type(1))
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
     fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
@@ -61,20 +81,38 @@ def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> Cal
     slope = chebval(nodes, chebder(fit)) * 2 / duration
     state, beta = np.repeat(start[:, None], NODES, 1), np.full(NODES, beta0)
     with np.errstate(all="ignore"):
-        for _ in range(40):
-            w, turn = state[-1], state[-1] * (beta @ slope)
-            below, Q, above = (rates(state, beta + by)[1] for by in (-STEP, 0, STEP))
-            change = (turn - Q) * (2 * STEP) / (above - below)
+        for _ in range(SWEEPS):
+            near = np.concatenate([beta, beta - STEP, beta + STEP])
+            by, every = (np.split(one, 3, -1) for one in rates(np.tile(state, 3), near))
+            (Q, below, above), w = every, state[-1]
+            follows = (below - above) / (2 * STEP)
+            equations = np.array(w[:, None] * slope.T + np.diag(follows), float)
+            if not np.isfinite(equations).all():
+                return None
+            rest = np.array(Q - w * (beta @ slope), float)
+            change = np.linalg.lstsq(equations, rest)[0]
             beta = beta + change
-            state = start[:, None] + rates(state, beta)[0] @ integral
-            changes = *np.abs(change), *np.abs((state[-1] - w) / np.max(np.abs(state[-1])))
-            if max(changes) < 1e4 * np.finfo(start.dtype).eps:
+            state = start[:, None] + by[0] @ integral
+            faster = (state[-1] - w) / np.max(np.abs(state[-1]))
+            if np.max(np.abs([change, faster])) < 1e4 * np.finfo(start.dtype).eps:  # not if NaN
                 break
         else:
             return None
     values = fit @ np.vstack([state, beta]).T
-    slips = min(state[-1]) > 0
-    return (lambda t: chebval(2 * np.asarray(t) / duration - 1, values)) if slips else None
+    if not np.max(np.abs(values[-2:, :-1])) < RESOLVED * np.max(np.abs(values)):
+        return None
+    begin = np.append(start, chebval(-1, values[:, -1]))
+    times = duration * (nodes + 1) / 2
+    gained = fit @ ((state[-1] - start[-1]) / times)
+
+    def at(t: Any) -> np.ndarray:
+        moved = chebval(2 * np.asarray(t) / duration - 1, values).T - chebval(-1, values)
+        return (begin + moved).T  # exactly the start at 0
+
+    def pace(t: Any) -> Any:
+        return start[-1] / t + chebval(2 * t / duration - 1, gained)
+
+    return at, pace, follows[0] * duration / w[0]
 
 
 def first_directions(law: Callable) -> Iterator[float]:

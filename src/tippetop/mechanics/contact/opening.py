@@ -8,7 +8,7 @@ from operator import itemgetter
 from typing import Any
 
 from ..event import Event
-from ..form import CLOCK, Exit, Form, Phase
+from ..form import CLOCK, STALL, Exit, Form, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts
 from ..number import Number
 from ..operand import formula
@@ -17,7 +17,7 @@ from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import BALLS, Touch, seen_from_balls
 from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
-from .exits import IMPACT, JUMPS, REASONS, begin, go_on
+from .exits import IMPACT, JUMPS, REASONS, begin, go_on, slide_on
 from .integrals import NAMED, integral
 from .rows import (
     ANGLES,
@@ -88,9 +88,14 @@ def kind_of(law: Any) -> tuple:
 
 
 def in_plane(form: Form) -> Form:
-    """Return a form that integrates theta too."""
+    """Return a form that integrates theta too, and in which sliding has no direction to turn."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
-    return replace(form, integrals=(theta, *form.integrals), orientation=PLANAR_ROW.orientation)
+
+    def rates(q: Any, b: Any) -> Any:
+        return form.rates(q, b)._replace(**{one: 0 * q.w for one in q._fields if one == "beta"})
+
+    integrals = theta, *form.integrals
+    return replace(form, rates=rates, integrals=integrals, orientation=PLANAR_ROW.orientation)
 
 
 # --- phases and exits ---------------------------------------------------------------------------
@@ -110,7 +115,10 @@ def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
             RESTS.name: partial(go_on, to=name, passed=RESTS.name),
             **passages(label, ball, regions, law),
         }
-        names = *(event.name for event in phase.events), CLOCK
+        names = [*(event.name for event in phase.events), CLOCK]
+        if label == "slip" and law.set_valued:
+            names.append(STALL)
+            jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
         form = replace(phase.form, not_normalised=("R", "c"))
         phases[name] = replace(
             phase,

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError
 from .. import friction
 from ..event import Event
-from ..form import CLOCK, Form, Phase
+from ..form import CLOCK, STALL, Form, Phase
 from ..number import Number
 from ..operand import leaves
 from ..system import System
@@ -57,7 +57,7 @@ def inconsistencies(system: System) -> list[str]:
         variables = list(phase.form.units._asdict().items())
         words = [name, *(event.name for event in phase.events)]
         logged = {one.name for one in system.events} | {way.event for way in phase.exits}
-        detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
+        detected = [CLOCK, STALL, *(event.name for event in phase.events if event.formula)]
         names = [
             *(f"event `{event.name}`" for event in phase.events),
             *(f"quantity `{quantity.name}`" for quantity in phase.quantities),
