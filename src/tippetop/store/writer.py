@@ -92,7 +92,9 @@ def begin_or_continue(
         files.refuse_links(path)
         store = Ledger.opened(path)
         with store.released_on_failure():
-            if unsound := store.unsound():
+            unsound = store.unsound()
+            store.recover()
+            if unsound:
                 store.restart(store.state.header, store.state.chunks.keys() - {*unsound})
     return store
 
