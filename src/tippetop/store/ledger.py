@@ -151,6 +151,13 @@ def records_of(raw: bytes) -> list[dict[str, Any]]:
     return records
 
 
+def begins_in(path: Path) -> bool:
+    """Return whether a folder contains a ledger of ours, damaged or not."""
+    with contextlib.suppress(OSError):
+        return Folder(path).read(LEDGER)[DIGITS:].startswith(b' {"format":')
+    return False
+
+
 def acknowledged(raw: bytes) -> Acknowledged:
     """Return the content that the bytes of a ledger acknowledge. `sound` converts errors."""
     state = Acknowledged.of(records_of(raw))
