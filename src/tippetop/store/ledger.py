@@ -39,6 +39,13 @@ WHOLE = "tippetop resume, or the command that wrote it, completes it"
 COPY = "put a copy of it back, or read the numbers with xarray.open_zarr"
 
 
+# errors that a ledger with other types, shapes or depths than ours can raise
+FORGED = (
+    *(ValueError, LookupError, TypeError, AttributeError),
+    *(ArithmeticError, MemoryError, RecursionError),
+)
+
+
 class Damaged(ValueError):
     """A ledger or an acknowledged file is damaged."""
 
@@ -493,11 +500,12 @@ def read(path: Path, *, chunks: bool = True) -> Acknowledged:
 
 @contextlib.contextmanager
 def sound(path: Path) -> Iterator[None]:
-    """Convert the errors of a damaged ledger or file to a StoreError."""
+    """Convert the errors of a damaged or forged ledger or file to a StoreError."""
     try:
         yield
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise StoreError(f"`{path}` must be a whole store, but is damaged: {error}.") from None
+    except FORGED as error:
+        why = str(error) or type(error).__name__
+        raise StoreError(f"`{path}` must be a whole store, but is damaged: {why}.") from None
 
 
 def _compare(folder: Folder, state: Acknowledged) -> None:
