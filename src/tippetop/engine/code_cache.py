@@ -70,8 +70,8 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
         with suppress(OSError):
             code = zlib.compress(pickle.dumps(result), level=1)
             file.unlink(missing_ok=True)  # it may belong to another user
-            with open(file, "xb", opener=lambda path, how: os.open(path, how, 0o600)) as new:
-                new.write(_digest(key, code) + code)
+            file.touch(0o600)
+            file.write_bytes(_digest(key, code) + code)
             for old in sorted(file.parent.glob("*.z"), key=os.path.getmtime)[:-KEPT]:
                 old.unlink()
     return result
