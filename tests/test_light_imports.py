@@ -54,3 +54,18 @@ def test_what_is_heavy_sleeps_until_it_is_needed(
     loaded, same = after[stage]
     assert not STAGES[stage][1] & loaded
     assert same
+
+
+NUMBA = """
+import sys, numba
+loaded = lambda: {name.partition(".")[0] for name in sys.modules} & {"tippetop", "heyoka"}
+assert numba.njit(lambda x: x + 1)(1) == 2
+assert not loaded(), loaded()
+from tippetop.mechanics.operand import sqrt
+assert numba.njit(lambda x: sqrt(x))(4.0) == 2.0
+"""
+
+
+def test_a_program_of_numba_does_not_import_us_and_learns_formulas_when_it_does() -> None:
+    done = subprocess.run([sys.executable, "-c", NUMBA], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

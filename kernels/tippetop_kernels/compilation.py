@@ -28,6 +28,9 @@ KEPT = 40
 kept.
 """
 
+SIGNATURE = "sha256"
+"""Name of the file with the digest of the machine code in a folder."""
+
 IMPORTED = time.time()
 """Time at which this process began to import our sources, in seconds since 1970."""
 
@@ -62,22 +65,34 @@ class Entry:
 
     def __init__(self, function: Callable):
         self.function = function
+        self.signed = 0  # compilations
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function."""
         try:
-            return self.compiled(*arguments)
+            result = self.compiled(*arguments)
         except OSError:  # numba has compiled it, but cannot keep the code: the disk is full
-            return self.compiled(*arguments)
+            result = self.compiled(*arguments)
+        made = len(self.compiled.stats.cache_misses)
+        if made > self.signed and self.folder is not None:
+            self.signed = made
+            with contextlib.suppress(OSError):
+                (self.folder / SIGNATURE).write_text(signature(self.folder, new=True))
+        return result
 
     @functools.cached_property
-    def compiled(self) -> Callable:
+    def folder(self) -> Any:
+        """The folder of its machine code, or None."""
+        return code_folder(self.function)
+
+    @functools.cached_property
+    def compiled(self) -> Any:
         """The function of numba, which compiles it when it is called."""
         import numba
 
         jit = functools.partial(numba.njit, self.function, error_model="numpy", nogil=True)
-        if (folder := code_folder(self.function)) is not None:
-            with _numba_cache(folder), contextlib.suppress(RuntimeError):  # it is read-only
+        if self.folder is not None:
+            with _numba_cache(self.folder), contextlib.suppress(RuntimeError):  # it is read-only
                 return jit(cache=True)
         return jit()
 
@@ -100,6 +115,11 @@ def cache_folder() -> Path | None:
     return private_folder(Path(caches) / "tippetop" / "kernels") if os.path.isabs(caches) else None
 
 
+def is_private(status: os.stat_result) -> bool:
+    """Return whether a file or folder belongs to this user and no other user can write to it."""
+    return status.st_uid == os.geteuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
 def private_folder(path: Path) -> Path | None:
     """Create a folder.
 
@@ -110,16 +130,15 @@ def private_folder(path: Path) -> Path | None:
         status = path.lstat()
     except OSError:
         return None
-    private = status.st_uid == os.geteuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-    return path if private and stat.S_ISDIR(status.st_mode) else None
+    return path if is_private(status) and stat.S_ISDIR(status.st_mode) else None
 
 
 def code_folder(function: Callable) -> Path | None:
     """Return the folder of the machine code of a function, or None if it must not be kept.
 
     Functions that enclose others have different folders: two processes that write one index of
-    numba at the same time can exchange the code of two functions. Folders of other sources are
-    removed, except for those that were used last.
+    numba at the same time can exchange the code of two functions. Code that is not signed, and
+    folders of other sources, except for those that were used last, are removed.
     """
     functions = function, *inspect.getclosurevars(function).nonlocals.values()
     base, digest = cache_folder(), sources_digest()
@@ -133,7 +152,28 @@ def code_folder(function: Callable) -> Path | None:
             os.utime(folder)
             for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
                 shutil.rmtree(old, ignore_errors=True)
+        with contextlib.suppress(OSError, ValueError):
+            if (folder / SIGNATURE).read_text() == signature(folder):
+                return folder
+        shutil.rmtree(folder, ignore_errors=True)
+        folder = private_folder(folder)
     return folder
+
+
+def signature(folder: Path, *, new: bool = False) -> str:
+    """Return a digest of the files of numba in a folder, which are made private if they are new.
+
+    Raises OSError if another user owns or can write one of them.
+    """
+    whole = hashlib.sha256()
+    for path in sorted(folder.rglob("*.nb?")):
+        with path.open("rb") as file:
+            if new:
+                os.fchmod(file.fileno(), 0o600)
+            if not is_private(os.fstat(file.fileno())):
+                raise PermissionError(path)
+            whole.update(file.read())
+    return whole.hexdigest()
 
 
 @functools.cache

@@ -2,12 +2,14 @@
 documented exit code.
 """
 
+import errno
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from forked import Forked
@@ -49,6 +51,24 @@ def test_streams_that_cannot_be_written_are_no_traceback(
     assert "Traceback" not in done.stderr
     if code == 5:
         assert "standard output must be writable, but: No space left on device." in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("error", "why"),
+    [
+        (RuntimeError("can't start new thread"), "can't start new thread"),
+        (MemoryError(), "out of memory"),
+        (OSError(errno.EMFILE, "Too many open files"), "Too many open files"),
+    ],
+)
+def test_a_limit_of_the_process_is_named(
+    error: Exception, why: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tippetop.cli.application.called", Mock(side_effect=error))
+    assert typed("presets") == 5
+    told = capsys.readouterr().err
+    assert "a limit of this process (ulimit) must be higher, but:" in told
+    assert told.endswith(f"{why}.\n")
 
 
 def test_no_store_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:

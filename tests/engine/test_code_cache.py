@@ -3,11 +3,14 @@ left alone.
 """
 
 import os
+import pickle
+import zlib
 from pathlib import Path
 
 import heyoka as hy
 import numpy as np
 import pytest
+from stores import exchange
 
 from tippetop.engine import code_cache
 from tippetop.engine.code_cache import compiled_once
@@ -47,6 +50,36 @@ def test_no_flipped_bit_reaches_the_processor(cache: Path, rng: np.random.Genera
         file.write_bytes(damaged)
         assert swing().tobytes() == whole.tobytes()
         assert file.read_bytes() == kept
+
+
+@pytest.mark.parametrize("way", ["group", "others", "owner", "exchanged", "earlier", "wrong"])
+def test_a_file_that_is_not_private_and_whole_is_not_read(cache: Path, way: str) -> None:
+    """Only its owner may have written it, and it contains what its name promises."""
+    careful = os.umask(0)
+    try:
+        is_found(1.0)
+        (file,) = cache.iterdir()
+        is_found(2.0)
+    finally:
+        os.umask(careful)
+    (other,) = set(cache.iterdir()) - {file}
+    assert {path.stat().st_mode & 0o777 for path in (file, other)} == {0o600}
+    if way == "exchanged":
+        exchange(file, other)
+    elif way == "earlier":  # as the last release wrote it
+        file.write_bytes(zlib.compress(pickle.dumps(2.0)))
+    elif way == "wrong":
+        file.write_bytes(file.read_bytes()[:32] + zlib.compress(b"garbage"))
+    elif way == "owner":
+        if os.geteuid() != 0:
+            pytest.skip("only root can give files away")
+        os.chown(file, 65534, -1)
+    else:
+        file.chmod(0o620 if way == "group" else 0o602)
+    assert not is_found(1.0)
+    assert is_found(1.0)
+    assert file.stat().st_uid == os.geteuid()
+    assert file.stat().st_mode & 0o777 == 0o600
 
 
 def is_found(number: float = 1.0) -> bool:

@@ -13,6 +13,7 @@ from unittest.mock import Mock
 import numba
 import numpy as np
 import pytest
+from stores import flip
 
 from tippetop_kernels import compilation
 from tippetop_kernels.compilation import kernel
@@ -117,6 +118,32 @@ def test_a_folder_that_others_can_write_is_not_used(toy: Path, cache: Path, mode
         place.chmod(mode)
         assert run(toy) == (8.0, False)
         place.chmod(0o700)
+    assert run(toy) == (8.0, True)
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize("way", ["cut", "empty", "bit", "group", "owner"])
+def test_a_damaged_or_foreign_file_is_compiled_again(
+    toy: Path, cache: Path, suffix: str, way: str
+) -> None:
+    careful = os.umask(0)
+    try:
+        run(toy)
+    finally:
+        os.umask(careful)
+    (file,) = cache.rglob(f"*{suffix}")
+    whole = file.read_bytes()
+    if way == "group":
+        file.chmod(0o620)
+    elif way == "owner":
+        if os.geteuid() != 0:
+            pytest.skip("only root can give files away")
+        os.chown(file, 65534, -1)
+    elif way == "bit":
+        flip(file, len(whole) // 2)
+    else:
+        file.write_bytes(whole[: len(whole) // 2 * (way == "cut")])
+    assert run(toy) == (8.0, False)
     assert run(toy) == (8.0, True)
 
 

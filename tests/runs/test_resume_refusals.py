@@ -58,7 +58,7 @@ def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) ->
     kept, rows = place.read_bytes(), tail.read_bytes()
     for damaged, rest, sentence in (
         (kept.replace(b'"t_end":', b'"t_end":1', 1), rows, "line 1 of `ledger.jsonl` is damaged"),
-        (kept[:100], rows, "no whole line"),
+        (kept[:100], rows, "is cut or has a line too many"),
         (kept, rows[:-1] + bytes([rows[-1] ^ 1]), "is another"),
     ):
         place.write_bytes(damaged)

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import pytest
 import xarray as xr
 import zarr
-from stores import flip, forge
+from stores import edited, flip, forge
 from typed import typed
 
 import tippetop
@@ -76,6 +77,30 @@ def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> No
         0,
         5,
     )  # what is derived is made again
+
+
+def test_chunks_of_another_codec_are_an_error_of_the_store(store: Path, tmp_path: Path) -> None:
+    """Its documents fit too; the codec raises an error of a type of its own."""
+    codecs = [{"name": "bytes"}, {"name": "zstd", "configuration": {"level": 1}}]
+    edited(store, lambda r: r[0]["members"]["trajectory/time"].update(codecs=codecs))
+    assert typed(f"export {store} --to csv --out {tmp_path}/a.csv") == 5
+
+
+def test_chunks_without_rows_are_refused(store: Path) -> None:
+    def edit(records: list[dict[str, Any]]) -> None:
+        for document in records[0]["members"].values():
+            if "shape" in document:
+                document["chunk_grid"]["configuration"]["chunk_shape"] = [0]
+
+    edited(store, edit)
+    assert typed(f"info {store}") == 5
+
+
+def test_rows_without_end_are_refused_without_listing_them(store: Path) -> None:
+    edited(store, lambda r: r[1]["rows"].update(trajectory=10**12))
+    before = time.monotonic()
+    assert typed(f"info {store}") == 5
+    assert time.monotonic() - before < 5
 
 
 # --- what ties a store together -----------------------------------------------------------------

@@ -7,6 +7,7 @@ import signal
 import stat
 import warnings
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from forked import Forked
@@ -219,6 +220,40 @@ def test_a_link_is_no_place_for_a_store(tmp_path: Path) -> None:
         pass
 
 
+@pytest.mark.parametrize("aside", [False, True])
+def test_only_a_store_of_ours_is_replaced(aside: bool, tmp_path: Path) -> None:
+    """Another folder stays, where the name of its ledger is ours, and also under a name aside."""
+    path, foreign = tmp_path / "S.zarr", tmp_path / (".S.zarr.replaced" if aside else "S.zarr")
+    foreign.mkdir()
+    (foreign / LEDGER).write_text("0123456789abcdef of another program")
+    (foreign / "notes").write_text("precious")
+    if aside:
+        made_store(path)
+    with contextlib.suppress(StoreError):
+        made_store(path, "new", overwrite=True)
+    assert (foreign / "notes").read_text() == "precious"
+    assert content(tmp_path) == sorted({"S.zarr", foreign.name})
+
+
+@pytest.mark.parametrize("name", [".", "/"])
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_folder_without_a_name_is_no_place_for_a_store(name: str, overwrite: bool) -> None:
+    with pytest.raises(StoreError, match=r"^`[./]` must be the name of a new store, such as"):
+        made_store(Path(name), overwrite=overwrite)
+
+
+def test_a_disk_that_fails_after_the_exchange_leaves_the_new_store_and_its_own_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, error = made_store(tmp_path / "S.zarr"), OSError(errno.EIO, os.strerror(errno.EIO))
+    with monkeypatch.context() as patch, pytest.raises(StoreError, match="Input/output error"):
+        patch.setattr(files, "synced", Mock(side_effect=error))
+        made_store(path, "new", overwrite=True)
+    assert root.attributes(path)["title"] == "new"
+    made_store(path, "newest", overwrite=True)
+    assert content(tmp_path) == ["S.zarr"]
+
+
 # --- the lock -------------------------------------------------------------------------------------
 
 
@@ -243,6 +278,32 @@ def test_a_writer_learns_that_its_folder_is_gone(fate: str, tmp_path: Path) -> N
             made_store(folder)
         with pytest.raises(StoreError, match="was moved, removed or replaced"):
             lock.check()
+
+
+def test_a_place_that_cannot_be_read_is_not_called_moved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Ledger.opened(made_store(tmp_path / "S")) as lock:
+        with monkeypatch.context() as patch, pytest.raises(OSError, match="Stale"):
+            error = OSError(errno.ESTALE, os.strerror(errno.ESTALE))
+            patch.setattr(os, "lstat", Mock(side_effect=error))
+            lock.check()
+        lock.check()
+
+
+@pytest.mark.parametrize("number", [errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK, errno.EMFILE])
+def test_without_locks_files_are_written_and_a_store_names_what_is_missing(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing hidden stays behind, whatever fails."""
+    error = OSError(number, os.strerror(number))
+    monkeypatch.setattr("fcntl.flock", Mock(side_effect=error))
+    lacks = number != errno.EMFILE
+    with pytest.raises(StoreError, match=r"no locks \(flock\)" if lacks else "Too many open files"):
+        made_store(tmp_path / "S.zarr")
+    with contextlib.nullcontext() if lacks else pytest.raises(StoreError, match="Too many"):
+        files.write_text(tmp_path / "x.toml", "new", overwrite=False)
+    assert content(tmp_path) == ["x.toml"] * lacks
 
 
 @pytest.mark.parametrize("inside", ["trajectory", "zarr.json", "pipe"])

@@ -99,6 +99,7 @@ def go(
     with mock.patch.object(ledger, "Folder", return_value=folder):
         try:
             store = Ledger.opened(place)
+            store.recover()
         except FileNotFoundError:
             store = Ledger.created(place, header())
     with store:
@@ -159,6 +160,7 @@ def disturbed(kind: str, at: int, seed: int, wanted: dict[str, bytes]) -> None:
             folder.fault = (chance.choice(["fail", "power"]), chance.randrange(1, 120))
     for _ in range(2):
         found = folder.tree()
+        found.pop(ledger.WRITER, None)  # its removal may fail; the next writer removes it
         assert sorted(found) == sorted(wanted), (kind, at, seed)
         assert [name for name in found if found[name] != wanted[name]] == [], (kind, at, seed)
         folder.crash(seed)
@@ -291,15 +293,24 @@ def test_a_link_to_a_store_is_read(finished: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "torn", [b"\xab\xcd", b"junk\n", b"\0" * 9, b'0123456789abcdef {"ro', b"\xe8", b"0123 {"]
+    "torn", [b"\xab\xcd", b"\0" * 9, b'0123456789abcdef {"ro', b"\xe8", b"0123 {"]
 )
-def test_the_beginning_of_a_record_is_removed_before_the_next(torn: bytes, finished: Path) -> None:
-    whole = (finished / LEDGER).read_bytes()
-    (finished / LEDGER).write_bytes(whole + torn)
-    with Ledger.opened(finished) as store:
-        assert (finished / LEDGER).read_bytes() == whole
+def test_the_beginning_of_a_record_is_set_aside_before_the_next(
+    torn: bytes, tmp_path: Path
+) -> None:
+    with Ledger.created(tmp_path, header()) as store:
+        toy = Toy(store)
+        toy.step()
+        toy.commit()
+    whole = ledger.records_of((tmp_path / LEDGER).read_bytes())
+    (tmp_path / LEDGER).write_bytes((tmp_path / LEDGER).read_bytes() + torn)
+    assert ledger.read(tmp_path).rows["trajectory"] == 1
+    with Ledger.opened(tmp_path) as store:
+        store.recover()
+        assert store.state == ledger.Acknowledged.of(whole)
+        assert (tmp_path / "torn.new").read_bytes() == torn
         store.commit(changed={"more": 1})
-    assert ledger.read(finished, chunks=False).attributes["more"] == 1
+    assert ledger.read(tmp_path, chunks=False).attributes["more"] == 1
 
 
 def test_a_changed_byte_within_a_chunk_is_found_by_its_writer(finished: Path) -> None:
@@ -312,7 +323,7 @@ def test_a_ledger_names_nothing_outside_its_store(tmp_path: Path) -> None:
     head = header()
     head["tables"]["trajectory"].append("../other")
     head["members"]["../other"] = head["members"]["trajectory/time"]
-    _, line = ledger.lines([head])
-    (tmp_path / LEDGER).write_bytes(line)
+    _, lines = ledger.lines([head, {}])
+    (tmp_path / LEDGER).write_bytes(lines)
     with pytest.raises(StoreError, match="names what cannot be in a store"):
         ledger.read(tmp_path)

@@ -26,8 +26,9 @@ DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = (
 )
 DISK_ERRORS = {  # of the operating system, wherever they come from: the program has no bug
     *(errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO),
-    *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.EMFILE, errno.ENFILE, errno.ENOTDIR),
+    *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.ENOTDIR),
 }
+LIMITS = errno.EMFILE, errno.ENFILE, errno.ENOMEM
 
 _received: list[int] = []  # exit codes of the signals that came
 
@@ -103,6 +104,10 @@ def _code_of(error: Exception) -> int | None:
         return complain(getattr(error, "sentences", [str(error)]), USAGE)
     if isinstance(error, StoreError):
         return complain([str(error)], STORE)
+    threads = isinstance(error, RuntimeError) and "start new thread" in str(error)
+    if threads or isinstance(error, MemoryError) or getattr(error, "errno", 0) in LIMITS:
+        why = str(error) or "out of memory"
+        return complain([f"a limit of this process (ulimit) must be higher, but: {why}."], STORE)
     if isinstance(error, OSError) and error.errno in DISK_ERRORS:
         place = f"`{error.filename}`" if error.filename else "standard output"
         return complain([f"{place} must be writable, but: {error.strerror}."], STORE)

@@ -1,12 +1,12 @@
-"""Integrators and functions of heyoka on disk, compressed: their machine code is loaded only if the
-checksum of zlib is right.
+"""Integrators and functions of heyoka on disk, compressed: their machine code is loaded only from a
+file that belongs to this user alone, and only if its SHA-256 digest is right.
 
 heyoka's own cache is one database without checksums, readable and writable as the umask of the
 process allows. A damaged object in it gives wrong numbers or ends the process, so nothing is
 compiled through it here.
 
 To write machine code is to run it, so the folder must be writable by its user only. If a file is
-damaged, or being written by another process, the code is compiled again.
+damaged, under another name, or being written by another process, the code is compiled again.
 """
 
 import hashlib
@@ -21,11 +21,14 @@ from typing import Any
 import heyoka as hy
 import llvmlite.binding as llvm
 
-from tippetop_kernels.compilation import cache_folder
+from tippetop_kernels.compilation import cache_folder, is_private
 
 
 KEPT = 1000
 """Files, of some 0.2 MB each; the most recently used are kept."""
+
+DIGEST = 32
+"""Bytes in front of a file: the SHA-256 digest of its key and of the rest."""
 
 _compiling = threading.Lock()
 
@@ -51,10 +54,11 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     folder = cache_folder()
     file = folder and folder / f"{kind.__name__}-{key}.z"
     if file:
-        with suppress(OSError, zlib.error):
-            result = pickle.loads(zlib.decompress(file.read_bytes()))
-            os.utime(file)
-            return result
+        with suppress(OSError), file.open("rb") as stored:
+            digest, code = stored.read(DIGEST), stored.read()
+            if is_private(os.fstat(stored.fileno())) and digest == _digest(key, code):
+                os.utime(file)
+                return pickle.loads(zlib.decompress(code))
     with _compiling:  # heyoka's switch is one for all threads, and its setting the host's
         enabled = hy.llvm_state.get_diskcache_enabled()
         hy.llvm_state.set_diskcache_enabled(False)
@@ -64,7 +68,14 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
             hy.llvm_state.set_diskcache_enabled(enabled)
     if file:
         with suppress(OSError):
-            file.write_bytes(zlib.compress(pickle.dumps(result), level=1))
+            code = zlib.compress(pickle.dumps(result), level=1)
+            file.unlink(missing_ok=True)  # it may belong to another user
+            file.touch(0o600)
+            file.write_bytes(_digest(key, code) + code)
             for old in sorted(file.parent.glob("*.z"), key=os.path.getmtime)[:-KEPT]:
                 old.unlink()
     return result
+
+
+def _digest(key: str, code: bytes) -> bytes:
+    return hashlib.sha256(key.encode() + code).digest()

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple, TypeVar
 import heyoka as hy
 import numpy as np
 
+from tippetop_kernels import numba_extension
+
 
 # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
 Operand = Any
@@ -43,8 +45,8 @@ def formula(function: F) -> F:
 
     Notes
     -----
-    numba is imported only by those who use it: it learns the formulas through its entry point
-    (`numba_extensions` in pyproject.toml), which calls `teach_numba` before it compiles anything.
+    numba is imported only by those who use it: before it compiles anything, its entry point
+    (`numba_extensions` in pyproject.toml) leads to `teach_numba`, if this module is imported.
     """
     _teach(function)
     return function
@@ -190,7 +192,7 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
 def teach_numba() -> None:
     """Make every formula callable inside numba.njit.
 
-    numba calls this itself, before its first compilation.
+    numba calls this itself, before its first compilation after this module was imported.
     """
     global _teach
     if _teach != _untaught.append:
@@ -247,3 +249,6 @@ def teach_numba() -> None:
         teach_lifted(lifted)
     for function in _untaught:
         teach(function)
+
+
+numba_extension.at_beginning(teach_numba)

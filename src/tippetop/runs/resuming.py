@@ -80,9 +80,12 @@ def resume(
 
         def take_up(recorder: Recorder) -> None:
             recorder.begun_with = kept.get("begun_with", [])
+            if state is not None:
+                _put_back(target, integration, state)
+            if until is None:  # nothing is changed before it is certain that the run can continue
+                store.recover()
             if state is None:  # it was killed before its first commit
                 return
-            _put_back(target, integration, state)
             if tail:
                 recorder.restore(tail)
             else:
@@ -104,6 +107,8 @@ def resume(
 def opened(target: Path) -> Ledger:
     """Open the store of a run to continue it, reading all that it acknowledges.
 
+    Of a finished one, files that its last writer left are removed; an unfinished one is unchanged.
+
     Raises StoreError.
     """
     if "content" in root.root_of(target):
@@ -119,6 +124,8 @@ def opened(target: Path) -> Ledger:
                     f"`{target}` must be a whole store, but is damaged: a chunk of `{name}` or "
                     "its table is."
                 )
+            if store.state.seal:
+                store.recover()
     return store
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from ..arguments import flag
 from ..errors import StoreError
-from .folder import Folder
-from .ledger import Ledger
+from .folder import Folder, NoLocks
+from .ledger import Ledger, begins_in
 
 
 SCRATCH = "[0-9a-f]" * 32  # ends the name of a scratch folder
@@ -77,17 +77,19 @@ def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
     scratch = path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")  # cannot be guessed
     scratch.mkdir()
-    descriptor = Folder(scratch).lock()  # which the end of a killed writer releases
-    try:
+    with contextlib.ExitStack() as stack:
+        stack.callback(shutil.rmtree, scratch, ignore_errors=True)
+        with contextlib.suppress(NoLocks):  # only a store, which locks its ledger, needs them
+            # the end of a killed writer releases it
+            stack.callback(os.close, Folder(scratch).lock())
         yield scratch
-    finally:
-        os.close(descriptor)
-        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def put_back(path: Path) -> None:
     """Put back a store that a killed writer moved aside, or remove it if it was replaced."""
     old = name_aside(path)
+    if not begins_in(old):
+        return
     if path.exists():
         _removed(old)
         return

@@ -21,6 +21,14 @@ READ = os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK
 WRITE = os.O_WRONLY | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
+# a file system without locks: Lustre without the option flock, NFS without lockd
+NO_LOCKS = errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK
+
+
+class NoLocks(OSError):
+    """The file system has no locks."""
+
+
 class Folder:
     """An open folder. Every operation raises OSError."""
 
@@ -102,8 +110,11 @@ class Folder:
         descriptor = os.open(name or ".", READ | how, dir_fd=self.descriptor)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BaseException:
+        except BaseException as error:
             os.close(descriptor)
+            if isinstance(error, OSError) and error.errno in NO_LOCKS:
+                why = "its file system has no locks (flock), which stores need: use a local disk"
+                raise NoLocks(error.errno, why) from None
             raise
         return descriptor
 
@@ -111,7 +122,7 @@ class Folder:
         """Return whether the file at a path is the one that is locked."""
         try:
             return os.path.samestat(os.lstat(place), os.fstat(held))
-        except OSError:
+        except (FileNotFoundError, NotADirectoryError):
             return False
 
     def release(self, held: int) -> None:

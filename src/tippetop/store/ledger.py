@@ -4,9 +4,11 @@ Each record has a digest of itself and of the record before it. The first is the
 attributes of the store, the documents of its groups and arrays, and which arrays form a table.
 Every further record acknowledges chunks, and a tail: the rows that do not fill a chunk, and the
 state of a run. Acknowledged chunks never change. Everything else in a store is derived, and made
-again when the store is opened to be written, or was never acknowledged, and is removed.
+again when the store is continued, or was never acknowledged: it is set aside, and removed when
+everything is acknowledged.
 
 A finished store has a ledger of two records, the header and the seal: equal runs make equal files.
+The first two lines of a ledger are renamed into place; each further line is appended.
 """
 
 import contextlib
@@ -34,6 +36,14 @@ WRITER = "writer" + NEW  # the name of the process that has the lock
 DIGITS = 16  # hexadecimal, of a digest
 PATH = re.compile(r"[^./\0][^/\0]*(/[^./\0][^/\0]*)?")  # of a group or an array, inside the store
 WHOLE = "tippetop resume, or the command that wrote it, completes it"
+COPY = "put a copy of it back, or read the numbers with xarray.open_zarr"
+
+
+# errors that a ledger with other types, shapes or depths than ours can raise
+FORGED = (
+    *(ValueError, LookupError, TypeError, AttributeError),
+    *(ArithmeticError, MemoryError, RecursionError),
+)
 
 
 class Damaged(ValueError):
@@ -125,24 +135,34 @@ def lines(records: list[dict[str, Any]], before: str = "") -> tuple[str, bytes]:
 
 
 def records_of(raw: bytes) -> list[dict[str, Any]]:
-    """Return the records of a ledger, without a last line that is torn. Raises Damaged."""
+    """Return the records of a ledger, without an append that was cut off. Raises Damaged.
+
+    Such an append has no end of line, and is not one of the first two lines; nor does one follow
+    a seal. Any other bad line is damaged, and may have been acknowledged.
+    """
     records: list[dict[str, Any]] = []
-    before, each = "", raw.split(b"\n")
-    for number, line in enumerate(each[:-1], 1):
+    *each, rest = raw.split(b"\n")
+    before = ""
+    for number, line in enumerate(each, 1):
         known, _, body = line.partition(b" ")
         if known.decode(errors="replace") != digest(before.encode() + body):
-            if any(each[number:]):
-                raise Damaged(f"line {number} of `{LEDGER}` is damaged")
-            break
+            raise Damaged(f"line {number} of `{LEDGER}` is damaged: {COPY}")
         records.append(json.loads(body))
         before = known.decode()
-    if not records:
-        raise Damaged(f"`{LEDGER}` has no whole line")
+    if len(records) < 2 or (rest and records[-1].get("seal")):
+        raise Damaged(f"`{LEDGER}` is cut or has a line too many: {COPY}")
     if records[0].get("format") != FORMAT_VERSION:
         raise Damaged(f"its format is {records[0].get('format')}: use the release that wrote it")
     if not all(map(PATH.fullmatch, records[0]["members"])):
         raise Damaged(f"`{LEDGER}` names what cannot be in a store")
     return records
+
+
+def begins_in(path: Path) -> bool:
+    """Return whether a folder contains a ledger of ours, damaged or not."""
+    with contextlib.suppress(OSError):
+        return Folder(path).read(LEDGER)[DIGITS:].startswith(b' {"format":')
+    return False
 
 
 def acknowledged(raw: bytes) -> Acknowledged:
@@ -219,25 +239,33 @@ class Ledger:
 
     @classmethod
     def opened(cls, path: Path) -> "Ledger":
-        """Open a store to write it, as its ledger acknowledges it.
+        """Open a store to write it, as its ledger acknowledges it, and change nothing yet.
 
         Raises
         ------
         StoreError
-            Another process writes it.
+            Another process writes it, or its ledger or tail is damaged.
         OSError
             The disk.
         """
         self = cls.locked(path)
-        with self.released_on_failure():
-            with sound(path):
-                self.state = acknowledged(self.folder.read(LEDGER))
-            self._make_folders()
-            self._describe()
-            self.folder.sync()
-            self._compact()
-            self._tidy()
+        with self.released_on_failure(), sound(path):
+            self.state = acknowledged(self.folder.read(LEDGER))
+            self.tail()
         return self
+
+    def recover(self) -> None:
+        """Make again what follows from the ledger, and set aside what it does not list.
+
+        Only a store that is known to be continued here is changed.
+        """
+        self._make_folders()
+        if torn := self.folder.read(LEDGER).rpartition(b"\n")[2]:
+            self.folder.write("torn" + NEW, torn)
+        self._describe()
+        self.folder.sync()
+        self._compact()
+        self._tidy()
 
     @contextlib.contextmanager
     def released_on_failure(self) -> Iterator[None]:
@@ -336,7 +364,10 @@ class Ledger:
         self.folder.sync_one("")
 
     def _tidy(self) -> None:
-        """Remove chunks, tails and half-written files that were never acknowledged."""
+        """Set aside chunks and tails that are not acknowledged; remove them from a sealed store.
+
+        What is set aside has the name of a file that is being written, and is replaced by it.
+        """
         members = self.state.header["members"]
         kept = {name for key in self.state.chunks for name in self.state.files(key)}
         kept |= {self.state.tail, WRITER}
@@ -344,8 +375,12 @@ class Ledger:
             ours = "c." if "shape" in members.get(place, {}) else () if place else TAIL
             for name in self.folder.names(place):
                 path = f"{place}/{name}".lstrip("/")
-                if path not in kept and (name.startswith(ours) or name.endswith(NEW)):
+                if path in kept:
+                    continue
+                if self.state.seal and (name.startswith(ours) or name.endswith(NEW)):
                     self.folder.remove(path)
+                elif name.startswith(ours) and not name.endswith(NEW):
+                    self.folder.rename(path, path + NEW)
 
     def put(self, key: str, values: Mapping[str, np.ndarray]) -> None:
         """Write a chunk from the values of its columns; the next commit acknowledges it."""
@@ -393,14 +428,12 @@ class Ledger:
         The ledger then has its last form: equal stores have equal ones.
         """
         with self._whole():
-            old = self.state.tail
             record |= {"chunks": self.pending, "tail": "", "changed": changed, "seal": True}
             self.state.add(record)
             self._describe()
             self.folder.sync()
             self._compact()
-            if old:
-                self.folder.remove(old)
+            self._tidy()
 
     def restart(
         self, head: dict[str, Any], keys: Collection[str], tail: bytes | None = None, **record: Any
@@ -426,11 +459,7 @@ class Ledger:
 
     def tail(self) -> bytes | None:
         """Return the acknowledged tail, or None. Raises Damaged."""
-        name = self.state.tail
-        data = _found(self.folder.read, name) if name else None
-        if name != (TAIL + digest(data) if data else ""):
-            raise Damaged(f"`{name}` is another")
-        return data
+        return _tail(self.folder, self.state)
 
 
 def read(path: Path, *, chunks: bool = True) -> Acknowledged:
@@ -454,28 +483,34 @@ def read(path: Path, *, chunks: bool = True) -> Acknowledged:
     with sound(path):
         try:
             folder = Folder(path.resolve())
-            state = acknowledged(folder.read(LEDGER))
-            if chunks:
-                _compare(folder, state)
+            while True:
+                state = acknowledged(raw := folder.read(LEDGER))
+                try:
+                    if chunks:
+                        _compare(folder, state)
+                    return state
+                except Damaged:
+                    if raw == folder.read(LEDGER):  # no commit came between
+                        raise
         except OSError as error:
             raise StoreError(
                 f"`{path}` must be readable, but: {error.strerror or error}."
             ) from None
-    return state
 
 
 @contextlib.contextmanager
 def sound(path: Path) -> Iterator[None]:
-    """Convert the errors of a damaged ledger or file to a StoreError."""
+    """Convert the errors of a damaged or forged ledger or file to a StoreError."""
     try:
         yield
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise StoreError(f"`{path}` must be a whole store, but is damaged: {error}.") from None
+    except FORGED as error:
+        why = str(error) or type(error).__name__
+        raise StoreError(f"`{path}` must be a whole store, but is damaged: {why}.") from None
 
 
 def _compare(folder: Folder, state: Acknowledged) -> None:
     """Compare a store with its ledger. Raises Damaged."""
-    members, tables = state.header["members"], state.header["tables"]
+    members = state.header["members"]
     remedy = "" if state.seal else f": {WHOLE}"
     rows: dict[str, int] = {}
     for path, document in state.documents().items():
@@ -490,19 +525,32 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         same = data == zarr3.dump(document) if state.seal else _fixed(stored) == _fixed(document)
         if not same or rows[path] > most:
             raise Damaged(f"`{name}` is not what its ledger says{remedy}")
-    keys = [*state.chunks]
-    for table in state.rows:  # further chunks are derived from the tail
-        path = tables[table][0]
-        if len(zarr3.chunk_shape(members[path])) > 1:  # the events of a sweep
-            continue
-        count = -(-rows[path] // zarr3.chunk_shape(members[path])[0])
-        keys += [key for k in range(count) if (key := f"{table}/{k}") not in state.chunks]
-    for key in keys:
+    _tail(folder, state)
+
+    def keys() -> Iterator[str]:
+        yield from state.chunks
+        for table in state.rows:  # further chunks are derived from the tail
+            path = state.header["tables"][table][0]
+            rows_per_chunk, *parts = zarr3.chunk_shape(members[path])
+            if parts:  # the events of a sweep
+                continue
+            every = (f"{table}/{k}" for k in range(-(-rows[path] // rows_per_chunk)))
+            yield from (key for key in every if key not in state.chunks)
+
+    for key in keys():
         tips = {name: _found(folder.tip, name) for name in state.files(key)}
         if missing := [name for name, stored in tips.items() if stored is None]:
             raise Damaged(f"`{missing[0]}` is missing{remedy}")
         if mark(tips) != state.chunks.get(key, mark(tips)):
             raise Damaged(f"a file of its chunk `{key}` is another")
+
+
+def _tail(folder: Folder, state: Acknowledged) -> bytes | None:
+    """Return the acknowledged tail, or None. Raises Damaged."""
+    data = _found(folder.read, state.tail) if state.tail else None
+    if state.tail != (TAIL + digest(data) if data else ""):
+        raise Damaged(f"`{state.tail}` is another or missing")
+    return data
 
 
 def _fixed(document: dict[str, Any]) -> dict[str, Any]:

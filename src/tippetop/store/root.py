@@ -3,7 +3,6 @@
 import contextlib
 import math
 import os
-import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -127,7 +126,9 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
         elif coordinates:
             table = table[[*coordinates, *columns]].set_coords(coordinates)
         return with_coordinates(table.assign_attrs(plain_attributes(attrs)))
-    except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
+    except StoreError:
+        raise
+    except Exception as error:  # codecs raise errors of any type
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 
 
@@ -169,6 +170,8 @@ def new_store(
     """
     flag("overwrite", overwrite)
     path = Path(target)
+    if not path.name:
+        raise StoreError(f"`{path}` must be the name of a new store, such as run.zarr.")
     if not in_sweep:
         files.refuse_inside(path)
     files.own_folder(path)
@@ -177,7 +180,8 @@ def new_store(
         lock = None
         if path.exists():
             files.refuse_existing(path, overwrite)
-            refuse_foreign(path)
+            if not ledger.begins_in(path):
+                raise StoreError(f"`{path}` {_no_store(path)}.")
             lock = stack.enter_context(Ledger.locked(path))
         files.remove_stale(path)
         scratch = stack.enter_context(files.scratch_folder(path))
@@ -191,6 +195,7 @@ def new_store(
         try:
             files.rename_new(scratch, path)
         except BaseException:
-            old.rename(path)
+            if not path.exists():
+                old.rename(path)
             raise
-        shutil.rmtree(old, ignore_errors=True)
+        files.rename_new(old, scratch)  # which is removed

@@ -93,7 +93,9 @@ def begin_or_continue(
         files.refuse_links(path)
         store = Ledger.opened(path)
         with store.released_on_failure():
-            if unsound := store.unsound():
+            unsound = store.unsound()
+            store.recover()
+            if unsound:
                 # a chunk of a sweep and its events, a row of which it is, are computed together
                 unsound += [f"{content}/{key.rpartition('.')[2]}" for key in unsound]
                 keys = store.state.chunks.keys() - {*unsound}
