@@ -628,7 +628,9 @@ class HybridDriver(Driver):
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         system, variables = self.problem.system, self.problem.variables
-        rows = np.array(states[:, : self.variables])
+        as_rows = states[:, : self.variables]
+        rows = np.empty((len(phases), self.variables), self.number)
+        rows[:, : as_rows.shape[1]] = as_rows
         for track in self.tracks.values():
             mine = np.flatnonzero(phases == track.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
