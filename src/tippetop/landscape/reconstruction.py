@@ -68,9 +68,8 @@ def reconstruction(
     if solution.early:
         end = float(times[np.isfinite(solution.z)].max())
         warnings.warn(
-            f"the reconstruction ends at t = {end:.4g} s: its pieces disagree by "
-            f"{solution.mismatch:.1e} in cos(theta). After it theta is not to be relied on, and "
-            "not given.",
+            f"the reconstruction ends at t = {end:.4g} s: later its error may reach "
+            f"{solution.mismatch:.1e} in cos(theta), so that theta is not given.",
             stacklevel=3,
         )
     theta = {"units": "rad", "long_name": "theta by the main equation"}

@@ -174,7 +174,7 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     xarray.Dataset
         `theta` [rad] along `time`, NaN where it ends early or after the last whole swing; `turning`
         [s], the times of the turnings; the attribute `mismatch`, the worst disagreement of
-        cos(theta) where pieces meet.
+        cos(theta) where pieces meet or, where it ends early, the error that the next one may have.
 
     Raises
     ------
@@ -184,9 +184,9 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     Warns
     -----
     UserWarning
-        If it ends early: `mismatch` is above 1e-6, as where rows are too few, or no next turning is
-        found, as where the axis rises and hardly turns (in the canonical inversion after 6.23 s and
-        314 turnings).
+        If it ends early, because the error of cos(theta) may exceed 1e-7 from there on: where rows
+        are too few, or where errors grow by thousands from one turning to the next, as they do when
+        the axis has risen (in the canonical inversion after 6.17 s and 312 turnings).
 
     Notes
     -----

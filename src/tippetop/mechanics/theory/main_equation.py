@@ -15,7 +15,8 @@ turnings and keeps its value through them.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import Chebyshev, chebyshev
+from numpy.polynomial import Chebyshev
+from numpy.polynomial.chebyshev import chebder, chebfit, chebval, chebvander
 
 from ..system import System
 
@@ -27,7 +28,7 @@ ORDER = 32
 LONGEST, SHORTEST = 0.4, 1 / 64
 # rate at which r follows Q_t/(2 z') where z' is largest, per period
 FOLLOWS = 100.0
-# most mismatch of a piece; a good one has 1e-9 and less
+# most mismatch of a piece, a good one has 1e-9 and less, and most standard error of z at its end
 APART = 1e-7
 # turnings nearer to one another than this part of a period are one
 SAME = 1e-5
@@ -35,8 +36,8 @@ ITERATIONS = 20
 
 NODES = np.cos(np.pi * (np.arange(3 * ORDER) + 0.5) / (3 * ORDER))
 PLACES = np.append(NODES, -1.0)
-VALUES = chebyshev.chebvander(PLACES, ORDER)
-SLOPES = chebyshev.chebval(PLACES, chebyshev.chebder(np.eye(ORDER + 1))).T
+VALUES = chebvander(PLACES, ORDER)
+SLOPES = chebval(PLACES, chebder(np.eye(ORDER + 1))).T
 """From the coefficients of a polynomial on [-1, 1] to its values and slopes at the nodes, and at
 the beginning."""
 
@@ -45,7 +46,8 @@ class Reconstruction(NamedTuple):
     """A reconstructed motion.
 
     z = cos(theta) at the given times (NaN after the last piece), times of the turnings, the worst
-    mismatch of a piece, and whether it ends early: no polynomial is the motion on the next piece.
+    mismatch of a piece, and whether it ends early: no polynomial is the motion on the next piece,
+    or errors of the pieces before have grown beyond `APART`.
     """
 
     z: np.ndarray
@@ -93,8 +95,9 @@ def reconstruct(
     t, end, length = float(times[0]), float(times[-1]), LONGEST * period
     start = np.array([z, 0.0, 0.0])
     fastest = abs(equation.slope(z, t)) * period / 20
+    spread = np.zeros((2, 2))  # of z and z' at the start of a piece: the covariance of their errors
     while t < end:
-        piece, apart = equation.piece(t, min(t + length, end), start, fastest, period)
+        piece, apart, ways = equation.piece(t, min(t + length, end), start, fastest, period)
         if not apart <= APART:
             length /= 2
             if length < SHORTEST * period:
@@ -106,6 +109,13 @@ def reconstruct(
         last = float(piece.domain[1])
         if last < end:
             last = float(moments[50 + np.argmax(np.abs(speeds[50:]))])
+        half = (piece.domain[1] - t) / 2
+        x = (last - t) / half - 1
+        moves = np.array([chebval(x, ways), chebval(x, chebder(ways)) / half])
+        nodes, ends = moves[:, :-2], moves[:, -2:]
+        spread = apart**2 * nodes @ nodes.T + ends @ spread @ ends.T
+        if not spread[0, 0] <= APART**2:
+            return Reconstruction(out, np.array(turnings[1:]), float(spread[0, 0] ** 0.5), True)
         inside = (times >= t) & (times <= last)
         out[inside] = piece(times[inside])
         roots = speed.roots()
@@ -155,8 +165,8 @@ class Equation:
 
     def piece(
         self, first: float, last: float, start: np.ndarray, fastest: float, period: float
-    ) -> tuple[Chebyshev, float]:
-        """Return the motion z(t) between two times, and its mismatch.
+    ) -> tuple[Chebyshev, float, np.ndarray]:
+        """Return the motion z(t) between two times, its mismatch, and how errors move it.
 
         Parameters
         ----------
@@ -174,6 +184,9 @@ class Equation:
         Chebyshev
         float
             The worst error of z'^2 = Q, relative to the largest z'^2, or of z at the first time.
+        ndarray
+            Change of its coefficients by errors of z'^2 at the nodes, relative to the largest, and
+            of z and z' at the first time.
         """
         from scipy.integrate import solve_ivp
 
@@ -188,8 +201,8 @@ class Equation:
         times = first + half * (NODES + 1)
         guess = solve_ivp(rates, (first, last), start, "DOP853", times[::-1], rtol=1e-8, atol=1e-10)
         if len(guess.t) < len(times):
-            return Chebyshev([0.0], [first, last]), np.inf
-        c = chebyshev.chebfit(NODES, guess.y[0, ::-1], ORDER)
+            return Chebyshev([0.0], [first, last]), np.inf, np.empty(0)
+        c = chebfit(NODES, guess.y[0, ::-1], ORDER)
         for _ in range(ITERATIONS):
             z, speed = VALUES @ c, SLOPES @ c / half
             off = (z[-1] - start[0]) * fastest / half, (speed[-1] - start[1]) * fastest
@@ -202,4 +215,6 @@ class Equation:
             if np.abs(change).max() < 1e-13:
                 break
         error = np.abs(left[:-2]).max() / fastest**2
-        return Chebyshev(c, [first, last]), float(max(error, abs(z[-1] - start[0])))
+        scales = np.append(np.full(len(NODES), fastest**2), [fastest / half, fastest])
+        ways = np.linalg.pinv(np.vstack(rows)) * scales
+        return Chebyshev(c, [first, last]), float(max(error, abs(z[-1] - start[0]))), ways
