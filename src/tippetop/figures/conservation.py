@@ -20,19 +20,19 @@ UNIT = 2.2e-16  # rounding unit
 Curve = tuple[str, np.ndarray, np.ndarray]
 
 
-def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def drift(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Axes:
     """Draw the relative changes of the conserved quantities; curves are open where they are 0."""
-    return draw_drift(changes(trajectory, attrs), attrs, ax)
+    return draw_drift(changes(trajectory, attrs), attrs)
 
 
-def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def growth(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Axes:
     """Draw the largest change so far over the time, and sqrt(t) as of a random walk."""
-    return draw_growth(changes(trajectory, attrs), attrs, ax)
+    return draw_growth(changes(trajectory, attrs), attrs)
 
 
-def draw_drift(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
+def draw_drift(curves: list[Curve], attrs: dict[str, Any]) -> Axes:
     """Draw the worst of changes per bin, each with its words and times."""
-    ax = panel(ax, 10, 5.0)
+    ax = panel(10, 5.0)
     words = "relative change since the start"
     ax.set(
         ylabel=words.partition(" since")[0] if compact() else f"{words}, worst per bin",
@@ -42,9 +42,9 @@ def draw_drift(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> A
     return _draw(ax, binned, attrs, marker=".")
 
 
-def draw_growth(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
+def draw_growth(curves: list[Curve], attrs: dict[str, Any]) -> Axes:
     """Draw the largest of changes so far, each with its words and times."""
-    ax = panel(ax, 10, 5.0)
+    ax = panel(10, 5.0)
     grown = [(words, t[t > 0], np.maximum.accumulate(values)[t > 0]) for words, t, values in curves]
     t = np.unique(np.concatenate([t for _, t, _ in grown]))
     most = max((values.max(initial=0) for _, _, values in grown), default=0)

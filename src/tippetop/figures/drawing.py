@@ -20,10 +20,10 @@ def _drawings() -> dict[str, Callable]:
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
-        return lambda *run, ax: draw(*data_of(*run), ax=ax)
+        return lambda *run: draw(*data_of(*run))
 
-    def filmed(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Any) -> Any:
-        return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation, ax)
+    def filmed(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
+        return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation)
 
     return {
         "theta": theta.theta,
@@ -74,7 +74,7 @@ def axes_of(
     attrs = with_records(attrs) | {"handed_over": handed_over(phases)}
 
     def draw() -> Any:
-        axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs, ax=ax)
+        axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs)
         if FIGURES[kind].over_time and phases is not None:
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
             mark(panels, phases, groups.get("impacts"))
@@ -128,7 +128,7 @@ def several(
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs)
     known_runs = [(trajectory, with_records(attrs)) for trajectory, attrs in runs]
-    return drawn(lambda: overlay(kind, known_runs, [*map(literal, names)], ax), look, ax)
+    return drawn(lambda: overlay(kind, known_runs, [*map(literal, names)]), look, ax)
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:

@@ -19,11 +19,9 @@ def weight(attrs: dict[str, Any]) -> float:
     return float(attrs["parameters"]["m"] * attrs["parameters"]["g"])
 
 
-def normal_force(
-    trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None
-) -> Axes:
+def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Axes:
     """Draw g_n(t) in units of the weight m g."""
-    ax = panel(ax, 10, 4.4)
+    ax = panel(10, 4.4)
     colours = ink()
     t, mg = trajectory["time"].values, weight(attrs)
     force = trajectory["normal_force"].values / mg
@@ -46,9 +44,9 @@ def normal_force(
     return ax
 
 
-def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def energy(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Axes:
     """Draw energy E, modified energy E~ and the energy taken by friction."""
-    ax = panel(ax, 10, 4.8)
+    ax = panel(10, 4.8)
     t = trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
     curves = []

@@ -13,7 +13,7 @@ from matplotlib.collections import PolyCollection
 
 from .labels import number, title
 from .sphere import busy
-from .style import compact, figure, ink
+from .style import compact, figure, ink, users_panel
 
 
 POSES = 8
@@ -41,7 +41,6 @@ def film(
     attrs: dict[str, Any],
     shape: dict[str, Any],
     rotation: Callable[[Array], Array],
-    ax: Axes | None = None,
 ) -> Axes:
     """Draw eight poses of the body, evenly spread over the part of the run in which it turns over.
 
@@ -56,7 +55,7 @@ def film(
     (left, bottom), (right, top) = ends[..., 0, :].min((0, 1)), ends[..., 1, :].max((0, 1))
     step = right - left + GAP
     places = step * np.arange(len(rows))
-    if ax is None:
+    if (ax := users_panel()) is None:
         strip = 12.0 * (top - bottom) / (len(rows) * step)
         ax = figure(12.0, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
     for x, (facets, shadow, colours, mass) in zip(places, poses, strict=True):

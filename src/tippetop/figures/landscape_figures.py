@@ -17,6 +17,7 @@ from .style import (
     mark_ends,
     panels_over_time,
     ticks_of_inclination,
+    users_panel,
 )
 from .thinning import every
 
@@ -25,7 +26,7 @@ FACETS = 140  # of the surface in 3-D, along each axis
 EXACT = 1e-17  # [rad] smaller distances from the edge of the band are not drawn
 
 
-def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = None) -> Any:
+def surface(grid: Any, lines: Any, run: Any = None, title: str = "") -> Any:
     """Draw F(D, lambda) in 3-D [figure 4.1 of the source], with the spinning states and a run.
 
     Parameters
@@ -36,11 +37,9 @@ def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = N
         routh, jellett and modified_energy of a run.
     title
         The body.
-    ax
-        Axes in 3-D of the user's.
     """
-    axes: Any = (
-        figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
+    axes: Any = users_panel() or figure(8.6, 6.4).add_subplot(
+        projection="3d", computed_zorder=False
     )
     F = grid["F"][*(spread(n, FACETS) for n in grid["F"].shape)]
     X, Y = np.meshgrid(*(F[name] for name in F.dims), indexing="ij")
@@ -89,14 +88,14 @@ def _spinning(axes: Any, lines: Any, least: float, most: float) -> None:
                 axes.plot(*known, color=color, ls=style, lw=2.0, label=label, zorder=3)
 
 
-def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
+def band(dataset: Any, events: Any, title: str) -> Axes:
     """Draw theta(t) on the predicted band; below, the distances of turnings from its edge.
 
     `dataset` as returned by `band`; events: time, theta, edge (predicted).
     """
     colours = ink()
     away = np.abs(events["theta"].values - events["edge"].values)
-    ax, below = panels_over_time(ax, 1.4 if np.isfinite(away).any() else 0)
+    ax, below = panels_over_time(1.4 if np.isfinite(away).any() else 0)
     dataset = dataset.isel(time=every(dataset.sizes["time"]))
     t, low, high = (dataset[name].values for name in ("time", "theta_min", "theta_max"))
     words = "predicted band, V(θ) ≤ Ẽ(t)"

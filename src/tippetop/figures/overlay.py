@@ -22,9 +22,7 @@ CHANGES = {"drift": draw_drift, "growth": draw_growth}
 """Figures of the worst change of each run."""
 
 
-def overlay(
-    kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], ax: Axes | None = None
-) -> Axes:
+def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str]) -> Axes:
     """Draw the same curve of several runs, labelled by their differences.
 
     Parameters
@@ -42,8 +40,8 @@ def overlay(
         for label, (trajectory, each) in zip(differences(attrs, names), runs, strict=True)
     ]
     if kind in CHANGES:
-        return CHANGES[kind](curves, shared(attrs), ax)
-    ax = panel(ax, 10, 5.4)
+        return CHANGES[kind](curves, shared(attrs))
+    ax = panel(10, 5.4)
     draw_curves(ax, curves)
     times = span(np.concatenate([t for _, t, _ in curves]))
     ax.set(xlabel="time t (s)", ylabel=LABELS[kind], title=title(shared(attrs)), xlim=times)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..columns import flag_names, flagged
-from .style import ink, is_ours, legend
+from .style import ink, legend, users_panel
 
 
 ON_ONE = ("slip", "roll", "rest")  # phases with one ball in contact
@@ -75,5 +75,5 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
             label = f"{count} impact{'s' * (count > 1)}{words}"
             style: Any = {"marker": "|", "ms": 9, "mew": 1.4, "ls": "none"}
             handles.append(Line2D([], [], color=color, label=label, **style))
-    if is_ours():
+    if users_panel() is None:
         legend(panels[0], "lower center", handles=handles, ncols=len(handles))

@@ -17,14 +17,13 @@ def states(
     marks: dict[str, float],
     title: str = "",
     path: tuple[np.ndarray, np.ndarray] | None = None,
-    ax: Axes | None = None,
 ) -> Axes:
     """Draw branches of asymptotic states: cos(theta) over lambda, stable solid, unstable dashed.
 
     `marks` are named values of lambda; `path` is cos(theta) of a run and its lambda.
     """
     ink_ = ink()
-    ax = panel(ax, 8.4, 5.4)
+    ax = panel(8.4, 5.4)
     colours = {"upright": ink_.lower, "tumbling": ink_.run, "inverted": ink_.upper}
     for kind, color in colours.items():
         for branch in (branch for branch in branches if branch.kind == kind):

@@ -64,11 +64,11 @@ DARK = Ink(
 
 
 class Setting(NamedTuple):
-    """The colours, the size [inches], and whether the figure is ours or a panel of the user's."""
+    """The colours, the size [inches], and the panel of the user's figure to draw in, if any."""
 
     ink: Ink = LIGHT
     size: tuple[float, float] | None = None
-    ours: bool = True
+    panel: Axes | None = None
 
 
 _setting: ContextVar[Setting] = ContextVar("setting", default=Setting())  # noqa: B039 - a tuple
@@ -117,9 +117,9 @@ def ink() -> Ink:
     return _setting.get().ink
 
 
-def is_ours() -> bool:
-    """Return whether the figure that is being drawn is ours, rather than a panel of the user's."""
-    return _setting.get().ours
+def users_panel() -> Axes | None:
+    """Return the panel of the user's figure to draw in; None if the figure is ours."""
+    return _setting.get().panel
 
 
 class ShownFigure(Figure):
@@ -138,16 +138,16 @@ def figure(width: float, height: float) -> Figure:
     return fig
 
 
-def panel(ax: Axes | None, width: float, height: float) -> Axes:
-    """Return the panel to draw in: the given one, or the only one of a new figure."""
-    return figure(width, height).subplots() if ax is None else ax
+def panel(width: float, height: float) -> Axes:
+    """Return the panel to draw in: the user's, or the only one of a new figure."""
+    return users_panel() or figure(width, height).subplots()
 
 
-def panels_over_time(ax: Axes | None, below: float) -> tuple[Axes, Axes | None]:
+def panels_over_time(below: float) -> tuple[Axes, Axes | None]:
     """Return the panel to draw in, and one of `below`/4 of its height below if there is room."""
-    if ax is None and below and not compact():
+    if users_panel() is None and below and not compact():
         return tuple(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
-    return panel(ax, 10, 5.0), None
+    return panel(10, 5.0), None
 
 
 def ticks_of_inclination(ax: Axes) -> None:
@@ -179,14 +179,15 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
     """
     most = options.pop("ncols", 1)
     whole: Any = ax.get_figure(root=True)
-    shown = [ax] if not is_ours() else whole.axes
+    is_ours = users_panel() is None
+    shown = whole.axes if is_ours else [ax]
     handles = options.pop("handles", None) or [
         handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
     ]
     entries = {str(handle.get_label()): handle for handle in handles}
     if not entries:
         return
-    if not is_ours():
+    if not is_ours:
         ax.legend(entries.values(), entries, **options)
         return
     room = int(17 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
@@ -278,7 +279,7 @@ def styled(
         given |= dict.fromkeys(LINES, "#d5dae0") | dict.fromkeys(PAPERS, colours.paper)
     if ax is not None:
         size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
-    token = _setting.set(Setting(colours, size, ax is None))
+    token = _setting.set(Setting(colours, size, ax))
     try:
         with mpl.rc_context(dict(mpl.rcParamsDefault) | given if ax is None else {}):  # type: ignore[arg-type]
             yield

@@ -66,7 +66,7 @@ TOUCH = 1e-9
 
 def draw_map(sweep_map: Any) -> Axes:
     """Draw a map, as `sweeps.maps` makes it."""
-    axes = panel(None, 9.6, 5.6)
+    axes = panel(9.6, 5.6)
     x, *further = sweep_map.axes
     entries = (_over_two if further else _over_one)(axes, sweep_map)
     axes.set(xlabel=x.label, xscale="log" if x.log else "linear", xlim=x.edges[[0, -1]])

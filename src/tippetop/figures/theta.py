@@ -17,7 +17,7 @@ Piece = tuple[np.ndarray, np.ndarray, np.ndarray]
 TREMBLING = 0.02  # fraction of the usual swing
 
 
-def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def theta(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Axes:
     """Draw theta(t) with the logged turning angles and the nutational band; below, its width.
 
     A run without a band and a panel of the user's have no panel below.
@@ -25,7 +25,7 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     t = trajectory["time"].values
     breaks = np.array(attrs.get("handed_over", ()))
     pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), breaks)
-    ax, below = panels_over_time(ax, 1.2 if pieces else 0)
+    ax, below = panels_over_time(1.2 if pieces else 0)
     colours = ink()
     for when, low, high in pieces:
         ax.fill_between(
