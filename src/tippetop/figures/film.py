@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from .labels import number, title
+from .labels import Attributes, number, title
 from .sphere import busy
 from .style import compact, figure, ink, users_panel
 
@@ -38,7 +38,7 @@ Array = np.ndarray
 
 def film(
     trajectory: Any,
-    attrs: dict[str, Any],
+    attrs: Attributes,
     shape: dict[str, Any],
     rotation: Callable[[Array], Array],
 ) -> Axes:

@@ -6,10 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .conservation import changes, draw_drift, draw_growth
-from .energetics import weight
-from .labels import differences, shared, title
-from .style import draw_curves, legend, panel, ticks_in_joules, ticks_of_inclination
-from .thinning import span
+from .energetics import draw_over_time, weight
+from .labels import Attributes, differences, shared
+from .style import legend, ticks_in_joules, ticks_of_inclination
 
 
 LABELS = {
@@ -22,7 +21,7 @@ CHANGES = {"drift": draw_drift, "growth": draw_growth}
 """Figures of the worst change of each run."""
 
 
-def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str]) -> Axes:
+def overlay(kind: str, runs: list[tuple[Any, Attributes]], names: list[str]) -> Axes:
     """Draw the same curve of several runs, labelled by their differences.
 
     Parameters
@@ -41,10 +40,7 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str])
     ]
     if kind in CHANGES:
         return CHANGES[kind](curves, shared(attrs))
-    ax = panel(10, 5.4)
-    draw_curves(ax, curves)
-    times = span(np.concatenate([t for _, t, _ in curves]))
-    ax.set(xlabel="time t (s)", ylabel=LABELS[kind], title=title(shared(attrs)), xlim=times)
+    ax = draw_over_time(curves, LABELS[kind], shared(attrs), 5.4)
     if kind == "theta":
         ticks_of_inclination(ax)
     if kind == "energy":
@@ -53,7 +49,7 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str])
     return ax
 
 
-def _values(kind: str, trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
+def _values(kind: str, trajectory: Any, attrs: Attributes) -> np.ndarray:
     """Return the values of a run."""
     if kind in CHANGES:
         return np.max([values for *_, values in changes(trajectory, attrs)], axis=0)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle
 
-from .labels import title
+from .labels import Attributes, title
 from .style import compact, figure, ink, legend, users_panel
 from .thinning import every, span
 
@@ -26,7 +26,7 @@ VIEWS = {
 """Directions to the right, up and to the viewer as rows, and labels of the first two."""
 
 
-def sphere(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Axes:
+def sphere(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     """Draw the near side of the path of 3hat on the unit sphere, in each view that shows it.
 
     A panel of the user's and a small figure have one view.

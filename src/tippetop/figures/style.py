@@ -20,6 +20,10 @@ from matplotlib.ticker import EngFormatter
 from .thinning import thinned
 
 
+Curve = tuple[str, np.ndarray, np.ndarray]
+"""Label, times (or other places on the x axis) and values of a curve."""
+
+
 class Ink(NamedTuple):
     """The colours of a figure.
 
@@ -224,9 +228,7 @@ def compact() -> bool:
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 
 
-def draw_curves(
-    ax: Axes, curves: Sequence[tuple[str, np.ndarray, np.ndarray]], **style: Any
-) -> None:
+def draw_curves(ax: Axes, curves: Sequence[Curve], **style: Any) -> None:
     """Draw curves, each with its label, times and values, thinned; the first ones are wider."""
     looks = zip(itertools.cycle(COLOURS), itertools.cycle(DASHES))
     for i, ((label, *curve), (color, dashes)) in enumerate(zip(curves, looks, strict=False)):
