@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..columns import SUPERSCRIPTS, capitalised, units_text
-from .style import broken, compact, letters
+from .style import heading
 
 
 Attributes = dict[str, Any]
@@ -56,14 +56,9 @@ def friction(table: dict[str, Any], attrs: Attributes) -> str:
 def title(attrs: Attributes) -> str:
     """Return the system on one line, initial numbers and friction law on the next."""
     details = entries(attrs.get("initial", {}), attrs, at_start=True)
-    if law := friction(attrs.get("friction", {}), attrs):
-        details.append(law)
-    head = capitalised(attrs["title"])
-    most = letters()
-    if compact():
-        return broken(head, most)
-    kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in details)
-    return "\n".join(broken(text, most) for text in (head, kept) if text)
+    details.append(friction(attrs.get("friction", {}), attrs))
+    kept = [word.replace(" ", "\N{NO-BREAK SPACE}") for word in details if word]
+    return heading(capitalised(attrs["title"]), ", ".join(kept))
 
 
 def _differ(runs: list[Attributes], table: str, key: str) -> bool:
@@ -74,11 +69,9 @@ def _differ(runs: list[Attributes], table: str, key: str) -> bool:
 
 
 def shared(runs: list[Attributes]) -> Attributes:
-    """Return the attributes that several runs have in common, for their title."""
+    """Return the attributes of a title that several runs have in common."""
     first = runs[0]
-    common: Attributes = {
-        name: first[name] for name in ("title", "units", "symbols", "law", "parts") if name in first
-    }
+    common = first.copy()
     if any(attrs["title"] != first["title"] for attrs in runs):
         same = all(attrs.get("system") == first.get("system") for attrs in runs)
         common["title"] = first["title"].partition(",")[0] if same else f"{len(runs)} runs"

@@ -53,11 +53,11 @@ def surface(grid: Any, lines: Any, run: Any = None, title: str = "") -> Any:
         mark_ends(axes, *path)
         high = max(high, np.nanmax(path[2]))
     small = compact()
-    names = [F[name].attrs["long_name"] if not small else name for name in F.dims]
-    units = [units_text(F[name].attrs["units"]) for name in F.dims]
-    labels = [f"{greek(word)} ({unit})" for word, unit in zip(names, units, strict=True)]
+    for axis, name in zip((axes.xaxis, axes.yaxis), F.dims, strict=True):
+        about = F[name].attrs
+        words = name if small else about["long_name"]
+        axis.set_label_text(f"{greek(words)} ({units_text(about['units'])})")
     axes.zaxis.set_rotate_label(False)
-    axes.set(xlabel=labels[0], ylabel=labels[1])
     axes.set_zlabel("energy (J)", rotation=90)
     for axis, pad in ((axes.xaxis, 12), (axes.yaxis, 12), (axes.zaxis, 6)):
         axis.labelpad = -4 if small else pad
@@ -95,7 +95,7 @@ def band(dataset: Any, events: Any, title: str) -> Axes:
     """
     colours = ink()
     away = np.abs(events["theta"].values - events["edge"].values)
-    ax, below = panels_over_time(1.4 if np.isfinite(away).any() else 0)
+    ax, *lower = panels_over_time(1.4 if np.isfinite(away).any() else 0)
     dataset = dataset.isel(time=every(dataset.sizes["time"]))
     t, low, high = (dataset[name].values for name in ("time", "theta_min", "theta_max"))
     words = "predicted band, V(θ) ≤ Ẽ(t)"
@@ -116,9 +116,8 @@ def band(dataset: Any, events: Any, title: str) -> Axes:
     ticks_of_inclination(ax)
     ax.set(ylabel="inclination θ (rad)", title=heading(title), xlim=(t[0], t[-1]))
     legend(ax, "upper right", ncols=4, markerscale=2)
-    if below is not None:
+    for below in lower:
         shown = np.where(away > EXACT, away, np.nan)
         below.semilogy(when, shown, ".", ms=3, color=colours.run)
         below.set_ylabel("|logged − edge|\n(rad)")
-    (below or ax).set_xlabel("time t (s)")
     return ax

@@ -147,11 +147,14 @@ def panel(width: float, height: float) -> Axes:
     return users_panel() or figure(width, height).subplots()
 
 
-def panels_over_time(below: float) -> tuple[Axes, Axes | None]:
+def panels_over_time(below: float) -> list[Axes]:
     """Return the panel to draw in, and one of `below`/4 of its height below if there is room."""
     if users_panel() is None and below and not compact():
-        return tuple(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
-    return panel(10, 5.0), None
+        panels = list(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
+    else:
+        panels = [panel(10, 5.0)]
+    panels[-1].set_xlabel("time t (s)")
+    return panels
 
 
 def ticks_of_inclination(ax: Axes) -> None:
@@ -176,18 +179,19 @@ def mark_ends(axes: Any, *path: np.ndarray) -> None:
         axes.plot(*place, style, color=colours.mark, mfc=face, ms=6, zorder=6, label=words)
 
 
-def legend(ax: Axes, place: str, **options: Any) -> None:
+def legend(
+    ax: Axes, place: str, ncols: int = 1, handles: list[Any] | None = None, **options: Any
+) -> None:
     """Draw a legend of all panels: outside of them at `place`, or inside a panel of the user's.
 
     It is no wider than the figure: it has fewer columns than `ncols`, and then broken lines.
+    Without `handles`, all labelled curves and marks are its entries.
     """
-    most = options.pop("ncols", 1)
     whole: Any = ax.get_figure(root=True)
     is_ours = users_panel() is None
     shown = whole.axes if is_ours else [ax]
-    handles = options.pop("handles", None) or [
-        handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
-    ]
+    if not handles:
+        handles = [handle for axes in shown for handle in axes.get_legend_handles_labels()[0]]
     entries = {str(handle.get_label()): handle for handle in handles}
     if not entries:
         return
@@ -199,7 +203,7 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
     # formulas are shorter than their TeX
     lines = [re.sub(r"\\\w+|[${}]", "", line) for label in labels for line in label.splitlines()]
     longest = max(map(len, lines))
-    columns = max(1, min(most, room // (longest + 6)))
+    columns = max(1, min(ncols, room // (longest + 6)))
     whole.legend(entries.values(), labels, loc=f"outside {place}", ncols=columns, **options)
 
 
@@ -212,14 +216,12 @@ def broken(words: str, letters: int) -> str:
     return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def letters() -> int:
+def _letters() -> int:
     """Return the number of letters in a line of a title, for the requested size."""
     size = _setting.get().size
-    return (
-        WIDTH
-        if size is None
-        else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
-    )
+    if size is None:
+        return WIDTH
+    return max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
 
 
 def compact() -> bool:
@@ -236,9 +238,10 @@ def draw_curves(ax: Axes, curves: Sequence[Curve], **style: Any) -> None:
         ax.plot(*thinned(*curve), color=color, ls=dashes, lw=width, label=label, **style)
 
 
-def heading(text: str) -> str:
-    """Return a title on lines that fit the figure; for a compact figure its first part."""
-    return broken(text.partition(":")[0] if compact() else text, letters())
+def heading(*lines: str) -> str:
+    """Return a title whose lines fit the figure; for a compact figure the first part of it."""
+    shown = [lines[0].partition(":")[0]] if compact() else filter(None, lines)
+    return "\n".join(broken(line, _letters()) for line in shown)
 
 
 def _letter_sizes(width: float) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def theta(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     steady = ~_trembling(swings)
     breaks = attrs.get("handed_over", ())
     pieces = _bands(times[steady], angles[steady], signs[steady], breaks)
-    ax, below = panels_over_time(1.2 if pieces else 0)
+    ax, *lower = panels_over_time(1.2 if pieces else 0)
     colours = ink()
     for when, low, high in pieces:
         ax.fill_between(
@@ -53,13 +53,12 @@ def theta(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
         label = f"first liftoff at {when:.4g} s"
         ax.axvline(when, color=colours.alarm, ls="--", label=label)
     legend(ax, "upper right", ncols=5, markerscale=2.5)
-    if below is not None:
+    for below in lower:
         for when, low, high in pieces:
             width = np.where(high > low, high - low, np.nan)
             below.plot(*thinned(when, width), color=colours.upper, lw=0.9, marker=".", ms=2)
         below.set(ylabel="width (rad)", yscale="log")
         below.yaxis.set_minor_formatter(NullFormatter())
-    (below or ax).set_xlabel("time t (s)")
     return ax
 
 
