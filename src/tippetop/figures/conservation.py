@@ -19,18 +19,8 @@ INTEGRALS = {
 UNIT = 2.2e-16  # rounding unit
 
 
-def drift(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
-    """Draw the relative changes of the conserved quantities; curves are open where they are 0."""
-    return draw_drift(changes(trajectory, attrs), attrs)
-
-
-def growth(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
-    """Draw the largest change so far over the time, and sqrt(t) as of a random walk."""
-    return draw_growth(changes(trajectory, attrs), attrs)
-
-
-def draw_drift(curves: list[Curve], attrs: Attributes) -> Axes:
-    """Draw the worst of changes per bin, each with its words and times."""
+def drift(curves: list[Curve], attrs: Attributes) -> Axes:
+    """Draw the worst of relative changes per bin; curves are open where they are 0."""
     ax = panel(10, 5.0)
     since = "" if compact() else " since the start, worst per bin"
     times = np.concatenate([t for _, t, _ in curves])
@@ -39,12 +29,12 @@ def draw_drift(curves: list[Curve], attrs: Attributes) -> Axes:
     return _draw(ax, binned, attrs, marker=".")
 
 
-def draw_growth(curves: list[Curve], attrs: Attributes) -> Axes:
-    """Draw the largest of changes so far, each with its words and times."""
+def growth(curves: list[Curve], attrs: Attributes) -> Axes:
+    """Draw the largest of relative changes so far, and sqrt(t) as of a random walk."""
     ax = panel(10, 5.0)
     grown = [(words, t[t > 0], np.maximum.accumulate(values)[t > 0]) for words, t, values in curves]
     t = np.unique(np.concatenate([t for _, t, _ in grown]))
-    most = max((values.max(initial=0) for _, _, values in grown), default=0)
+    most = np.concatenate([values for *_, values in grown]).max(initial=0)
     if most > 0:
         ax.plot(t, most * np.sqrt(t / t[-1]), color=ink().quiet, ls="--", label="∝ √t")
     ax.set(ylabel="worst relative change up to t", xscale="log")

@@ -10,7 +10,7 @@ from typing import Any
 from ..columns import symbol
 from ..errors import InputError
 from ..store.files import replacing, writing
-from .catalogue import COMPARED, FIGURES, PLAIN, Look, check_kind
+from .catalogue import COMPARED, DRAWN_FOR, FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
@@ -22,14 +22,17 @@ def _drawings() -> dict[str, Callable]:
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
         return lambda *run: draw(*data_of(*run))
 
+    def of_changes(draw: Callable) -> Callable:
+        return lambda run, events, attrs: draw(conservation.changes(run, attrs), attrs)
+
     def filmed(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
         return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation)
 
     return {
         "theta": theta.theta,
         "normal-force": energetics.normal_force,
-        "drift": conservation.drift,
-        "growth": conservation.growth,
+        "drift": of_changes(conservation.drift),
+        "growth": of_changes(conservation.growth),
         "sphere": sphere.sphere,
         "energy": energetics.energy,
         "film": filmed,
@@ -91,13 +94,15 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
 
     chosen, system = FIGURES[kind], find(attrs["system"])
     if "columns" in attrs["run"] and system is not None:
-        uses = {*chosen.uses, *(system.integrals if "integrals" in chosen.uses else ())}
+        uses = {chosen.needs, *chosen.uses}
+        if "integrals" in uses:
+            uses |= {*system.integrals}
         if "landscape" in uses and system.landscape is not None:
             uses |= {*system.landscape.columns}
         require(sorted(uses & columns_of(attrs)), trajectory, f"the figure `{kind}`")
     if chosen.needs not in trajectory:
         raise InputError(
-            f"`{kind}` is drawn for {chosen.drawn_for} only; this is `{attrs['system']}`."
+            f"`{kind}` is drawn for {DRAWN_FOR[chosen.needs]} only; this is `{attrs['system']}`."
         )
     if not trajectory["time"].size:
         raise InputError(

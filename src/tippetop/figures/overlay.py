@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .conservation import changes, draw_drift, draw_growth
+from .conservation import changes, drift, growth
 from .energetics import draw_over_time, weight
 from .labels import Attributes, differences, shared
 from .style import legend, ticks_in_joules, ticks_of_inclination
@@ -17,7 +17,7 @@ LABELS = {
     "energy": "energy E",
 }
 """Quantities of several runs, and the label of their axis."""
-CHANGES = {"drift": draw_drift, "growth": draw_growth}
+CHANGES = {"drift": drift, "growth": growth}
 """Figures of the worst change of each run."""
 
 
