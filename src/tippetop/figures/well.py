@@ -31,14 +31,11 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "") -> Axes:
     rows = -(-len(curves) // columns)
     size = (1.2 + 3.8 * columns, 1.3 + 2.9 * rows) if columns > 1 else (7.5, 5.7)
     fig = figure(*size)
-    panels = np.atleast_1d(fig.subplots(rows, columns)).ravel()
-    for axes, curve in zip(panels, curves, strict=False):
-        _well(axes, *curve)
-    for axes in panels[len(curves) :]:
-        axes.remove()
-    legend(panels[0], "lower center", ncols=5)
+    for place, curve in enumerate(curves, 1):
+        _well(fig.add_subplot(rows, columns, place), *curve)
+    legend(fig.axes[0], "lower center", ncols=5)
     fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left")
-    return panels[0]
+    return fig.axes[0]
 
 
 def _well(axes: Axes, title: str, V: Any, at: Any) -> None:
