@@ -140,10 +140,10 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
         ticks_of_inclination(axes)
     else:
-        label, words = CURVES[sweep_map.kind]
-        curves = [(text, x.centres, fields[name]) for name, text in words.items()]
+        ylabel, columns = CURVES[sweep_map.kind]
+        curves = [(text, x.centres, fields[name]) for name, text in columns.items()]
         draw_curves(axes, curves, marker="." if len(x.centres) < 200 else "")
-        axes.set_ylabel(label)
+        axes.set_ylabel(ylabel)
         if sweep_map.kind != "inversion":
             axes.axhline(0, color=ink().alarm, lw=0.9)
     for words, values, dashes in _borders(sweep_map):
