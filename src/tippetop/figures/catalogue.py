@@ -10,6 +10,17 @@ from pathlib import Path
 from ..errors import InputError, suggestion
 
 
+DRAWN_FOR = {
+    "theta": "systems with an inclination theta",
+    "normal_force": "systems with a normal force",
+    "energy": "systems with an energy",
+    "axis": "tops",
+    "orientation": "runs that keep the orientation",
+    "routh": "tippe tops",
+}
+"""The systems that have a column, in words."""
+
+
 @dataclass(frozen=True)
 class RunFigure:
     """A figure of a run.
@@ -20,10 +31,8 @@ class RunFigure:
         One line for the help.
     needs
         The column without which it cannot be drawn.
-    drawn_for
-        The systems that have that column, in words.
     uses
-        The columns that it is made from, where the system has them; "integrals" and "landscape"
+        Further columns that it is made from, where the system has them; "integrals" and "landscape"
         are those of the system.
     over_time
         Whether the x axis of every panel is the time; the phases of the contact are shaded then.
@@ -33,8 +42,7 @@ class RunFigure:
 
     shows: str
     needs: str = "time"
-    drawn_for: str = ""
-    uses: tuple[str, ...] = ("theta",)
+    uses: tuple[str, ...] = ()
     over_time: bool = False
     compares: bool = False
 
@@ -53,63 +61,39 @@ PLAIN = Look()
 
 
 OF_LANDSCAPES = ("theta", "phase", "ball", "landscape")
-OF_DRIFT = ("integrals", "energy", "work", "axis", "ball", "jellett_lost")
+OF_DRIFT = ("integrals", "work", "axis", "ball", "jellett_lost")
 
 
-WITH_ENERGY = "systems with an energy"
-
-
-def _of_tippe_tops(shows: str) -> RunFigure:
-    """Return a figure over the spinning states of a tippe top."""
-    return RunFigure(shows, "routh", "tippe tops", OF_LANDSCAPES)
-
-
-def _over_time(shows: str, needs: str, drawn_for: str, *uses: str) -> RunFigure:
+def _over_time(shows: str, needs: str, *uses: str) -> RunFigure:
     """Return a figure of curves over time, of one or of several runs."""
-    return RunFigure(shows, needs, drawn_for, uses, over_time=True, compares=True)
+    return RunFigure(shows, needs, uses, over_time=True, compares=True)
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": _over_time(
-        "theta(t), turning angles, nutational band (default)",
-        "theta",
-        "systems with an inclination theta",
-        "theta",
-    ),
-    "normal-force": _over_time(
-        "normal force g_n(t) in units of the weight",
-        "normal_force",
-        "systems with a normal force",
-        "normal_force",
-    ),
-    "drift": _over_time(
-        "relative change of the conserved quantities", "energy", WITH_ENERGY, *OF_DRIFT
-    ),
+    "theta": _over_time("theta(t), turning angles, nutational band (default)", "theta"),
+    "normal-force": _over_time("normal force g_n(t) in units of the weight", "normal_force"),
+    "drift": _over_time("relative change of the conserved quantities", "energy", *OF_DRIFT),
     "growth": RunFigure(
-        "growth of the worst drift with t, and sqrt(t)",
-        "energy",
-        WITH_ENERGY,
-        OF_DRIFT,
-        compares=True,
+        "growth of the worst drift with t, and sqrt(t)", "energy", OF_DRIFT, compares=True
     ),
-    "sphere": RunFigure("path of the axis on the sphere", "axis", "tops", ("axis",)),
+    "sphere": RunFigure("path of the axis on the sphere", "axis"),
     "energy": _over_time(
         "energy, modified energy, energy taken by friction",
         "energy",
-        WITH_ENERGY,
-        *("energy", "modified_energy", "work", "phase", "ball"),
+        *("modified_energy", "work", "phase", "ball"),
     ),
     "film": RunFigure(
         "eight poses of the body on one line, by their times",
         "orientation",
-        "runs that keep the orientation",
-        ("theta", "axis", "orientation", "z"),
+        ("theta", "axis", "z"),
     ),
-    "states": _of_tippe_tops(
-        "asymptotic states over lambda, and the run among them; also of a scenario"
+    "states": RunFigure(
+        "asymptotic states over lambda, and the run among them; also of a scenario",
+        "routh",
+        OF_LANDSCAPES,
     ),
     "band": RunFigure("turning angles that the main equation predicts", uses=OF_LANDSCAPES),
-    "surface": _of_tippe_tops("the run on the minimal surface F(D, lambda)"),
+    "surface": RunFigure("the run on the minimal surface F(D, lambda)", "routh", OF_LANDSCAPES),
     "potential": RunFigure("the effective potential V(z) at six times", uses=OF_LANDSCAPES),
 }
 """The figures of a run, by name."""
@@ -160,9 +144,9 @@ def check_format(path: Path) -> Path:
 
 def check_look(look: Look) -> None:
     """Raise InputError if a figure cannot have this look."""
-    most = MOST_PIXELS / look.dpi if 10 <= look.dpi <= 2400 else 0
-    if not most:
+    if not 10 <= look.dpi <= 2400:
         raise InputError(f"`dpi` must be between 10 and 2400, but is {look.dpi:g}.")
+    most = MOST_PIXELS / look.dpi
     if look.size is not None and not all(1 <= side <= most for side in look.size):
         given = " x ".join(f"{side:g}" for side in look.size)
         raise InputError(

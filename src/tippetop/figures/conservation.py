@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .labels import title
-from .style import compact, draw_curves, ink, legend, panel
+from .labels import Attributes, title
+from .style import Curve, compact, draw_curves, ink, legend, panel
 from .thinning import span, worst
 
 
@@ -17,37 +17,24 @@ INTEGRALS = {
     "Lz": "angular momentum $L_z$",
 }
 UNIT = 2.2e-16  # rounding unit
-Curve = tuple[str, np.ndarray, np.ndarray]
 
 
-def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw the relative changes of the conserved quantities; curves are open where they are 0."""
-    return draw_drift(changes(trajectory, attrs), attrs, ax)
-
-
-def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw the largest change so far over the time, and sqrt(t) as of a random walk."""
-    return draw_growth(changes(trajectory, attrs), attrs, ax)
-
-
-def draw_drift(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
-    """Draw the worst of changes per bin, each with its words and times."""
-    ax = panel(ax, 10, 5.0)
-    words = "relative change since the start"
-    ax.set(
-        ylabel=words.partition(" since")[0] if compact() else f"{words}, worst per bin",
-        xlim=span(np.concatenate([t for _, t, _ in curves])),
-    )
+def drift(curves: list[Curve], attrs: Attributes) -> Axes:
+    """Draw the worst of relative changes per bin; curves are open where they are 0."""
+    ax = panel(10, 5.0)
+    since = "" if compact() else " since the start, worst per bin"
+    times = np.concatenate([t for _, t, _ in curves])
+    ax.set(ylabel=f"relative change{since}", xlim=span(times))
     binned = [(words, *worst(t, values)) for words, t, values in curves]
     return _draw(ax, binned, attrs, marker=".")
 
 
-def draw_growth(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
-    """Draw the largest of changes so far, each with its words and times."""
-    ax = panel(ax, 10, 5.0)
+def growth(curves: list[Curve], attrs: Attributes) -> Axes:
+    """Draw the largest of relative changes so far, and sqrt(t) as of a random walk."""
+    ax = panel(10, 5.0)
     grown = [(words, t[t > 0], np.maximum.accumulate(values)[t > 0]) for words, t, values in curves]
     t = np.unique(np.concatenate([t for _, t, _ in grown]))
-    most = max((values.max(initial=0) for _, _, values in grown), default=0)
+    most = np.concatenate([values for *_, values in grown]).max(initial=0)
     if most > 0:
         ax.plot(t, most * np.sqrt(t / t[-1]), color=ink().quiet, ls="--", label="∝ √t")
     ax.set(ylabel="worst relative change up to t", xscale="log")
@@ -56,7 +43,7 @@ def draw_growth(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> 
     return _draw(ax, grown, attrs)
 
 
-def _draw(ax: Axes, curves: list[Curve], attrs: dict[str, Any], **style: Any) -> Axes:
+def _draw(ax: Axes, curves: list[Curve], attrs: Attributes, **style: Any) -> Axes:
     """Draw curves on a logarithmic axis with the rounding unit, title and legend."""
     ax.axhline(UNIT, color=ink().quiet, lw=0.8, ls=":", label="rounding unit")
     shown = [
@@ -64,14 +51,14 @@ def _draw(ax: Axes, curves: list[Curve], attrs: dict[str, Any], **style: Any) ->
         for words, t, values in curves
     ]
     draw_curves(ax, shown, ms=2.5, **style)
-    known = np.concatenate([[UNIT], *(values[values > 0] for _, _, values in shown)])
+    known = np.concatenate([[UNIT], *(values for *_, values in shown)])
     ax.set(xlabel="time t (s)", title=title(attrs), yscale="log")
-    ax.set_ylim(min(0.5 * known.min(), 0.3 * UNIT), max(3 * known.max(), 20 * UNIT))
+    ax.set_ylim(min(0.5 * np.nanmin(known), 0.3 * UNIT), max(3 * np.nanmax(known), 20 * UNIT))
     legend(ax, "upper right", ncols=3)
     return ax
 
 
-def changes(trajectory: Any, attrs: dict[str, Any]) -> list[Curve]:
+def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
     """Return the relative changes since the start of the conserved quantities."""
     t, first = trajectory["time"].values, attrs.get("first_row", {})
     # Where another ball is in contact

@@ -10,7 +10,7 @@ from typing import Any
 from ..columns import symbol
 from ..errors import InputError
 from ..store.files import replacing, writing
-from .catalogue import COMPARED, FIGURES, PLAIN, Look, check_kind
+from .catalogue import COMPARED, DRAWN_FOR, FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
@@ -20,16 +20,19 @@ def _drawings() -> dict[str, Callable]:
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
-        return lambda *run, ax: draw(*data_of(*run), ax=ax)
+        return lambda *run: draw(*data_of(*run))
 
-    def filmed(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Any) -> Any:
-        return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation, ax)
+    def of_changes(draw: Callable) -> Callable:
+        return lambda run, events, attrs: draw(conservation.changes(run, attrs), attrs)
+
+    def filmed(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
+        return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation)
 
     return {
         "theta": theta.theta,
         "normal-force": energetics.normal_force,
-        "drift": conservation.drift,
-        "growth": conservation.growth,
+        "drift": of_changes(conservation.drift),
+        "growth": of_changes(conservation.growth),
         "sphere": sphere.sphere,
         "energy": energetics.energy,
         "film": filmed,
@@ -74,7 +77,7 @@ def axes_of(
     attrs = with_records(attrs) | {"handed_over": handed_over(phases)}
 
     def draw() -> Any:
-        axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs, ax=ax)
+        axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs)
         if FIGURES[kind].over_time and phases is not None:
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
             mark(panels, phases, groups.get("impacts"))
@@ -91,13 +94,15 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
 
     chosen, system = FIGURES[kind], find(attrs["system"])
     if "columns" in attrs["run"] and system is not None:
-        uses = {*chosen.uses, *(system.integrals if "integrals" in chosen.uses else ())}
+        uses = {chosen.needs, *chosen.uses}
+        if "integrals" in uses:
+            uses |= {*system.integrals}
         if "landscape" in uses and system.landscape is not None:
             uses |= {*system.landscape.columns}
         require(sorted(uses & columns_of(attrs)), trajectory, f"the figure `{kind}`")
     if chosen.needs not in trajectory:
         raise InputError(
-            f"`{kind}` is drawn for {chosen.drawn_for} only; this is `{attrs['system']}`."
+            f"`{kind}` is drawn for {DRAWN_FOR[chosen.needs]} only; this is `{attrs['system']}`."
         )
     if not trajectory["time"].size:
         raise InputError(
@@ -128,7 +133,7 @@ def several(
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs)
     known_runs = [(trajectory, with_records(attrs)) for trajectory, attrs in runs]
-    return drawn(lambda: overlay(kind, known_runs, [*map(literal, names)], ax), look, ax)
+    return drawn(lambda: overlay(kind, known_runs, [*map(literal, names)]), look, ax)
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:

@@ -6,24 +6,31 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..columns import on_sphere
-from .labels import number, title
-from .style import draw_curves, ink, legend, panel, ticks_in_joules
+from .labels import Attributes, number, title
+from .style import Curve, draw_curves, ink, legend, panel, ticks_in_joules
 from .thinning import span, thinned
 
 
 CONSTANT = 1e-9  # relative changes below this cannot be seen; `drift` shows them
 
 
-def weight(attrs: dict[str, Any]) -> float:
+def draw_over_time(curves: list[Curve], label: str, attrs: Attributes, height: float) -> Axes:
+    """Draw curves in a panel of a height [inches], with the label of their values and a title."""
+    ax = panel(10, height)
+    draw_curves(ax, curves)
+    times = np.concatenate([t for _, t, _ in curves])
+    ax.set(xlabel="time t (s)", ylabel=label, title=title(attrs), xlim=span(times))
+    return ax
+
+
+def weight(attrs: Attributes) -> float:
     """Return m g of the body of a run [N]."""
     return float(attrs["parameters"]["m"] * attrs["parameters"]["g"])
 
 
-def normal_force(
-    trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None
-) -> Axes:
+def normal_force(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     """Draw g_n(t) in units of the weight m g."""
-    ax = panel(ax, 10, 4.4)
+    ax = panel(10, 4.4)
     colours = ink()
     t, mg = trajectory["time"].values, weight(attrs)
     force = trajectory["normal_force"].values / mg
@@ -46,9 +53,8 @@ def normal_force(
     return ax
 
 
-def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def energy(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     """Draw energy E, modified energy E~ and the energy taken by friction."""
-    ax = panel(ax, 10, 4.8)
     t = trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
     curves = []
@@ -61,8 +67,7 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
             touches = on_sphere(trajectory) if name == "modified_energy" else np.array(True)
             words += "" if touches.all() else "; none on the stem, in the air"
             curves.append((words, t, np.where(touches, trajectory[name].values, np.nan)))
-    draw_curves(ax, curves)
-    ax.set(xlabel="time t (s)", ylabel="energy", title=title(attrs), xlim=span(t))
+    ax = draw_over_time(curves, "energy", attrs, 4.8)
     ticks_in_joules(ax.yaxis)
     start = trajectory["energy"].values[0]
     if np.ptp(ax.dataLim.intervaly) <= CONSTANT * (abs(start) or 1.0):

@@ -11,9 +11,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from .labels import number, title
+from .labels import Attributes, number, title
 from .sphere import busy
-from .style import compact, figure, ink
+from .style import compact, figure, ink, users_panel
 
 
 POSES = 8
@@ -38,10 +38,9 @@ Array = np.ndarray
 
 def film(
     trajectory: Any,
-    attrs: dict[str, Any],
+    attrs: Attributes,
     shape: dict[str, Any],
     rotation: Callable[[Array], Array],
-    ax: Axes | None = None,
 ) -> Axes:
     """Draw eight poses of the body, evenly spread over the part of the run in which it turns over.
 
@@ -52,11 +51,12 @@ def film(
     rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))
     rows = np.unique(np.clip(rows, 0, len(t) - 1))
     poses = [pose(trajectory.isel(time=row), shape, rotation) for row in rows]
-    ends = np.array([[(p.min((0, 1)), p.max((0, 1))) for p in parts[:2]] for parts in poses])
-    (left, bottom), (right, top) = ends[..., 0, :].min((0, 1)), ends[..., 1, :].max((0, 1))
+    corners = np.concatenate([each.reshape(-1, 2) for parts in poses for each in parts[:2]])
+    left, bottom = corners.min(axis=0)
+    right, top = corners.max(axis=0)
     step = right - left + GAP
     places = step * np.arange(len(rows))
-    if ax is None:
+    if (ax := users_panel()) is None:
         strip = 12.0 * (top - bottom) / (len(rows) * step)
         ax = figure(12.0, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
     for x, (facets, shadow, colours, mass) in zip(places, poses, strict=True):
@@ -69,12 +69,13 @@ def film(
         f"{names[0]}{number(t[row])} s\n{names[1]}{number(np.degrees(theta[row]), 4)}°"
         for row in rows
     ]
-    ax.set_xticks(places, shown)
-    ax.set_yticks([])
     ax.grid(visible=False)
     ax.spines[["left", "top", "right"]].set_visible(False)
     ax.tick_params(axis="x", labelsize="small")
     ax.set(
+        xticks=places,
+        xticklabels=shown,
+        yticks=[],
         xlim=(left - GAP / 2, places[-1] + right + GAP / 2),
         ylim=(bottom - 0.08, top + 0.08),
         aspect="equal",

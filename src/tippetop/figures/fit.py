@@ -48,7 +48,8 @@ def fit(
     for above, below, (name, seen) in zip(panels[::2], panels[1::2], measured.items(), strict=True):
         off = residuals[name]
         words, unit = NAMES.get(name, (name, ""))
-        above.plot(t, seen, ".", ms=4, color=LIGHT.quiet, label="measured")
+        dots, *_ = above.plot(t, seen, ".", ms=4, color=LIGHT.quiet)
+        dots.set_label("measured")
         parts = [f"fit {part}" for part in PARTS] if seen.shape[1] > 1 else ["fit"]
         fitted = zip(parts, curves[name].T, strict=False)
         draw_curves(above, [(label, times, curve) for label, curve in fitted])
@@ -58,10 +59,7 @@ def fit(
         below.axhspan(-2 * size, 2 * size, color=LIGHT.quiet, alpha=0.15, lw=0)
         below.set(ylabel=f"residual ({unit or 'rad'})", ylim=(-4.5 * size, 4.5 * size))
         above.set_ylabel(f"{words} ({unit})" if unit else words)
-        handles = {str(line.get_label()): line for line in above.get_lines()}
-        above.legend(
-            list(handles.values()), list(handles), ncols=4, loc="lower left", bbox_to_anchor=(0, 1)
-        )
+        above.legend(ncols=4, loc="lower left", bbox_to_anchor=(0, 1))
     panels[-1].set_xlabel("time t (s)")
     fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize="small", family="monospace")
     return fig

@@ -3,8 +3,11 @@
 from typing import Any
 
 from ..columns import SUPERSCRIPTS, capitalised, units_text
-from .style import broken, compact, letters
+from .style import heading
 
+
+Attributes = dict[str, Any]
+"""The root attributes of the store of a run."""
 
 TABLES = ("parameters", "friction", "contact", "stem", "initial", "run")
 RUN_KEYS = ("precision", "tolerance")
@@ -23,7 +26,7 @@ def quantity(value: float, unit: str) -> str:
     return number(value) if unit in ("", "1") else f"{number(value)} {units_text(unit)}"
 
 
-def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False) -> list[str]:
+def entries(table: dict[str, Any], attrs: Attributes, at_start: bool = False) -> list[str]:
     """Return the entries of a table of a run, each as symbol = value unit."""
     words, units, symbols = [], attrs.get("units", {}), attrs.get("symbols", {})
     for key, value in table.items():
@@ -39,7 +42,7 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
     return words
 
 
-def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
+def friction(table: dict[str, Any], attrs: Attributes) -> str:
     """Return the name of a friction law with its numbers, without parts that are 0."""
     shown = {
         k: v for k, v in table.items() if k != "law" and (v or k not in attrs.get("parts", ()))
@@ -50,32 +53,25 @@ def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
     )
 
 
-def title(attrs: dict[str, Any]) -> str:
+def title(attrs: Attributes) -> str:
     """Return the system on one line, initial numbers and friction law on the next."""
     details = entries(attrs.get("initial", {}), attrs, at_start=True)
-    if law := friction(attrs.get("friction", {}), attrs):
-        details.append(law)
-    head = capitalised(attrs["title"])
-    most = letters()
-    if compact():
-        return broken(head, most)
-    kept = ", ".join(word.replace(" ", "\N{NO-BREAK SPACE}") for word in details)
-    return "\n".join(broken(text, most) for text in (head, kept) if text)
+    details.append(friction(attrs.get("friction", {}), attrs))
+    kept = [word.replace(" ", "\N{NO-BREAK SPACE}") for word in details if word]
+    return heading(capitalised(attrs["title"]), ", ".join(kept))
 
 
-def _differ(runs: list[dict[str, Any]], table: str, key: str) -> bool:
+def _differ(runs: list[Attributes], table: str, key: str) -> bool:
     """Return whether runs differ in a number; the same letter in another law is another number."""
     keys = (key, "law") if table == "friction" else (key,)
     values = {str([attrs.get(table, {}).get(name) for name in keys]) for attrs in runs}
     return len(values) > 1
 
 
-def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the attributes that several runs have in common, for their title."""
+def shared(runs: list[Attributes]) -> Attributes:
+    """Return the attributes of a title that several runs have in common."""
     first = runs[0]
-    common: dict[str, Any] = {
-        name: first[name] for name in ("title", "units", "symbols", "law", "parts") if name in first
-    }
+    common = first.copy()
     if any(attrs["title"] != first["title"] for attrs in runs):
         same = all(attrs.get("system") == first.get("system") for attrs in runs)
         common["title"] = first["title"].partition(",")[0] if same else f"{len(runs)} runs"
@@ -85,7 +81,7 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     return common
 
 
-def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
+def differences(runs: list[Attributes], names: list[str]) -> list[str]:
     """Return a label for each run: the numbers in which it differs, and its name if none do."""
     words = []
     # a contact that only some runs have follows from their friction law

@@ -17,6 +17,7 @@ from .style import (
     mark_ends,
     panels_over_time,
     ticks_of_inclination,
+    users_panel,
 )
 from .thinning import every
 
@@ -25,7 +26,7 @@ FACETS = 140  # of the surface in 3-D, along each axis
 EXACT = 1e-17  # [rad] smaller distances from the edge of the band are not drawn
 
 
-def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = None) -> Any:
+def surface(grid: Any, lines: Any, run: Any = None, title: str = "") -> Any:
     """Draw F(D, lambda) in 3-D [figure 4.1 of the source], with the spinning states and a run.
 
     Parameters
@@ -36,11 +37,9 @@ def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = N
         routh, jellett and modified_energy of a run.
     title
         The body.
-    ax
-        Axes in 3-D of the user's.
     """
-    axes: Any = (
-        figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
+    axes: Any = users_panel() or figure(8.6, 6.4).add_subplot(
+        projection="3d", computed_zorder=False
     )
     F = grid["F"][*(spread(n, FACETS) for n in grid["F"].shape)]
     X, Y = np.meshgrid(*(F[name] for name in F.dims), indexing="ij")
@@ -54,11 +53,11 @@ def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = N
         mark_ends(axes, *path)
         high = max(high, np.nanmax(path[2]))
     small = compact()
-    names = [F[name].attrs["long_name"] if not small else name for name in F.dims]
-    units = [units_text(F[name].attrs["units"]) for name in F.dims]
-    labels = [f"{greek(word)} ({unit})" for word, unit in zip(names, units, strict=True)]
+    for axis, name in zip((axes.xaxis, axes.yaxis), F.dims, strict=True):
+        about = F[name].attrs
+        words = name if small else about["long_name"]
+        axis.set_label_text(f"{greek(words)} ({units_text(about['units'])})")
     axes.zaxis.set_rotate_label(False)
-    axes.set(xlabel=labels[0], ylabel=labels[1])
     axes.set_zlabel("energy (J)", rotation=90)
     for axis, pad in ((axes.xaxis, 12), (axes.yaxis, 12), (axes.zaxis, 6)):
         axis.labelpad = -4 if small else pad
@@ -89,14 +88,14 @@ def _spinning(axes: Any, lines: Any, least: float, most: float) -> None:
                 axes.plot(*known, color=color, ls=style, lw=2.0, label=label, zorder=3)
 
 
-def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
+def band(dataset: Any, events: Any, title: str) -> Axes:
     """Draw theta(t) on the predicted band; below, the distances of turnings from its edge.
 
     `dataset` as returned by `band`; events: time, theta, edge (predicted).
     """
     colours = ink()
     away = np.abs(events["theta"].values - events["edge"].values)
-    ax, below = panels_over_time(ax, 1.4 if np.isfinite(away).any() else 0)
+    ax, *lower = panels_over_time(1.4 if np.isfinite(away).any() else 0)
     dataset = dataset.isel(time=every(dataset.sizes["time"]))
     t, low, high = (dataset[name].values for name in ("time", "theta_min", "theta_max"))
     words = "predicted band, V(θ) ≤ Ẽ(t)"
@@ -117,9 +116,8 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
     ticks_of_inclination(ax)
     ax.set(ylabel="inclination θ (rad)", title=heading(title), xlim=(t[0], t[-1]))
     legend(ax, "upper right", ncols=4, markerscale=2)
-    if below is not None:
+    for below in lower:
         shown = np.where(away > EXACT, away, np.nan)
         below.semilogy(when, shown, ".", ms=3, color=colours.run)
         below.set_ylabel("|logged − edge|\n(rad)")
-    (below or ax).set_xlabel("time t (s)")
     return ax

@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .conservation import changes, draw_drift, draw_growth
-from .energetics import weight
-from .labels import differences, shared, title
-from .style import draw_curves, legend, panel, ticks_in_joules, ticks_of_inclination
-from .thinning import span
+from .conservation import changes, drift, growth
+from .energetics import draw_over_time, weight
+from .labels import Attributes, differences, shared
+from .style import legend, ticks_in_joules, ticks_of_inclination
 
 
 LABELS = {
@@ -18,13 +17,11 @@ LABELS = {
     "energy": "energy E",
 }
 """Quantities of several runs, and the label of their axis."""
-CHANGES = {"drift": draw_drift, "growth": draw_growth}
+CHANGES = {"drift": drift, "growth": growth}
 """Figures of the worst change of each run."""
 
 
-def overlay(
-    kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], ax: Axes | None = None
-) -> Axes:
+def overlay(kind: str, runs: list[tuple[Any, Attributes]], names: list[str]) -> Axes:
     """Draw the same curve of several runs, labelled by their differences.
 
     Parameters
@@ -42,11 +39,8 @@ def overlay(
         for label, (trajectory, each) in zip(differences(attrs, names), runs, strict=True)
     ]
     if kind in CHANGES:
-        return CHANGES[kind](curves, shared(attrs), ax)
-    ax = panel(ax, 10, 5.4)
-    draw_curves(ax, curves)
-    times = span(np.concatenate([t for _, t, _ in curves]))
-    ax.set(xlabel="time t (s)", ylabel=LABELS[kind], title=title(shared(attrs)), xlim=times)
+        return CHANGES[kind](curves, shared(attrs))
+    ax = draw_over_time(curves, LABELS[kind], shared(attrs), 5.4)
     if kind == "theta":
         ticks_of_inclination(ax)
     if kind == "energy":
@@ -55,7 +49,7 @@ def overlay(
     return ax
 
 
-def _values(kind: str, trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
+def _values(kind: str, trajectory: Any, attrs: Attributes) -> np.ndarray:
     """Return the values of a run."""
     if kind in CHANGES:
         return np.max([values for *_, values in changes(trajectory, attrs)], axis=0)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..columns import flag_names, flagged
-from .style import ink, is_ours, legend
+from .style import ink, legend, users_panel
 
 
 ON_ONE = ("slip", "roll", "rest")  # phases with one ball in contact
@@ -41,12 +41,9 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
     spare = [pair for name, pair in colours.shades.items() if name not in known]
     others = itertools.cycle(spare or colours.shades.values())
     pairs = {name: colours.shades.get(name) or next(others) for name in known}
-    balls = flag_names(phases["ball"]) if "ball" in phases else itertools.repeat("body")
-    kinds = [
-        (ball == "stem" and phase in ON_ONE, phase)
-        for phase, ball in zip(flag_names(phases["phase"]), balls, strict=False)
-    ]
-    shades = np.array([to_rgb(pairs[phase][on_stem]) for on_stem, phase in kinds])
+    names = np.array(flag_names(phases["phase"]))
+    on_stem = np.isin(names, ON_ONE) & ("ball" in phases and flagged(phases["ball"], "stem"))
+    shades = [to_rgb(pairs[name][int(stem)]) for name, stem in zip(names, on_stem, strict=True)]
     ticks = [
         (words, color, impacts["time"].values[flagged(impacts["ball"], ball)])
         for ball, color, words in (
@@ -60,20 +57,22 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
         axes.grid(visible=False, axis="x")
         over: Any = {"transform": axes.get_xaxis_transform(), "rasterized": True}
         edges = np.append(begun, ended[-1])
-        axes.pcolormesh(edges, [0, 1], shades[None], zorder=0, antialiased=True, **over)
+        axes.pcolormesh(edges, [0, 1], [shades], zorder=0, antialiased=True, **over)
         for words, color, when in ticks:
             label = f"_impacts{words}"
             axes.vlines(when, 0, 0.035, color=color, lw=0.7, label=label, zorder=2.5, **over)
         axes.set(xlim=limits[0], ylim=limits[1])
     handles: list[Any] = []
-    for on_stem, phase in sorted(set(kinds), key=lambda kind: (kind[0], [*pairs].index(kind[1]))):
-        share = lengths[[kind == (on_stem, phase) for kind in kinds]].sum() / lengths.sum()
-        words = f"{phase}{' on the stem' if on_stem else ''}: {share:.1%}".replace("%", " %")
-        handles.append(Patch(color=pairs[phase][on_stem], label=words))
+    for stem, words in enumerate(("", " on the stem")):
+        for name, pair in pairs.items():
+            chosen = (names == name) & (on_stem == stem)
+            if chosen.any():
+                share = f"{lengths[chosen].sum() / lengths.sum():.1%}".replace("%", " %")
+                handles.append(Patch(color=pair[stem], label=f"{name}{words}: {share}"))
     for words, color, when in ticks:
         if count := len(when):
             label = f"{count} impact{'s' * (count > 1)}{words}"
             style: Any = {"marker": "|", "ms": 9, "mew": 1.4, "ls": "none"}
             handles.append(Line2D([], [], color=color, label=label, **style))
-    if is_ours():
+    if users_panel() is None:
         legend(panels[0], "lower center", handles=handles, ncols=len(handles))

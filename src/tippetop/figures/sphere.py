@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle
 
-from .labels import title
-from .style import compact, figure, ink, legend
+from .labels import Attributes, title
+from .style import compact, figure, ink, legend, users_panel
 from .thinning import every, span
 
 
@@ -26,7 +26,7 @@ VIEWS = {
 """Directions to the right, up and to the viewer as rows, and labels of the first two."""
 
 
-def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def sphere(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     """Draw the near side of the path of 3hat on the unit sphere, in each view that shows it.
 
     A panel of the user's and a small figure have one view.
@@ -35,6 +35,7 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     limits = busy(np.arccos(np.clip(path[:, 2], -1, 1)), t)
     path, t = path[every(len(t))], t[every(len(t))]
     views = [name for name, (frame, *_) in VIEWS.items() if (path @ frame[2] > 0).any()]
+    ax = users_panel()
     if ax is not None or compact():
         views = views[:1]
     panels: Any = [ax]

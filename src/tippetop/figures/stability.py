@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from .style import compact, ink, legend, mark_ends, panel
 
 
-NAMES = {"upright": "upright spin", "tumbling": "tumbling", "inverted": "inverted spin"}
 LARGEST = 1e6  # lambda is shown in 10^-6 kg m^3/s
 
 
@@ -17,34 +16,39 @@ def states(
     marks: dict[str, float],
     title: str = "",
     path: tuple[np.ndarray, np.ndarray] | None = None,
-    ax: Axes | None = None,
 ) -> Axes:
     """Draw branches of asymptotic states: cos(theta) over lambda, stable solid, unstable dashed.
 
     `marks` are named values of lambda; `path` is cos(theta) of a run and its lambda.
     """
-    ink_ = ink()
-    ax = panel(ax, 8.4, 5.4)
-    colours = {"upright": ink_.lower, "tumbling": ink_.run, "inverted": ink_.upper}
-    for kind, color in colours.items():
-        for branch in (branch for branch in branches if branch.kind == kind):
-            style = {"lw": 2.6} if branch.stable else {"lw": 1.3, "ls": (0, (4, 3))}
-            ax.plot(branch.lam * LARGEST, branch.z, color=color, label=NAMES[kind], **style)
+    colours = ink()
+    ax = panel(8.4, 5.4)
+    for kind, label, color in (
+        ("upright", "upright spin", colours.lower),
+        ("tumbling", "tumbling", colours.run),
+        ("inverted", "inverted spin", colours.upper),
+    ):
+        for branch in branches:
+            if branch.kind == kind:
+                style = {"lw": 2.6} if branch.stable else {"lw": 1.3, "ls": (0, (4, 3))}
+                ax.plot(branch.lam * LARGEST, branch.z, color=color, label=label, **style)
     most = max(float(np.nanmax(b.lam)) for b in branches if b.kind != "tumbling") * LARGEST
     for name, value in marks.items():
-        ax.axvline(value * LARGEST, color=ink_.quiet, lw=0.8, ls=":")
+        ax.axvline(value * LARGEST, color=colours.quiet, lw=0.8, ls=":")
         ax.annotate(
             name,
             (value * LARGEST, 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(0, 2),
-            color=ink_.quiet,
+            color=colours.quiet,
             textcoords="offset points",
             ha="center",
         )
     if path is not None:
         z, lam = path[0], np.abs(path[1]) * LARGEST
-        ax.plot(lam, z, color=ink_.quiet, lw=4, alpha=0.4, label="this run", solid_capstyle="butt")
+        ax.plot(
+            lam, z, color=colours.quiet, lw=4, alpha=0.4, label="this run", solid_capstyle="butt"
+        )
         mark_ends(ax, lam, z)
     words = "Jellett's integral |λ| (10⁻⁶ kg m³ s⁻¹)"
     ax.set(xlabel=words, ylabel="cos θ", xlim=(0, most), ylim=(-1.06, 1.06))

@@ -20,6 +20,10 @@ from matplotlib.ticker import EngFormatter
 from .thinning import thinned
 
 
+Curve = tuple[str, np.ndarray, np.ndarray]
+"""Label, times (or other places on the x axis) and values of a curve."""
+
+
 class Ink(NamedTuple):
     """The colours of a figure.
 
@@ -64,11 +68,11 @@ DARK = Ink(
 
 
 class Setting(NamedTuple):
-    """The colours, the size [inches], and whether the figure is ours or a panel of the user's."""
+    """The colours, the size [inches], and the panel of the user's figure to draw in, if any."""
 
     ink: Ink = LIGHT
     size: tuple[float, float] | None = None
-    ours: bool = True
+    panel: Axes | None = None
 
 
 _setting: ContextVar[Setting] = ContextVar("setting", default=Setting())  # noqa: B039 - a tuple
@@ -117,9 +121,9 @@ def ink() -> Ink:
     return _setting.get().ink
 
 
-def is_ours() -> bool:
-    """Return whether the figure that is being drawn is ours, rather than a panel of the user's."""
-    return _setting.get().ours
+def users_panel() -> Axes | None:
+    """Return the panel of the user's figure to draw in; None if the figure is ours."""
+    return _setting.get().panel
 
 
 class ShownFigure(Figure):
@@ -138,16 +142,19 @@ def figure(width: float, height: float) -> Figure:
     return fig
 
 
-def panel(ax: Axes | None, width: float, height: float) -> Axes:
-    """Return the panel to draw in: the given one, or the only one of a new figure."""
-    return figure(width, height).subplots() if ax is None else ax
+def panel(width: float, height: float) -> Axes:
+    """Return the panel to draw in: the user's, or the only one of a new figure."""
+    return users_panel() or figure(width, height).subplots()
 
 
-def panels_over_time(ax: Axes | None, below: float) -> tuple[Axes, Axes | None]:
+def panels_over_time(below: float) -> list[Axes]:
     """Return the panel to draw in, and one of `below`/4 of its height below if there is room."""
-    if ax is None and below and not compact():
-        return tuple(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
-    return panel(ax, 10, 5.0), None
+    if users_panel() is None and below and not compact():
+        panels = list(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
+    else:
+        panels = [panel(10, 5.0)]
+    panels[-1].set_xlabel("time t (s)")
+    return panels
 
 
 def ticks_of_inclination(ax: Axes) -> None:
@@ -172,21 +179,23 @@ def mark_ends(axes: Any, *path: np.ndarray) -> None:
         axes.plot(*place, style, color=colours.mark, mfc=face, ms=6, zorder=6, label=words)
 
 
-def legend(ax: Axes, place: str, **options: Any) -> None:
+def legend(
+    ax: Axes, place: str, ncols: int = 1, handles: list[Any] | None = None, **options: Any
+) -> None:
     """Draw a legend of all panels: outside of them at `place`, or inside a panel of the user's.
 
     It is no wider than the figure: it has fewer columns than `ncols`, and then broken lines.
+    Without `handles`, all labelled curves and marks are its entries.
     """
-    most = options.pop("ncols", 1)
     whole: Any = ax.get_figure(root=True)
-    shown = [ax] if not is_ours() else whole.axes
-    handles = options.pop("handles", None) or [
-        handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
-    ]
+    is_ours = users_panel() is None
+    shown = whole.axes if is_ours else [ax]
+    if not handles:
+        handles = [handle for axes in shown for handle in axes.get_legend_handles_labels()[0]]
     entries = {str(handle.get_label()): handle for handle in handles}
     if not entries:
         return
-    if not is_ours():
+    if not is_ours:
         ax.legend(entries.values(), entries, **options)
         return
     room = int(17 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
@@ -194,7 +203,7 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
     # formulas are shorter than their TeX
     lines = [re.sub(r"\\\w+|[${}]", "", line) for label in labels for line in label.splitlines()]
     longest = max(map(len, lines))
-    columns = max(1, min(most, room // (longest + 6)))
+    columns = max(1, min(ncols, room // (longest + 6)))
     whole.legend(entries.values(), labels, loc=f"outside {place}", ncols=columns, **options)
 
 
@@ -207,14 +216,12 @@ def broken(words: str, letters: int) -> str:
     return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def letters() -> int:
+def _letters() -> int:
     """Return the number of letters in a line of a title, for the requested size."""
     size = _setting.get().size
-    return (
-        WIDTH
-        if size is None
-        else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
-    )
+    if size is None:
+        return WIDTH
+    return max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
 
 
 def compact() -> bool:
@@ -223,9 +230,7 @@ def compact() -> bool:
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 
 
-def draw_curves(
-    ax: Axes, curves: Sequence[tuple[str, np.ndarray, np.ndarray]], **style: Any
-) -> None:
+def draw_curves(ax: Axes, curves: Sequence[Curve], **style: Any) -> None:
     """Draw curves, each with its label, times and values, thinned; the first ones are wider."""
     looks = zip(itertools.cycle(COLOURS), itertools.cycle(DASHES))
     for i, ((label, *curve), (color, dashes)) in enumerate(zip(curves, looks, strict=False)):
@@ -233,9 +238,10 @@ def draw_curves(
         ax.plot(*thinned(*curve), color=color, ls=dashes, lw=width, label=label, **style)
 
 
-def heading(text: str) -> str:
-    """Return a title on lines that fit the figure; for a compact figure its first part."""
-    return broken(text.partition(":")[0] if compact() else text, letters())
+def heading(*lines: str) -> str:
+    """Return a title whose lines fit the figure; for a compact figure the first part of it."""
+    shown = [lines[0].partition(":")[0]] if compact() else filter(None, lines)
+    return "\n".join(broken(line, _letters()) for line in shown)
 
 
 def _letter_sizes(width: float) -> dict[str, Any]:
@@ -278,7 +284,7 @@ def styled(
         given |= dict.fromkeys(LINES, "#d5dae0") | dict.fromkeys(PAPERS, colours.paper)
     if ax is not None:
         size = tuple(ax.get_window_extent().size / ax.get_figure(root=True).dpi)
-    token = _setting.set(Setting(colours, size, ax is None))
+    token = _setting.set(Setting(colours, size, ax))
     try:
         with mpl.rc_context(dict(mpl.rcParamsDefault) | given if ax is None else {}):  # type: ignore[arg-type]
             yield

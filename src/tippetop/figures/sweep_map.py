@@ -1,6 +1,7 @@
 """Figures of a sweep: maps over two of its axes, curves over one."""
 
 import itertools
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -66,15 +67,13 @@ TOUCH = 1e-9
 
 def draw_map(sweep_map: Any) -> Axes:
     """Draw a map, as `sweeps.maps` makes it."""
-    axes = panel(None, 9.6, 5.6)
+    axes = panel(9.6, 5.6)
     x, *further = sweep_map.axes
     entries = (_over_two if further else _over_one)(axes, sweep_map)
     axes.set(xlabel=x.label, xscale="log" if x.log else "linear", xlim=x.edges[[0, -1]])
-    lines = [
-        f"{capitalised(sweep_map.title)}: {TITLES[sweep_map.kind]}",
-        "; ".join(sweep_map.notes),
-    ]
-    axes.set_title("\n".join(heading(line) for line in lines if line))
+    words = f"{capitalised(sweep_map.title)}: {TITLES[sweep_map.kind]}"
+    notes = "; ".join(sweep_map.notes)
+    axes.set_title("\n".join(map(heading, filter(None, (words, notes)))))
     if entries or not further:
         legend(axes, "lower center", handles=entries, ncols=3)
     return axes
@@ -88,68 +87,77 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     kind, field = sweep_map.kind, next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
     if kind == "class":
-        entries += _classes(axes, sweep_map, field)
+        entries += _cells(axes, sweep_map, field, _of_classes(sweep_map))
     elif np.isfinite(field).any():
         cmap, label = FIELDS[kind]
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=cmap, rasterized=True)
         axes.get_figure(root=True).colorbar(mesh, ax=axes, label=label, pad=0.02)
-        touches = field <= TOUCH
-        if kind == "normal-force" and touches.any():
-            shade = {"cmap": ListedColormap([ink().alarm]), "rasterized": True}
-            axes.pcolormesh(x.edges, y.edges, np.where(touches, 0.0, np.nan), **shade)
-            entries.append(Patch(color=ink().alarm, label="liftoff: $g_n$ reaches 0"))
+        if kind == "normal-force":
+            touches = np.where(field <= TOUCH, 0.0, np.nan)
+            liftoff = {"liftoff: $g_n$ reaches 0": ink().alarm}
+            entries += _cells(axes, sweep_map, touches, liftoff)
     if kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor(ink().grid)
         ends = sweep_map.fields.get("class", np.full_like(field.T, np.nan)).T
-        entries += _classes(axes, sweep_map, ends)
+        entries += _cells(axes, sweep_map, ends, _of_classes(sweep_map))
         if (np.isnan(field) & np.isnan(ends)).any():
             entries.append(Patch(color=ink().grid, label="not inverted in time"))
-    for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
+    for words, values, dashes in _borders(sweep_map):
         line: Any = {"colors": "black", "linewidths": 1.3, "linestyles": [dashes]}
         drawn = axes.contour(x.span, y.span, values.T, [0.0], **line)
         # visible on every colour
         drawn.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.7)])
-        words = _mathematical(label)
         entries.append(Line2D([], [], color="black", lw=1.3, ls=dashes, label=words))
     return entries
 
 
-def _classes(axes: Any, sweep_map: Any, values: np.ndarray) -> list[Any]:
-    """Draw cells in the colours of their classes; return entries for those that occur."""
-    of_class, names = colours(), sweep_map.classes
-    shades, most = ListedColormap([of_class[name] for name in names]), len(names) - 0.5
+def _cells(axes: Any, sweep_map: Any, values: np.ndarray, shades: dict[str, str]) -> list[Any]:
+    """Draw cells of the values 0, 1, ... in the colours of `shades`, by label.
+
+    Return entries of the legend for the values that occur.
+    """
     x, y = (axis.edges for axis in sweep_map.axes)
-    axes.pcolormesh(x, y, values, cmap=shades, vmin=-0.5, vmax=most, rasterized=True)
-    present = [name for i, name in enumerate(names) if (values == i).any()]
-    return [Patch(color=of_class[name], label=CLASSES[name][1]) for name in present]
+    cmap = ListedColormap([*shades.values()])
+    axes.pcolormesh(x, y, values, cmap=cmap, vmin=-0.5, vmax=len(shades) - 0.5, rasterized=True)
+    entries = [Patch(color=color, label=label) for label, color in shades.items()]
+    return [entry for i, entry in enumerate(entries) if (values == i).any()]
+
+
+def _of_classes(sweep_map: Any) -> dict[str, str]:
+    """Return the colour of each class of a map, by its label."""
+    return {CLASSES[name][1]: colours()[name] for name in sweep_map.classes}
 
 
 def _over_one(axes: Any, sweep_map: Any) -> None:
     """Draw curves over one axis."""
-    of_class = colours()
     (x,), fields = sweep_map.axes, sweep_map.fields
     if sweep_map.kind == "class":
-        for i, name in enumerate(sweep_map.classes):
+        for i, (label, color) in enumerate(_of_classes(sweep_map).items()):
             theta = np.where(fields["class"] == i, fields["theta_end"], np.nan)
             if np.isfinite(theta).any():
-                style: Any = {"marker": ".", "ms": 7, "lw": 0.8, "label": CLASSES[name][1]}
-                axes.plot(x.centres, theta, color=of_class[name], **style)
+                style: Any = {"marker": ".", "ms": 7, "lw": 0.8, "label": label}
+                axes.plot(x.centres, theta, color=color, **style)
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
         ticks_of_inclination(axes)
     else:
-        label, words = CURVES[sweep_map.kind]
-        curves = [(text, x.centres, fields[name]) for name, text in words.items()]
+        ylabel, columns = CURVES[sweep_map.kind]
+        curves = [(text, x.centres, fields[name]) for name, text in columns.items()]
         draw_curves(axes, curves, marker="." if len(x.centres) < 200 else "")
-        axes.set_ylabel(label)
+        axes.set_ylabel(ylabel)
         if sweep_map.kind != "inversion":
             axes.axhline(0, color=ink().alarm, lw=0.9)
-    for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
+    for words, values, dashes in _borders(sweep_map):
         above = np.where(np.isnan(values), np.nan, values > 0)
         for at in x.span[:-1][np.abs(np.diff(above)) == 1]:
-            axes.axvline(at, color=ink().mark, ls=dashes, label=_mathematical(label))
+            axes.axvline(at, color=ink().mark, ls=dashes, label=words)
 
 
-def _mathematical(label: str) -> str:
-    """Return a label such as `λ = λ_u: words` with its symbols as formulas."""
-    symbol, _, words = label.partition(": ")
-    return f"${symbol.replace('λ', chr(92) + 'lambda').replace('_de', '_{de}')}$: {words}"
+def _borders(sweep_map: Any) -> Iterator[tuple[str, np.ndarray, Any]]:
+    """Yield label, values and dashes of each border.
+
+    The symbols of a label, such as `λ = λ_u: words`, are formulas.
+    """
+    for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
+        symbol, _, words = label.partition(": ")
+        symbol = symbol.replace("λ", r"\lambda").replace("_de", "_{de}")
+        yield f"${symbol}$: {words}", values, dashes

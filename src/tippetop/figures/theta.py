@@ -7,25 +7,28 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
 from ..columns import flagged, significant_turnings
-from .labels import title
+from .labels import Attributes, title
 from .style import ink, legend, panels_over_time, ticks_of_inclination
 from .thinning import MOST_POINTS, span, thinned
 
 
-Curve = tuple[np.ndarray, np.ndarray]
-Piece = tuple[np.ndarray, np.ndarray, np.ndarray]
 TREMBLING = 0.02  # fraction of the usual swing
 
 
-def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def theta(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     """Draw theta(t) with the logged turning angles and the nutational band; below, its width.
 
     A run without a band and a panel of the user's have no panel below.
     """
     t = trajectory["time"].values
-    breaks = np.array(attrs.get("handed_over", ()))
-    pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), breaks)
-    ax, below = panels_over_time(ax, 1.2 if pieces else 0)
+    turnings = significant_turnings(events)
+    times, angles, signs, swings = (
+        events[name].values[turnings] for name in ("time", "theta", "theta_dot_sign", "amplitude")
+    )
+    steady = ~_trembling(swings)
+    breaks = attrs.get("handed_over", ())
+    pieces = _bands(times[steady], angles[steady], signs[steady], breaks)
+    ax, *lower = panels_over_time(1.2 if pieces else 0)
     colours = ink()
     for when, low, high in pieces:
         ax.fill_between(
@@ -36,10 +39,12 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
         (-1, colours.upper, "maxima: upper envelope"),
         (+1, colours.lower, "minima: lower envelope"),
     ):
-        when, where = _turnings(events, sign)
-        if len(when):
-            size = 5 if len(when) < 500 else 1.5
-            ax.scatter(*thinned(when, where), s=size, color=color, lw=0, zorder=3, label=name)
+        side = signs == sign
+        if side.any():
+            size = 5 if side.sum() < 500 else 1.5
+            ax.scatter(
+                *thinned(times[side], angles[side]), s=size, color=color, lw=0, zorder=3, label=name
+            )
     is_inclination = "inclination" in trajectory["theta"].attrs["long_name"]
     label = "inclination θ (rad)" if is_inclination else "angle θ (rad)"
     ax.set(ylabel=label, title=title(attrs), xlim=span(t))
@@ -48,56 +53,42 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
         label = f"first liftoff at {when:.4g} s"
         ax.axvline(when, color=colours.alarm, ls="--", label=label)
     legend(ax, "upper right", ncols=5, markerscale=2.5)
-    if below is not None:
+    for below in lower:
         for when, low, high in pieces:
             width = np.where(high > low, high - low, np.nan)
             below.plot(*thinned(when, width), color=colours.upper, lw=0.9, marker=".", ms=2)
         below.set(ylabel="width (rad)", yscale="log")
         below.yaxis.set_minor_formatter(NullFormatter())
-    (below or ax).set_xlabel("time t (s)")
     return ax
 
 
-def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[Piece]:
+def _bands(
+    times: np.ndarray, angles: np.ndarray, signs: np.ndarray, breaks: Any
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Return pieces of the band (times, low, high), broken at `breaks` and where turnings pause.
 
-    theta is monotone in a pause, as in the rise of an inversion. More turnings than can be seen
-    are one piece.
+    Minima have the sign +1, maxima -1. theta is monotone in a pause, as in the rise of an
+    inversion. More turnings than can be seen are one piece.
     """
-    times = np.union1d(low[0], high[0])
-    if len(times) > MOST_POINTS:
-        starts, times = np.array([], int), np.linspace(times[0], times[-1], 2000)
-    else:
+    many = len(times) > MOST_POINTS
+    starts = np.array([], int)
+    if not many:
         gaps = np.diff(times)
         pauses = np.flatnonzero(gaps > 3 * _usual(gaps)) + 1
         starts = np.union1d(pauses, np.searchsorted(times, breaks))
     pieces = []
-    for piece in np.split(times, starts):
-        within = [
-            np.compress((when >= piece[0]) & (when <= piece[-1]), (when, angles), axis=1)
-            for when, angles in ((low, high) if len(piece) else ())
-        ]
-        if within and all(part.shape[1] >= 2 for part in within):
-            bottom, top = (np.interp(piece, *part) for part in within)
-            pieces.append((piece, bottom, top))
+    for rows in np.split(np.arange(len(times)), starts):
+        sides = [rows[signs[rows] == sign] for sign in (+1, -1)]
+        if min(map(len, sides)) >= 2:
+            when = np.linspace(times[0], times[-1], 2000) if many else times[rows]
+            low, high = (np.interp(when, times[side], angles[side]) for side in sides)
+            pieces.append((when, low, high))
     return pieces
 
 
 def _usual(values: np.ndarray) -> np.ndarray:
     """Return the median of the 21 values around each."""
     return np.array([np.median(values[max(0, i - 10) : i + 11]) for i in range(len(values))])
-
-
-def _turnings(events: Any, sign: int, of_band: bool = False) -> Curve:
-    """Return times and angles of the significant minima (sign +1) or maxima (-1) of theta.
-
-    For the band, turnings of a trembling after an impact are left out.
-    """
-    keep = significant_turnings(events)
-    if of_band:
-        keep[keep] = ~_trembling(events["amplitude"].values[keep])
-    keep &= events["theta_dot_sign"].values == sign
-    return events["time"].values[keep], events["theta"].values[keep]
 
 
 def _trembling(swings: np.ndarray) -> np.ndarray:

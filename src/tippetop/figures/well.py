@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
-from .style import compact, figure, ink, legend, ticks_in_joules
+from .style import compact, figure, ink, legend, ticks_in_joules, users_panel
 
 
 REACH = 2.8  # height of a panel without a level
@@ -14,7 +14,7 @@ FEW = 3  # every third panel where there is no room for all
 MARGIN = np.radians(4.0)  # at least this is shown on either side of the band
 
 
-def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | None = None) -> Axes:
+def potential(curves: list[tuple[str, Any, Any]], title: str = "") -> Axes:
     """Draw V(z) with the energy level and the turning angles, a panel for each time.
 
     `curves` are titles, potentials and turning angles.
@@ -22,23 +22,20 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
     The potential has V along z; the turning angles have F, theta_star, and, where a level is drawn,
     energy, theta_min and theta_max. In a panel of the user's only the first one is drawn.
     """
-    curves = curves[:1] if ax is not None else curves[:: FEW if compact() else 1]
-    if ax is not None:
+    if ax := users_panel():
         _well(ax, *curves[0])
-        ax.legend()
+        legend(ax, "best")
         return ax
+    curves = curves[:: FEW if compact() else 1]
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
     size = (1.2 + 3.8 * columns, 1.3 + 2.9 * rows) if columns > 1 else (7.5, 5.7)
     fig = figure(*size)
-    panels = np.atleast_1d(fig.subplots(rows, columns)).ravel()
-    for axes, curve in zip(panels, curves, strict=False):
-        _well(axes, *curve)
-    for axes in panels[len(curves) :]:
-        axes.remove()
-    legend(panels[0], "lower center", ncols=5)
+    for place, curve in enumerate(curves, 1):
+        _well(fig.add_subplot(rows, columns, place), *curve)
+    legend(fig.axes[0], "lower center", ncols=5)
     fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left")
-    return panels[0]
+    return fig.axes[0]
 
 
 def _well(axes: Axes, title: str, V: Any, at: Any) -> None:
