@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from ..arguments import measured
+from ..awaiting import awaited
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
@@ -57,7 +58,6 @@ def surface(
     """
     import numpy as np
 
-    from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
@@ -140,7 +140,7 @@ def potential(
     """
     import numpy as np
 
-    from ..awaiting import awaited
+    from ..columns import flag_words
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
     from .targets import check_picture
@@ -152,8 +152,8 @@ def potential(
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
     least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
-    minimum = {name: least[name].item() for name in ("F", "theta", "F_D", "F_lambda", "status")}
-    minimum["status"] = least["status"].attrs["flag_meanings"].split()[minimum["status"]]
+    minimum = {name: least[name].item() for name in ("F", "theta", "F_D", "F_lambda")}
+    minimum["status"] = flag_words(least["status"]).item()
     if not math.isfinite(minimum["F"]):
         raise InputError(
             f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
