@@ -174,12 +174,12 @@ def export(
         for name, text in _texts(each, root / each.name, overwrite).items():
             write(f"{each.name}/{name}", text)
         made.append(root / each.name / "reference.parquet")
-    present = sorted(path.parent.name for path in root.glob("*/case.json"))
-    present.sort(key=[*names(), *present].index)
-    titles = [
-        json.loads((root / name / "case.json").read_text("utf-8"))["title"] for name in present
-    ]
-    rows = "\n".join(map("| `{}` | {} |".format, present, titles))
+    titles = {
+        path.parent.name: json.loads(path.read_text("utf-8"))["title"]
+        for path in sorted(root.glob("*/case.json"))
+    }
+    present = sorted(titles, key=[*names(), *titles].index)
+    rows = "\n".join(f"| `{name}` | {titles[name]} |" for name in present)
     write("README.md", README.format(version=VERSION, rows=rows))
     write("LICENSE", LICENSE)
     write("VERSION", f"{VERSION}\n")

@@ -236,13 +236,17 @@ def _axis(name: str, text: str, unit: Unit) -> Any:
     """Return min:max:n as an array. Raises InputError."""
     import numpy as np
 
-    ends = re.fullmatch(r"([^:]+):([^:]+):\s*(\d+)\s*", text)
-    low, high = (measured(name, end, unit) for end in ends.groups()[:2]) if ends else (0.0, 0.0)
-    count = int(ends[3]) if ends else 0
-    if not (low < high and count >= 2):
-        raise InputError(
-            f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`."
-        )
+    wrong = InputError(
+        f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`."
+    )
+    parts = re.fullmatch(r"([^:]+):([^:]+):\s*(\d+)\s*", text)
+    if parts is None:
+        raise wrong
+    low = measured(name, parts[1], unit)
+    high = measured(name, parts[2], unit)
+    count = int(parts[3])
+    if low >= high or count < 2:
+        raise wrong
     if count > MOST_POINTS:
         raise InputError(f"{name} must have at most {MOST_POINTS} points, but has {count}.")
     return np.linspace(low, high, count)
