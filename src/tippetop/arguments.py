@@ -195,17 +195,17 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
     def decorated(function: F) -> F:
         own = inspect.signature(function)
-        kept = {name: p for name, p in own.parameters.items() if p.kind is not p.VAR_KEYWORD}
+        kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
         others = inspect.signature(source).parameters.values()
-        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in kept]
-        known = [*kept, *(p.name for p in added)]
+        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in own.parameters]
+        signature = own.replace(parameters=[*kept, *added])
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
-            refuse_unknown(function.__name__, named, known, IN_TABLES)
+            refuse_unknown(function.__name__, named, signature.parameters, IN_TABLES)
             return function(*arguments, **named)
 
-        called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]
+        called.__signature__ = signature  # type: ignore[attr-defined]
         text = inspect.cleandoc(function.__doc__ or "")  # as Python 3.13 has it already
         text = text.replace("{names}", ", ".join(p.name for p in added))
         called.__doc__ = text.replace("{options}", options())
