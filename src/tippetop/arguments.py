@@ -158,23 +158,24 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
 
     Raises InputError for a name that several tables have, and for two names of one number.
     """
-    keys, sentences, known, names = [], [], list(known), list(names)
+    given: dict[str, list[str]] = {}
+    sentences, known = [], list(known)
     for name in names:
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:
             sentences.append(
                 f"`{name}` must be one of {' or '.join(fits)}: it occurs in several tables."
             )
-        keys.append(fits[0] if fits else str(name))
-    for key in dict.fromkeys(keys):
-        if keys.count(key) > 1:
-            given = " and ".join(
-                f"`{name}`" for name, its in zip(names, keys, strict=True) if its == key
-            )
-            sentences.append(f"`{key}` must be given once, but is given as {given}.")
+        key = fits[0] if fits else str(name)
+        given.setdefault(key, []).append(f"`{name}`")
+    sentences += [
+        f"`{key}` must be given once, but is given as {' and '.join(own)}."
+        for key, own in given.items()
+        if len(own) > 1
+    ]
     if sentences:
         raise InputError(sentences)
-    return keys
+    return list(given)
 
 
 IN_TABLES = " Numbers are given by table, such as start=dict(omega3=155.0), friction=dict(mu=0.3)."

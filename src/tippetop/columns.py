@@ -167,10 +167,8 @@ def dataframe(table: "xr.Dataset") -> "pd.DataFrame":
         elif not letters:
             columns[name] = variable
         elif name != letters:
-            parts = {
-                f"{name}_{part}": variable.isel({letters: i}) for i, part in enumerate(letters)
-            }
-            columns |= parts
+            for i, part in enumerate(letters):
+                columns[f"{name}_{part}"] = variable.isel({letters: i})
     return xr.Dataset(columns).to_dataframe()
 
 
