@@ -158,23 +158,24 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
 
     Raises InputError for a name that several tables have, and for two names of one number.
     """
-    keys, sentences, known, names = [], [], list(known), list(names)
+    given: dict[str, list[str]] = {}
+    sentences, known = [], list(known)
     for name in names:
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:
             sentences.append(
                 f"`{name}` must be one of {' or '.join(fits)}: it occurs in several tables."
             )
-        keys.append(fits[0] if fits else str(name))
-    for key in dict.fromkeys(keys):
-        if keys.count(key) > 1:
-            given = " and ".join(
-                f"`{name}`" for name, its in zip(names, keys, strict=True) if its == key
-            )
-            sentences.append(f"`{key}` must be given once, but is given as {given}.")
+        key = fits[0] if fits else str(name)
+        given.setdefault(key, []).append(f"`{name}`")
+    sentences += [
+        f"`{key}` must be given once, but is given as {' and '.join(own)}."
+        for key, own in given.items()
+        if len(own) > 1
+    ]
     if sentences:
         raise InputError(sentences)
-    return keys
+    return list(given)
 
 
 IN_TABLES = " Numbers are given by table, such as start=dict(omega3=155.0), friction=dict(mu=0.3)."
@@ -195,17 +196,17 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
     def decorated(function: F) -> F:
         own = inspect.signature(function)
-        kept = {name: p for name, p in own.parameters.items() if p.kind is not p.VAR_KEYWORD}
+        kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
         others = inspect.signature(source).parameters.values()
-        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in kept]
-        known = [*kept, *(p.name for p in added)]
+        added = [p for p in others if p.kind is p.KEYWORD_ONLY and p.name not in own.parameters]
+        signature = own.replace(parameters=[*kept, *added])
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
-            refuse_unknown(function.__name__, named, known, IN_TABLES)
+            refuse_unknown(function.__name__, named, signature.parameters, IN_TABLES)
             return function(*arguments, **named)
 
-        called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]
+        called.__signature__ = signature  # type: ignore[attr-defined]
         text = inspect.cleandoc(function.__doc__ or "")  # as Python 3.13 has it already
         text = text.replace("{names}", ", ".join(p.name for p in added))
         called.__doc__ = text.replace("{options}", options())

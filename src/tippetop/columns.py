@@ -105,10 +105,14 @@ def significant_turnings(events: Any) -> np.ndarray:
     return flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
 
 
+def flag_words(flags: Any) -> np.ndarray:
+    """Return the name of each value of flags, with their `flag_meanings`, in their shape."""
+    return np.array(flags.attrs["flag_meanings"].split())[flags.values]
+
+
 def flag_names(flags: Any) -> list[str]:
     """Return the name of each value of a column of flags, with its `flag_meanings`."""
-    meanings = flags.attrs["flag_meanings"].split()
-    return [meanings[int(value)] for value in flags.values]
+    return flag_words(flags).tolist()
 
 
 def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
@@ -159,15 +163,12 @@ def dataframe(table: "xr.Dataset") -> "pd.DataFrame":
     for name, variable in table.variables.items():
         letters = next((dim for dim in LETTERS if dim in variable.dims), "")
         if "flag_meanings" in variable.attrs:
-            words = np.array(variable.attrs["flag_meanings"].split())
-            columns[name] = variable.dims, words[variable.values]
+            columns[name] = variable.dims, flag_words(variable)
         elif not letters:
             columns[name] = variable
         elif name != letters:
-            parts = {
-                f"{name}_{part}": variable.isel({letters: i}) for i, part in enumerate(letters)
-            }
-            columns |= parts
+            for i, part in enumerate(letters):
+                columns[f"{name}_{part}"] = variable.isel({letters: i})
     return xr.Dataset(columns).to_dataframe()
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import path_of
+from ..columns import flag_words
 from ..exchange.fit_text import toml_of
 from ..exchange.simulators import DIGITS, rounded_to_digits, text_of
 from ..mechanics.contact.contact_phases import PHASES
@@ -173,12 +174,12 @@ def export(
         for name, text in _texts(each, root / each.name, overwrite).items():
             write(f"{each.name}/{name}", text)
         made.append(root / each.name / "reference.parquet")
-    present = sorted(path.parent.name for path in root.glob("*/case.json"))
-    present.sort(key=[*names(), *present].index)
-    titles = [
-        json.loads((root / name / "case.json").read_text("utf-8"))["title"] for name in present
-    ]
-    rows = "\n".join(map("| `{}` | {} |".format, present, titles))
+    titles = {
+        path.parent.name: json.loads(path.read_text("utf-8"))["title"]
+        for path in sorted(root.glob("*/case.json"))
+    }
+    present = sorted(titles, key=[*names(), *titles].index)
+    rows = "\n".join(f"| `{name}` | {titles[name]} |" for name in present)
     write("README.md", README.format(version=VERSION, rows=rows))
     write("LICENSE", LICENSE)
     write("VERSION", f"{VERSION}\n")
@@ -287,11 +288,10 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
     for name, table in phases.joined(run.problem.system, run.others).items():
         columns: dict[str, Any] = {}
         for key, column in table.items():
-            words = column.attrs.get("flag_meanings", "").split()
-            unit = column.attrs["units"]
-            if words:
-                columns[key] = np.array(words)[column.values]
+            if "flag_meanings" in column.attrs:
+                columns[key] = flag_words(column)
                 continue
+            unit = column.attrs["units"]
             # digits of the largest number of its unit, so that zeros have no rounding errors
             alike = [c.values for c in table.values() if c.attrs["units"] == unit]
             end = [run.problem.until] if unit == "s" else []

@@ -175,16 +175,26 @@ class Score:
     def _rows(self) -> list[tuple[str, ...]]:
         """Return a row of text for each result; `-` for what its file lacks."""
         rows = []
-        for r, plain in zip(self.results, self.to_dict(), strict=True):
-            largest, order, means = plain["largest"], plain["order"], plain["mean"]
-            errors = [f"{largest[n]:.2g}" if n in largest else "-" for n in QUANTITIES]
-            leaves = ["never" if t is None else f"{t:.3g}" for t in plain["leaves"].values()]
-            named = (r.case, r.engine, r.setting, f"{step:g}" if (step := r.compared.step) else "-")
-            mean = f"{means['force']:.2g}" if "force" in means else "-"
-            of_attitude = f"{plain['rms']['attitude']:.2g}", f"{plain['at']['attitude']:.3g}"
-            leaves_and_order = ", ".join(leaves), f"{order:.2f}" if order else "-"
-            rows.append((*named, *errors, mean, *of_attitude, *leaves_and_order, r.judgement))
+        for r in self.to_dict():
+            leaves = ["never" if t is None else f"{t:.3g}" for t in r["leaves"].values()]
+            row = (
+                *(r["case"], r["engine"], r["setting"]),
+                _text(r["step"], "g"),
+                *(_text(r["largest"].get(name), ".2g") for name in QUANTITIES),
+                _text(r["mean"].get("force"), ".2g"),
+                _text(r["rms"]["attitude"], ".2g"),
+                _text(r["at"]["attitude"], ".3g"),
+                ", ".join(leaves),
+                _text(r["order"], ".2f"),
+                r["judgement"],
+            )
+            rows.append(row)
         return rows
+
+
+def _text(number: float | None, form: str) -> str:
+    """Return a number as text; `-` where it is missing."""
+    return "-" if number is None else format(number, form)
 
 
 def _order(coarse: Compared, fine: Compared) -> float | None:
@@ -276,15 +286,15 @@ def _case_of(path: Path, chosen: Case | None) -> Case:
 
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
     """Compare one file with its case; `known`: references by case and times."""
-    table = _checked(path, each)
+    table, problem = _checked(path, each), each.problem
     t = table.t
     key = each.name, t.tobytes()
     if key not in known:
-        times = np.unique(np.append(np.minimum(t, each.problem.until), 0.0))
-        whole = truth(each.problem, times)[0]
+        times = np.unique(np.append(np.minimum(t, problem.until), 0.0))
+        whole = truth(problem, times)[0]
         known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
     exact, there = known[key], _motion(table)
-    _check_start(path, there, exact, each.problem)
+    _check_start(path, there, exact, problem)
     within = t <= each.horizon * (1 + 1e-12)
     curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
     thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
@@ -293,17 +303,19 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     compared = Compared(
         path, float(match[1]) if match else None, t[within], curves, *thetas, numbers
     )
-    seen, whole_outcome = (outcome(each.problem, each_motion) for each_motion in (there, exact))
-    if whole_outcome.get("lifts off") and "lifts off" in seen:
-        ratio = rise(each.problem, there) / rise(each.problem, exact)
-        seen["rises as high"], whole_outcome["rises as high"] = 1 / RISES <= ratio <= RISES, True
+    seen = outcome(problem, there)
+    expected = outcome(problem, exact)
+    if expected.get("lifts off") and "lifts off" in seen:
+        ratio = rise(problem, there) / rise(problem, exact)
+        seen["rises as high"] = 1 / RISES <= ratio <= RISES
+        expected["rises as high"] = True
     folders = path.resolve().parts[:-1]
     engine, setting = path.stem, "-"
     if folders[-1] == each.name and not _is_reference(path):
         *_, engine, setting = ("-", "-", *folders[:-1])
     heights = there.position[within, 2], exact.position[within, 2]
-    unseen = _unseen(t, each.problem.until)
-    return Result(each.name, engine, setting, compared, seen, whole_outcome, heights, unseen)
+    unseen = _unseen(t, problem.until)
+    return Result(each.name, engine, setting, compared, seen, expected, heights, unseen)
 
 
 def _unseen(t: np.ndarray, until: float) -> tuple[float, float] | None:
@@ -384,17 +396,19 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
     body, apart = each.problem.body(), differences(there, exact)
-    axes = [axis_of(m.quaternion) for m in (there, exact)]
-    spins = [(m.omega * u).sum(axis=1) for m, u in zip((there, exact), axes, strict=True)]
-    energies = [
-        energy(m.velocity, m.omega, m.position[:, 2], u, body)
-        for m, u in zip((there, exact), axes, strict=True)
-    ]
+
+    def spin_and_energy(m: Truth) -> tuple[np.ndarray, np.ndarray]:
+        axis = axis_of(m.quaternion)
+        spin = (m.omega * axis).sum(axis=1)
+        return spin, energy(m.velocity, m.omega, m.position[:, 2], axis, body)
+
+    spin, energy_there = spin_and_energy(there)
+    exact_spin, exact_energy = spin_and_energy(exact)
     return {
         "attitude": apart["attitude [rad]"],
         "theta": apart["theta [rad]"],
         "position": apart["position [m]"],
-        "spin": np.abs(spins[0] - spins[1]),
-        "energy": np.abs((energies[0] - energies[1]) / energies[1][0]),
+        "spin": np.abs(spin - exact_spin),
+        "energy": np.abs((energy_there - exact_energy) / exact_energy[0]),
         "force": apart["force [N]"] / (body.m * body.g),
     }

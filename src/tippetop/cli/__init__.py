@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..awaiting import abandoned
+from ..errors import BuildError, InputError, StoreError, missing_extra
 from . import streams
 from .streams import complain
 
@@ -87,28 +88,23 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
         return complain(["interrupted; nothing more was stored."], INTERRUPTED)
     except BrokenPipeError:  # the reader of the output is gone
         return DONE
-    except Exception as error:
-        code = _code_of(error)
-        if code is None:
-            raise
-        return code
-
-
-def _code_of(error: Exception) -> int | None:
-    """Print an error of the user or the machine and return its exit code; None for a bug."""
-    from ..errors import BuildError, InputError, StoreError, missing_extra
-
-    if isinstance(error, ImportError) and (sentence := missing_extra(error)):
-        return complain([sentence], USAGE)
-    if isinstance(error, BuildError | InputError):
-        return complain(getattr(error, "sentences", [str(error)]), USAGE)
-    if isinstance(error, StoreError):
+    except InputError as error:
+        return complain(error.sentences, USAGE)
+    except BuildError as error:
+        return complain([str(error)], USAGE)
+    except ImportError as error:
+        if sentence := missing_extra(error):
+            return complain([sentence], USAGE)
+        raise
+    except StoreError as error:
         return complain([str(error)], STORE)
-    threads = isinstance(error, RuntimeError) and "start new thread" in str(error)
-    if threads or isinstance(error, MemoryError) or getattr(error, "errno", 0) in LIMITS:
-        why = str(error) or "out of memory"
-        return complain([f"a limit of this process (ulimit) must be higher, but: {why}."], STORE)
-    if isinstance(error, OSError) and error.errno in DISK_ERRORS:
+    except (MemoryError, RuntimeError, OSError) as error:
+        number = getattr(error, "errno", 0)
+        if isinstance(error, MemoryError) or number in LIMITS or "start new thread" in str(error):
+            why = str(error) or "out of memory"
+            sentence = f"a limit of this process (ulimit) must be higher, but: {why}."
+            return complain([sentence], STORE)
+        if not isinstance(error, OSError) or number not in DISK_ERRORS:
+            raise
         place = f"`{error.filename}`" if error.filename else "standard output"
         return complain([f"{place} must be writable, but: {error.strerror}."], STORE)
-    return None

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal
 
+from ..errors import InputError
 from .streams import complain, print_json, visible
+from .text import table
 
 
 def benchmark(
@@ -51,8 +53,6 @@ def benchmark(
         Print the result as one JSON object.
     """
     from .. import benchmark as cases
-    from ..errors import InputError
-    from .text import table
 
     given: dict[str, dict[str, Any]] = {
         "score": {"case": case, "fail-above": fail_above, "figures": figures, "markdown": markdown},
@@ -96,7 +96,6 @@ def _score(
 
     from ..arguments import choice, measured
     from ..benchmark.score import QUANTITIES, score
-    from ..errors import InputError
     from ..mechanics.units import ONE
     from ..store.files import writing
 

@@ -143,7 +143,6 @@ def fit(
         quaternion=quaternion,
         up=up,
         noise=noise,
-        progress=True,
     )
     if out is not None:
         files.write_text(out, result.to_toml(), overwrite=overwrite)

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from ..arguments import measured
+from ..awaiting import awaited
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
@@ -57,7 +58,6 @@ def surface(
     """
     import numpy as np
 
-    from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
@@ -140,7 +140,7 @@ def potential(
     """
     import numpy as np
 
-    from ..awaiting import awaited
+    from ..columns import flag_words
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
     from .targets import check_picture
@@ -152,8 +152,8 @@ def potential(
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
     least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
-    minimum = {name: least[name].item() for name in ("F", "theta", "F_D", "F_lambda", "status")}
-    minimum["status"] = least["status"].attrs["flag_meanings"].split()[minimum["status"]]
+    minimum = {name: least[name].item() for name in ("F", "theta", "F_D", "F_lambda")}
+    minimum["status"] = flag_words(least["status"]).item()
     if not math.isfinite(minimum["F"]):
         raise InputError(
             f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
@@ -236,13 +236,17 @@ def _axis(name: str, text: str, unit: Unit) -> Any:
     """Return min:max:n as an array. Raises InputError."""
     import numpy as np
 
-    ends = re.fullmatch(r"([^:]+):([^:]+):\s*(\d+)\s*", text)
-    low, high = (measured(name, end, unit) for end in ends.groups()[:2]) if ends else (0.0, 0.0)
-    count = int(ends[3]) if ends else 0
-    if not (low < high and count >= 2):
-        raise InputError(
-            f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`."
-        )
+    wrong = InputError(
+        f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`."
+    )
+    parts = re.fullmatch(r"([^:]+):([^:]+):\s*(\d+)\s*", text)
+    if parts is None:
+        raise wrong
+    low = measured(name, parts[1], unit)
+    high = measured(name, parts[2], unit)
+    count = int(parts[3])
+    if low >= high or count < 2:
+        raise wrong
     if count > MOST_POINTS:
         raise InputError(f"{name} must have at most {MOST_POINTS} points, but has {count}.")
     return np.linspace(low, high, count)

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import InputError
 from .streams import complain, print_json, report, visible
+from .text import table, warn
 from .values import Place, Seconds
 
 
@@ -56,7 +57,6 @@ def run(
     from ..scenario.doubts import doubts
     from ..store.chunks import for_figures
     from ..store.root import annotate, finite
-    from .text import warn
 
     problem = starting.load(scenario, set_, until)
     warn(doubts(problem))
@@ -206,7 +206,6 @@ def _print(
     from ..runs.certificate import broken_promises
     from ..runs.results import summary_of
     from ..runs.summary import lines
-    from .text import table
 
     content = summary_of(attrs)
     if as_json:

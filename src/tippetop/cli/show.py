@@ -8,6 +8,7 @@ from typing import Any
 
 from ..errors import InputError, StoreError
 from .streams import print_json, visible
+from .text import entries, plain, table, units_of, warn
 from .values import Place, Seconds
 
 
@@ -24,7 +25,6 @@ def info(store: Place, *, as_json: bool = False) -> int:
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import entries, table, units_of
 
     attrs = root.attributes(store)
     content = attrs.get("content", "run")
@@ -90,7 +90,6 @@ def check(
     from ..scenario import build, reading
     from ..scenario.doubts import doubts
     from ..sweeps import plan
-    from .text import units_of, warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -110,8 +109,6 @@ def check(
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
     """Print a checked scenario or plan."""
-    from .text import entries, plain, table
-
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})
@@ -188,7 +185,6 @@ def systems(*, as_json: bool = False) -> int:
         Print the list as one JSON object.
     """
     from ..scenario.scenario_reference import systems
-    from .text import table
 
     (section,) = systems()
     listing = {name: dict(zip(section.head[1:], row, strict=True)) for name, *row in section.rows}
@@ -210,7 +206,6 @@ def presets(*, as_json: bool = False) -> int:
         Print the list as one JSON object.
     """
     from ..scenario.reading import presets as texts
-    from .text import table
 
     sources = {
         name: " ".join(

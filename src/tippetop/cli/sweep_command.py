@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .streams import complain, print_json, report, visible
+from .text import table, units_of
 from .values import Place, Whole
 
 
@@ -68,7 +69,6 @@ def sweep(
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Print the content of a sweep's store."""
     from ..sweeps.sweep_summary import lines
-    from .text import table
 
     if as_json:
         return print_json(report)
@@ -84,7 +84,6 @@ def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
     from ..sweeps import chunk
     from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
-    from .text import units_of
 
     plan = Plan.from_tables(tables, folder)
     columns = chunk.column_schema(plan.base, plan.keep).values()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..awaiting import awaited
+from ..errors import InputError
 from .values import Place, Seconds
 
 
@@ -34,8 +36,6 @@ def view(
     overwrite
         Replace an existing file.
     """
-    from ..awaiting import awaited
-    from ..errors import InputError
     from ..store import files
 
     if (store is None) != playground:
@@ -54,8 +54,6 @@ def view(
 
 def _text(store: Path | None, start: float | None, until: float | None) -> str:
     """Return the page of a store, or the playground."""
-    from ..errors import InputError
-
     if store is None:
         from ..views.playground import playground
 

@@ -60,21 +60,21 @@ def of_stored(attrs: dict[str, Any], events: Any = None, columns: Any = None) ->
 
     Raises InputError.
     """
-    given_events = given_records("events", events, Event)
-    given = [*given_events, *given_records("columns", columns, Quantity)]
-    for each in given:
+    events = given_records("events", events, Event)
+    columns = given_records("columns", columns, Quantity)
+    for each in (*events, *columns):
         if isinstance(each, str):
             raise InputError(
                 f"the records that a stored run was made with must be given, but `{each}` is a "
                 "name."
             )
-    if not given:
+    if not events and not columns:
         return None
     if "content" in attrs:
         raise InputError(
             f"`events` and `columns` must be those of a run, but the store is a {attrs['content']}."
         )
-    return extended(build.system_of(attrs), tuple(given_events), tuple(given[len(given_events) :]))
+    return extended(build.system_of(attrs), tuple(events), tuple(columns))
 
 
 def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:

@@ -16,13 +16,13 @@ from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario.doubts import doubts
 from ..store import root
+from . import plots
 
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ..views.pages import Page
-    from .plots import Plots
 
 
 Window = tuple[float | None, float | None]
@@ -212,12 +212,7 @@ class Run:
             export(self.datasets(), self.attributes, of, to, place, group, overwrite=overwrite)
         return place
 
-    @property
-    def plot(self) -> "Plots":
-        """Draw a figure: `run.plot("theta")`; `help(run.plot)` lists the kinds and options."""
-        from .plots import Plots
-
-        return Plots(self)
+    plot = plots.plot
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
         """Return the tables for a figure; of a store the first row and those in the window."""

@@ -227,22 +227,21 @@ def _body(top: Body) -> tuple[Mapping[str, float], System]:
 def _body_and_momenta(
     top: Body, momenta: Mapping[str, Any]
 ) -> tuple[Mapping[str, float], System, Any, Any]:
-    """Return parameters, system and the two momenta. Raises InputError."""
+    """Return parameters, system and the two momenta in SI units. Raises InputError."""
     parameters, system = _body(top)
-    return parameters, system, *momenta_of(system, momenta).values()
-
-
-def momenta_of(system: System, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the two momenta of a landscape by their letters, in SI units. Raises InputError."""
     record, landscape = landscape_of(system)
     names = ["lam" if symbol == "lambda" else symbol for symbol in landscape.symbols]
     sentences = [
         f"`{letter}` is no momentum of {record.name}: it has {' and '.join(names)}."
-        for letter in given
+        for letter in momenta
         if letter not in names
     ]
-    sentences += [f"`{name}` must be given, but is missing." for name in names if name not in given]
+    missing = [name for name in names if name not in momenta]
+    sentences += [f"`{name}` must be given, but is missing." for name in missing]
     if sentences:
         raise InputError(sentences)
-    pairs = zip(names, landscape.momenta, strict=True)
-    return {name: measured_values(name, given[name], momentum.unit) for name, momentum in pairs}
+    x, y = (
+        measured_values(name, momenta[name], momentum.unit)
+        for name, momentum in zip(names, landscape.momenta, strict=True)
+    )
+    return parameters, system, x, y

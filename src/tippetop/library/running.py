@@ -107,17 +107,16 @@ def run(
     if place is None and problem.output == "keyframes":
         raise InputError('`out` must be given where `output` is "keyframes": a store keeps them.')
     warn(doubts(problem), 3)
-    bar = _bar(progress)
     made: Run
-    if place is None:
-        with bar as follow:
+    with _bar(progress) as follow:
+        if place is None:
             made = Run(solve(problem, follow))
-    else:
-        from ..runs.recording import record
+        else:
+            from ..runs.recording import record
 
-        with bar as follow, in_python(), _resumable(place):
-            record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
-        made = StoredRun(place, problem.system)
+            with in_python(), _resumable(place):
+                record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
+            made = StoredRun(place, problem.system)
     warn(broken_promises(made.attributes), 3)
     return made
 

@@ -10,15 +10,16 @@ from ..arguments import in_python, instance, measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
-from ..mechanics.friction import LAWS, FrictionLaw, is_known
+from ..mechanics.friction import FrictionLaw, is_known
 from ..mechanics.system import Quantity, System
-from ..mechanics.systems import check, laws_of, load_entry_points, systems_of_laws
+from ..mechanics.systems import check, laws_of, load_entry_points
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..problem.options import run_options
 from ..runs import starting
 from ..scenario import build, reading
 from .extensions import extended, given_records
+from .registering import LAWS
 
 
 @takes(run_options)
@@ -36,8 +37,8 @@ def problem_of(
 ) -> Problem:
     """Return the checked Problem of the arguments of `run`. Raises InputError."""
     about: dict[str, Any] = {"parameters": parameters, "contact": contact, "stem": stem}
-    given = {"friction": friction, "start": start, "system": system, "form": form}
-    given = {k: v for k, v in (given | about | options).items() if v is not None}
+    others = {"friction": friction, "start": start, "system": system, "form": form}
+    given = [name for name, value in (others | about | options).items() if value is not None]
     if isinstance(source, Problem):
         if given:
             surplus = ", ".join(f"`{name}`" for name in given)
@@ -72,7 +73,7 @@ def problem_of(
                 f"a {kind} that glides must have a friction law, such as Viscous(mu=0.3), but has "
                 f'none; system="{source.resting}" needs none.'
             )
-        _options(tables, options | {"events": names, "columns": kept})
+        _options(tables, run_options(**options, events=names, columns=kept))
         chosen = extended(chosen, events, columns)
         if columns and kept is None and "columns" in tables.get("run", {}):
             tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in columns)]
@@ -158,8 +159,8 @@ def _start(tables: dict[str, Any], given: Any, system: System) -> None:
 
 
 def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
-    """Replace options of the run; those that are None are not given."""
-    given = {key: plain(value) for key, value in run.items() if value is not None}
+    """Replace options of the run."""
+    given = plain(run)
     if isinstance(times := given.get("output_times"), list):
         given["output_times"] = measured_values("output_times", times, SECOND).tolist()
     _merge(tables, "run", given)
@@ -171,8 +172,7 @@ def table_of(law: Any) -> dict[str, Any]:
         kind = type(law)
         if not is_known(kind):
             load_entry_points()
-            every = {name: known for name, (known, _) in systems_of_laws().items()}
-            if not is_known(kind, every):
+            if not is_known(kind, LAWS):
                 raise InputError(
                     f"the friction law {kind.__name__} must be registered: "
                     f"tippetop.extending.register({kind.__name__})."

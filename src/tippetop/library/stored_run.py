@@ -93,12 +93,13 @@ class StoredRun(Run):
         """
         from ..runs import replay
 
-        times = [
-            measured(name, value, SECOND)
-            for name, value in (("step", step), ("until", until), ("start", start))
-        ]
+        times = EvenTimes(
+            measured("step", step, SECOND),
+            measured("until", until, SECOND),
+            measured("start", start, SECOND),
+        )
         columns = replay.columns(
-            self.path, EvenTimes(*times), accept_other_version=accept_other_version, known=self._own
+            self.path, times, accept_other_version=accept_other_version, known=self._own
         )
         return attributes.dataset(columns, self.attributes)
 

@@ -1,10 +1,11 @@
-"""Thresholds, regimes, modes and nutation of a top, and the main equation along a run."""
+"""Thresholds, regimes, final states and modes of a top, and the main equation along a run."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import flag, instance, measured, seconds
+from ..arguments import flag, instance, measured, measured_values, seconds, within
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.contact.body import Top
@@ -12,12 +13,14 @@ from ..mechanics.friction import has_parts
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.heavy_top import HeavyTop
 from ..mechanics.systems.tippe_top import TippeTop
+from ..mechanics.theory import least_energy as least
 from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import thresholds as limits
+from ..mechanics.theory.least_energy import AsymptoticState
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.spinning import thresholds_of_surface
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import JELLETT, RADIAN_PER_SECOND
+from ..mechanics.units import JELLETT, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
 from .finished_run import Run
 from .scenarios import record_of
@@ -96,6 +99,87 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     return regimes.regime(measured("lam", lam, JELLETT), top_of(top, TippeTop).body())
 
 
+def asymptotic_states(
+    top: TippeTop | Run | Problem | str, lam: float | str
+) -> list[AsymptoticState]:
+    """Compute the spinning and tumbling states of a tippe top for a value of Jellett's integral.
+
+    Parameters
+    ----------
+    top : TippeTop, Run, Problem or str
+        A body, or a run, a problem, the name of a preset or a TOML file.
+    lam : float or str
+        Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
+
+    Returns
+    -------
+    list of AsymptoticState
+        From theta = 0 to pi, each with kind (upright, tumbling, inverted), theta [rad], phi_dot and
+        omega3 [rad/s], energy [J], and whether it is stable where the contact glides.
+
+    Raises
+    ------
+    InputError
+        If the body is another one.
+
+    Notes
+    -----
+    They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam
+    (2010), theorems 3.3.1 and 3.3.2, corrected.
+    """
+    number, body = measured("lam", lam, JELLETT), top_of(top, TippeTop).body()
+    states = least.asymptotic_states(number, body)
+    if not all(math.isfinite(state.energy) for state in states):
+        raise InputError(
+            f"`lam` must give energies in the range of a double, but {number:g} does not."
+        )
+    return states
+
+
+def least_energy(
+    top: TippeTop | Run | Problem | str,
+    theta: float | str | np.ndarray,
+    lam: float | str | np.ndarray,
+) -> float | np.ndarray:
+    """Compute the least energy E_lambda of a tippe top for a value of Jellett's integral.
+
+    Parameters
+    ----------
+    top : TippeTop, Run, Problem or str
+        The body, or what has one, as for `asymptotic_states`.
+    theta : float, text with a unit, or array
+        Inclination [rad], in [0, pi].
+    lam : float, text with a unit, or array
+        Jellett's integral lambda [kg m^3/s].
+
+    Returns
+    -------
+    float or ndarray
+        E_lambda [J], of the broadcast shape.
+
+    Raises
+    ------
+    InputError
+        If the body is another one, or these are no numbers.
+
+    Notes
+    -----
+    E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda =
+    -lambda a/(a.I a). Rutstam (2010), eqs. 3.43 and 3.44, corrected.
+    """
+    theta = measured_values("theta", theta, RADIAN)
+    lam = measured_values("lam", lam, JELLETT)
+    within("theta", theta, 0, math.pi, "[0, pi]")
+    try:
+        np.broadcast_shapes(np.shape(theta), np.shape(lam))
+    except ValueError:
+        shapes = f"{np.shape(theta)} and {np.shape(lam)}"
+        raise InputError(
+            f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."
+        ) from None
+    return least.least_energy(np.cos(theta), lam, top_of(top, TippeTop).body())
+
+
 def linear_modes(
     top: Top | Run | Problem | str, law: Any = None, *, omega3: float | str, inverted: bool = False
 ) -> np.ndarray:
@@ -133,8 +217,11 @@ def linear_modes(
     flag("inverted", inverted)
     body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
-    friction = problem.friction if problem is not None and problem.system.frictional else None
-    friction = friction if law is None else record_of(law, SYSTEMS[body.gliding])
+    friction = None
+    if law is not None:
+        friction = record_of(law, SYSTEMS[body.gliding])
+    elif problem is not None and problem.system.frictional:
+        friction = problem.friction
     if friction is not None and has_parts(friction):
         raise InputError(
             "the friction law must be without mu_r and mu_d: under them no spin lasts."
@@ -146,12 +233,10 @@ def linear_modes(
     if np.isfinite(rates).all():
         return rates
     if friction is not None and modes.is_nowhere_linear(spin, friction, inverted=inverted):
-        words = (
-            "k = |F|/(g_n |v_A|) must be finite as v_A goes to 0, for the motion to be "
-            "linear there, but is not"
-        )
         raise InputError(
-            f"the friction law's {words}: give Coulomb friction its regularisation speed eps."
+            "the friction law's k = |F|/(g_n |v_A|) must be finite as v_A goes to 0, for the "
+            "motion to be linear there, but is not: give Coulomb friction its regularisation "
+            "speed eps."
         )
     raise InputError(
         f"`omega3` must give rates in the range of a double, but {spin:g} rad/s does not."

@@ -1,12 +1,13 @@
 """The options of a run, [run] in a scenario: each is declared once, as a field of `RunOptions`."""
 
+from __future__ import annotations
+
 import inspect
 import itertools
 import textwrap
-import types
 from collections.abc import Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_type_hints
 
 import numpy as np
 
@@ -60,8 +61,15 @@ def option(
         `above`, `least`, `below`, `most` of a number, or of each in a list.
     """
     rule = Number(unit or ONE, words, **interval)  # type: ignore[arg-type]
-    metadata = {"words": words, "unit": unit, "note": note, "given": given}
-    return field(default=default, metadata=metadata | {"example": example, "rule": rule})
+    metadata = {
+        "words": words,
+        "unit": unit,
+        "note": note,
+        "given": given,
+        "example": example,
+        "rule": rule,
+    }
+    return field(default=default, metadata=metadata)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,18 +213,9 @@ UNITS: dict[str, Unit] = {
 
 def given_type(name: str) -> str:
     """Return the type that callers may pass for an option: with a unit also a text, or None."""
-    about, hint = OPTIONS[name].metadata, HINTS[name]
-    if about["given"]:
-        return f"{about['given']} | None"
-    union = get_args(hint) if get_origin(hint) in (types.UnionType, Union) else (hint,)
-    words = [
-        f"Literal[{', '.join(map(repr, get_args(part)))}]"
-        if get_origin(part) is Literal
-        else part.__name__
-        for part in union
-        if part is not types.NoneType
-    ]
-    return " | ".join([*words, *(["str"] if about["unit"] else []), "None"])
+    each = OPTIONS[name]
+    own = str(each.type).removesuffix(" | None") + (" | str" if each.metadata["unit"] else "")
+    return f"{each.metadata['given'] or own} | None"
 
 
 def run_options(**options: Any) -> dict[str, Any]:

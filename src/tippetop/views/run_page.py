@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import capitalised, flag_names, flagged, greek, require, units_text
+from ..columns import capitalised, flag_names, flag_words, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
@@ -146,7 +146,7 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     keep &= ~flagged(events["kind"], "turning") | events["significant"].values.astype(bool)
     rows = np.flatnonzero(keep)
     rows = rows[:: max(1, -(-len(rows) // MOST_EVENTS))]
-    kinds = np.array(flag_names(events["kind"]))
+    kinds = flag_words(events["kind"])
     thetas = events["theta"].values[rows].tolist()
     columns = {
         "time": events["time"].values[rows].tolist(),
