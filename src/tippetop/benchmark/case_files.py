@@ -304,12 +304,9 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
 
 def _csv(columns: Mapping[str, Any]) -> str:
     """Return columns as CSV."""
-    rows = zip(*columns.values(), strict=True)
-    lines = [
-        ",".join(value if isinstance(value, str) else f"{value:.12g}" for value in row)
-        for row in rows
-    ]
-    return "\n".join([",".join(columns), *lines]) + "\n"
+    from pandas import DataFrame
+
+    return DataFrame(columns).to_csv(index=False, float_format="%.12g", lineterminator="\n")
 
 
 def _parquet(columns: dict[str, Any], path: Path, overwrite: bool) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import ROUNDING, STEP, Compared, energy, size_of
+from ..exchange.comparison import ROUNDING, Compared, energy, shown, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..problem import Problem
@@ -51,9 +51,22 @@ SINGLE = 1e-6
 """Relative excess of the last time over the end of a case, as of numbers in single precision."""
 
 HEAD = (
-    *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
-    *("spin [rad/s]", "energy", "force [m g]", "mean", "attitude rms", "worst at [s]"),
-    *("leaves 1e-3, 1e-2, 1e-1 rad at [s]", "order", "outcome"),
+    "case",
+    "engine",
+    "setting",
+    "step [s]",
+    "attitude [rad]",
+    "theta [rad]",
+    "position [m]",
+    "spin [rad/s]",
+    "energy",
+    "force [m g]",
+    "mean",
+    "attitude rms",
+    "worst at [s]",
+    "leaves 1e-3, 1e-2, 1e-1 rad at [s]",
+    "order",
+    "outcome",
 )
 
 
@@ -176,14 +189,18 @@ class Score:
         """Return a row of text for each result; `-` for what its file lacks."""
         rows = []
         for r, plain in zip(self.results, self.to_dict(), strict=True):
-            largest, order, means = plain["largest"], plain["order"], plain["mean"]
-            errors = [f"{largest[n]:.2g}" if n in largest else "-" for n in QUANTITIES]
-            leaves = ["never" if t is None else f"{t:.3g}" for t in plain["leaves"].values()]
-            named = (r.case, r.engine, r.setting, f"{step:g}" if (step := r.compared.step) else "-")
-            mean = f"{means['force']:.2g}" if "force" in means else "-"
-            of_attitude = f"{plain['rms']['attitude']:.2g}", f"{plain['at']['attitude']:.3g}"
-            leaves_and_order = ", ".join(leaves), f"{order:.2f}" if order else "-"
-            rows.append((*named, *errors, mean, *of_attitude, *leaves_and_order, r.judgement))
+            row = (
+                *r[:3],
+                shown(plain["step"] or None, "g"),
+                *(shown(plain["largest"].get(name)) for name in QUANTITIES),
+                shown(plain["mean"].get("force")),
+                shown(plain["rms"]["attitude"]),
+                shown(plain["at"]["attitude"], ".3g"),
+                ", ".join(shown(t, ".3g", "never") for t in plain["leaves"].values()),
+                shown(plain["order"] or None, ".2f"),
+                r.judgement,
+            )
+            rows.append(row)
         return rows
 
 
@@ -288,11 +305,8 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     within = t <= each.horizon * (1 + 1e-12)
     curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
     thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
-    match = STEP.search(path.stem)
     numbers = {name: size_of(t[within], curve) for name, curve in curves.items()}
-    compared = Compared(
-        path, float(match[1]) if match else None, t[within], curves, *thetas, numbers
-    )
+    compared = Compared(path, t[within], curves, *thetas, numbers)
     seen, whole_outcome = (outcome(each.problem, each_motion) for each_motion in (there, exact))
     if whole_outcome.get("lifts off") and "lifts off" in seen:
         ratio = rise(each.problem, there) / rise(each.problem, exact)
@@ -351,8 +365,12 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
     """
     q, body, size = there.quaternion, problem.body(), length_of(problem)
     rate, arm = math.sqrt(body.g / size), body.c * axis_of(q)
-    units = {"attitude [rad]": 1.0, "position [m]": size, "velocity [m/s]": size * rate}
-    units["omega [rad/s]"] = rate
+    units = {
+        "attitude [rad]": 1.0,
+        "position [m]": size,
+        "velocity [m/s]": size * rate,
+        "omega [rad/s]": rate,
+    }
     readings = {
         "the order of the quaternion is x, y, z, w: name the columns accordingly.": there._replace(
             quaternion=np.roll(q, 1, axis=1)
@@ -384,12 +402,11 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
     body, apart = each.problem.body(), differences(there, exact)
-    axes = [axis_of(m.quaternion) for m in (there, exact)]
-    spins = [(m.omega * u).sum(axis=1) for m, u in zip((there, exact), axes, strict=True)]
-    energies = [
-        energy(m.velocity, m.omega, m.position[:, 2], u, body)
-        for m, u in zip((there, exact), axes, strict=True)
-    ]
+    spins, energies = [], []
+    for m in (there, exact):
+        axis = axis_of(m.quaternion)
+        spins.append((m.omega * axis).sum(axis=1))
+        energies.append(energy(m.velocity, m.omega, m.position[:, 2], axis, body))
     return {
         "attitude": apart["attitude [rad]"],
         "theta": apart["theta [rad]"],

@@ -35,8 +35,6 @@ class Compared(NamedTuple):
     ----------
     path
         The file.
-    step
-        Its time step [s] from the name of the file, or None.
     t
         Times [s], (rows,).
     curves
@@ -48,12 +46,17 @@ class Compared(NamedTuple):
     """
 
     path: Path
-    step: float | None
     t: np.ndarray
     curves: dict[str, np.ndarray]
     theta: np.ndarray
     reference: np.ndarray
     numbers: dict[str, Any]
+
+    @property
+    def step(self) -> float | None:
+        """Its time step [s] from the name of the file, or None."""
+        match = STEP.search(self.path.stem)
+        return float(match[1]) if match else None
 
     @property
     def main(self) -> str:
@@ -131,10 +134,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         numbers["suspicion"] = faults
     unknown = np.full(rows, np.nan)
     theta = unknown if there.theta is None else there.theta
-    step = STEP.search(Path(path).stem)
     return Compared(
         Path(path),
-        float(step[1]) if step else None,
         run.times,
         curves | errors,
         theta,
@@ -249,6 +250,11 @@ def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
             level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()
         },
     }
+
+
+def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
+    """Return a number as text, and the text `missing` for None."""
+    return missing if value is None else format(value, form)
 
 
 def _start_faults(

@@ -8,9 +8,9 @@ import numpy as np
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from .misfit import ROUNDING, Misfit
-from .observation import CLOCK, OFFSET, REACH, Observation
+from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
-from .scales import Scale, Space, scale_of
+from .scales import Space, scale_of
 from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
@@ -127,9 +127,9 @@ def fit(
     observation.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
-    total = len(observation.t)
     again = [
-        local_minimum(misfit, end.point, total)._replace(searches=end.searches) for end in ends
+        local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
+        for end in ends
     ]
     ends = merge(again)  # a search along a long valley may have ended early
     return judged(misfit, ends, ends[0].searches, n + 1)
@@ -170,16 +170,15 @@ def _refuse(misfit: Misfit) -> None:
 
 def _excess(parts: dict[str, np.ndarray]) -> float:
     """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
+    lags = np.arange(1, LAGS + 1)
     worst = 0.0
     for off in parts.values():
         for part in off.T:
             r = part[np.isfinite(part)]
-            n = len(r)
-            if n > 2 * LAGS and (r**2).sum() > 0:
-                rho = np.array([(r[k:] * r[:-k]).sum() for k in range(1, LAGS + 1)]) / (r**2).sum()
-                total = (
-                    n * (n + 2) * (rho**2 / (n - np.arange(1, LAGS + 1))).sum()
-                )  # Ljung and Box 1978
+            n, power = len(r), (r**2).sum()
+            if n > 2 * LAGS and power > 0:
+                rho = np.array([(r[k:] * r[:-k]).sum() for k in lags]) / power
+                total = n * (n + 2) * (rho**2 / (n - lags)).sum()  # Ljung and Box 1978
                 worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
     return worst
 
@@ -189,7 +188,7 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     from scipy.stats import t as student
 
     observation, space, point = misfit.observation, misfit.space, ends[0].point
-    (residual,), (jacobian,) = misfit.at(point[None, :], len(observation.t))
+    (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
     freedom = max(float(weight.sum()) - len(point), 1.0)
     variance = misfit.variance(residual)
@@ -210,8 +209,10 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     for (name, value), scale, s, slope in zip(
         values.items(), space.scales, sigma, slopes, strict=True
     ):
-        u = scale.inside(value)
-        low, high = (scale.outside(_within(scale, u + sign * quantile * s)) for sign in (-1, 1))
+        limits = scale.inside(value) + quantile * s * np.array([-1, 1])
+        if not scale.logarithmic:
+            limits = np.clip(limits, scale.low, scale.high)
+        low, high = map(scale.outside, limits)
         estimates[name] = Estimate(value, float(s * slope), low, high)
     parts = {
         group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()
@@ -256,9 +257,7 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
             "deviations too large): the "
             "model, or a start, is missing something."
         )
-        if OFFSET not in misfit.space.names and observation.t[0] > REACH * (
-            observation.t[-1] - observation.t[0]
-        ):
+        if OFFSET not in misfit.space.names and observation.t[0] > observation.reach:
             reasons.append(
                 f"the table begins {observation.t[0]:.6g} s after the start of the motion: let "
                 f"`{OFFSET}` be "
@@ -275,11 +274,6 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
                 f"{observation.noise:.3g} rad."
             )
     return reasons
-
-
-def _within(scale: Scale, u: float) -> float:
-    """Return a coordinate limited to the interval of its number; logarithms are unlimited."""
-    return u if scale.logarithmic else min(max(u, scale.low), scale.high)
 
 
 def _undecided(

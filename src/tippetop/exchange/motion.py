@@ -8,7 +8,7 @@ from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
-from .headers import SCALARS
+from .headers import KINDS, SCALARS
 from .motion_table import Table
 
 
@@ -84,33 +84,26 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     q = _quaternion(table, convention, turn)
     whole = Motion(*(table.columns.get(name) for name in SCALARS))
     theta, phi, omega3 = whole.theta, whole.phi, whole.omega3
-    axis = _vector(table, "axis_{}", turn)
+    vectors = {
+        kind: _vector(table, names.split()[:3], turn)
+        for kind, (names, _) in KINDS.items()
+        if kind != "orientation"
+    }
+    axis, omega = vectors["axis"], vectors["omega"]
     axis = None if axis is None else _unit(table, axis, "axis")
     axis = _filled(axis, None if q is None else axis_of(q))
     if theta is not None and phi is not None:
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
         axis = _filled(axis, np.stack(parts, axis=1))
-    omega, own = _vector(table, "omega_{}", turn), _vector(table, "omega_body_{}", turn)
+    own = _vector(table, [f"omega_body_{c}" for c in "xyz"], turn)
     if own is not None:
         omega3 = _filled(omega3, own[:, 2])
         omega = _filled(omega, None if q is None else turned(q, own))
     if axis is not None:
         theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
         omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
-    place, velocity, force, marker = (
-        _vector(table, names, turn) for names in ("{}", "v{}", "force_{}", "marker_{}")
-    )
-    return whole._replace(
-        theta=theta,
-        omega3=omega3,
-        axis=axis,
-        orientation=q,
-        place=place,
-        velocity=velocity,
-        omega=omega,
-        force=force,
-        marker=marker,
-    )
+    vectors |= {"axis": axis, "omega": omega, "orientation": q}
+    return whole._replace(theta=theta, omega3=omega3, **vectors)
 
 
 def _filled(given: np.ndarray | None, other: np.ndarray | None) -> np.ndarray | None:
@@ -158,9 +151,8 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
     return rows / size[:, None]
 
 
-def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | None:
+def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> np.ndarray | None:
     """Return components in our frame, (rows, 3), NaN if not given; None if all are missing."""
-    names = [pattern.format(c) for c in "xyz"]
     if not any(table.has(name) for name in names):
         return None
     none = np.full(len(table.t), np.nan)

@@ -83,6 +83,8 @@ class Observation:
             raise InputError(UNSUPPORTED)
         self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
         longest = LONGEST * self.second
+        # [s] Within which the time of the table's clock is searched
+        self.reach = REACH * float(self.t[-1] - self.t[0])
         if self.t[-1] > longest:
             raise InputError(
                 f"the last time must be at most {longest:.3g} s in a fit, but is "
@@ -124,11 +126,9 @@ class Observation:
 
     def start(self) -> dict[str, float]:
         """Return the values of the free numbers in the scenario."""
-        first, last = float(self.t[0]), float(self.t[-1])
-        late = first < 0 or first > REACH * (
-            last - first
-        )  # then the motion starts with the first row
-        clock = {OFFSET: -first if late else 0.0, CLOCK: 1.0}
+        first = float(self.t[0])
+        apart = first < 0 or first > self.reach  # then the motion starts with the first row
+        clock = {OFFSET: -first if apart else 0.0, CLOCK: 1.0}
         return {name: clock.get(name, self.tangents.values.get(name, 0.0)) for name in self.free}
 
     def predictions(
@@ -212,14 +212,9 @@ class Observation:
 
     def _model(self, group: str, jets: dict[str, np.ndarray]) -> np.ndarray:
         """Return the predictions of a group and their derivatives, (rows, parts, 1 + free)."""
-        size = (
-            self.metre
-            if group in ("place", "marker")
-            else 1 / self.second
-            if group == "omega3"
-            else 1.0
-        )
-        model = np.stack([jets[name] for name in NAMES.get(group, (group,))], axis=1) * size
+        sizes = {"place": self.metre, "marker": self.metre, "omega3": 1 / self.second}
+        names = NAMES.get(group, (group,))
+        model = np.stack([jets[name] for name in names], axis=1) * sizes.get(group, 1.0)
         if group == "marker":
             axes, turn = self._axes(jets)
             arm = (axes @ self.marker)[:, :, None]

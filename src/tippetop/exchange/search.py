@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .misfit import Misfit
-from .observation import OFFSET, REACH
+from .observation import OFFSET
 
 
 # Measurements of the first window per free number, and growth of a window to the next
@@ -51,7 +51,7 @@ class Minimum(NamedTuple):
     jacobian: np.ndarray
     cost: float
     variance: float
-    searches: int = 1
+    searches: int = 0
 
     def met(self, other: "Minimum", within: float = np.inf) -> bool:
         """Return whether another point is the same to the data, and near in each coordinate."""
@@ -71,7 +71,7 @@ def local_minimum(
     def residuals(x: np.ndarray) -> np.ndarray:
         return misfit.at(x[None], rows, slopes=False)[0][0]
 
-    last = rows >= len(misfit.observation.t)
+    last = rows >= misfit.rows
     begin = residuals(point)
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
@@ -120,7 +120,7 @@ def search(
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
         progress(n + 1)
-    return [best._replace(searches=1), *(s._replace(searches=0) for s in kept[1:])]
+    return [best._replace(searches=1), *kept[1:]]
 
 
 def widen(misfit: Misfit) -> None:
@@ -128,7 +128,7 @@ def widen(misfit: Misfit) -> None:
 
     This holds for vectors too; the distance of the clock is that within which it is searched.
     """
-    space, t = misfit.space, misfit.observation.t
+    space = misfit.space
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
     need = (
         space.width
@@ -138,14 +138,14 @@ def widen(misfit: Misfit) -> None:
     space.width = np.where(space.loose, np.maximum(space.far, need), space.far)
     if OFFSET in space.names:
         clock = space.names.index(OFFSET)
-        space.width[clock] = REACH * (t[-1] - t[0]) / space.scales[clock].size
+        space.width[clock] = misfit.observation.reach / space.scales[clock].size
 
 
 def windows(misfit: Misfit) -> list[int]:
     """Return the numbers of rows of the windows."""
-    total = len(misfit.observation.t)
-    measurements = misfit.at(np.zeros((1, len(misfit.space.names))), total, slopes=False)[0].size
-    rows = [min(total, int(np.ceil(FEWEST * len(misfit.space.names) * total / measurements)))]
+    total, free = misfit.rows, len(misfit.space.names)
+    measurements = misfit.at(np.zeros((1, free)), total, slopes=False)[0].size
+    rows = [min(total, int(np.ceil(FEWEST * free * total / measurements)))]
     while rows[-1] < total:
         rows.append(min(total, int(np.ceil(GROWTH * rows[-1]))))
     return rows

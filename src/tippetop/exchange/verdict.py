@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, orders
+from .comparison import Compared, compare, orders, shown
 from .motion import Convention
 
 
@@ -58,10 +58,6 @@ UNITS = {
     **{"place": "m", "velocity": "m/s", "force": "N"},
     **dict.fromkeys(("omega", "omega3", "theta_dot", "phi_dot"), "rad/s"),
 }
-HEAD = (
-    *("file", "largest error", "0.1 exceeded at", "until"),
-    *("error of energy", "error of Jellett", "in the floor"),
-)
 
 
 def _table(motions: Sequence[Compared]) -> list[str]:
@@ -83,12 +79,15 @@ def _row(motion: Compared) -> dict[str, str]:
         for quantity in motion.curves.keys() & numbers
     }
     left = numbers[name]["leaves"]["0.1"]
-    changes = [
-        f"{numbers[key]:.2g}" if key in numbers else "-"
-        for key in ("energy_error", "jellett_error")
-    ]
-    floor = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
-    beyond = "never" if left is None else f"{left:.4g} s"
-    first = motion.path.name, f"{name} {errors.pop(name)}", beyond, f"{numbers['until']:.4g} s"
-    row = dict(zip(HEAD, (*first, *changes, floor), strict=True))
-    return row | {f"error of {other}": errors[other] for other in sorted(errors)}
+    return {
+        "file": motion.path.name,
+        "largest error": f"{name} {errors.pop(name)}",
+        "0.1 exceeded at": "never" if left is None else f"{left:.4g} s",
+        "until": f"{numbers['until']:.4g} s",
+        "error of energy": shown(numbers.get("energy_error")),
+        "error of Jellett": shown(numbers.get("jellett_error")),
+        "in the floor": f"{numbers['contact']['penetration']:.2g} m"
+        if "contact" in numbers
+        else "-",
+        **{f"error of {other}": errors[other] for other in sorted(errors)},
+    }
