@@ -64,7 +64,7 @@ class Compared(NamedTuple):
         return next(name for name in MAIN if name in self.curves)
 
 
-def compare(problem: Problem, path: str | Path, convention: Convention = Convention()) -> Compared:  # noqa: B008
+def compare(problem: Problem, path: str | Path, convention: Convention) -> Compared:
     """Compare one table with the exact motion of a problem.
 
     Parameters
@@ -133,12 +133,11 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     if faults := _start_faults(numbers, curves, convention):
         numbers["suspicion"] = faults
     unknown = np.full(rows, np.nan)
-    theta = unknown if there.theta is None else there.theta
     return Compared(
         Path(path),
         run.times,
         curves | errors,
-        theta,
+        theirs.get("theta", unknown),
         columns.get("theta", unknown),
         numbers,
     )
@@ -240,14 +239,14 @@ def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     """Return the largest difference and its time, means, and when it exceeds each level."""
     given = np.isfinite(curve)
     t, curve = t[given], curve[given]
-    beyond = {f"{level:g}": np.flatnonzero(curve > level) for level in LEVELS}
+    beyond = {f"{level:g}": t[curve > level] for level in LEVELS}
     return {
         "max": float(curve.max()),
         "at": float(t[curve.argmax()]),
         "mean": float(curve.mean()),
         "rms": float(np.sqrt(np.mean(curve**2))),
         "leaves": {
-            level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()
+            level: float(times[0]) if len(times) else None for level, times in beyond.items()
         },
     }
 
@@ -272,26 +271,25 @@ def _start_faults(
     return ""
 
 
-def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
+def orders_of(compared: Sequence[Compared]) -> list[dict[str, Any]]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
     They are those of the time in which the coarser motion is within 0.1 rad.
     """
-    stepped = sorted((c for c in compared if c.step), key=lambda c: -(c.step or 0))
+    stepped = [(c.step, c) for c in compared if c.step]
+    stepped.sort(key=lambda pair: -pair[0])
     result = []
-    for coarse, fine in itertools.pairwise(stepped):
-        if coarse.step == fine.step:
+    for (long, coarse), (short, fine) in itertools.pairwise(stepped):
+        if long == short:
             continue
-        pair: dict[str, Any] = {"steps": [coarse.step, fine.step]}
+        orders: dict[str, Any] = {"steps": [long, short]}
         for name in ("theta", "attitude", "axis", "place"):
             if name not in coarse.curves or name not in fine.curves:
                 continue
-            over = np.flatnonzero(coarse.curves[name] > LEVELS[-1])
-            end = coarse.t[over[0]] if len(over) else coarse.t[-1]
+            left = coarse.numbers[name]["leaves"]["0.1"]
+            end = coarse.t[-1] if left is None else left
             errors = [np.sqrt(np.nanmean(c.curves[name][c.t <= end] ** 2)) for c in (coarse, fine)]
             if min(errors) > ROUNDING:
-                pair[name] = math.log(errors[0] / errors[1]) / math.log(
-                    (coarse.step or 1) / (fine.step or 1)
-                )
-        result.append(pair)
+                orders[name] = math.log(errors[0] / errors[1]) / math.log(long / short)
+        result.append(orders)
     return result

@@ -58,8 +58,6 @@ class Fit(NamedTuple):
         two parts, across it.
     noise
         Name -> its standard deviation.
-    t
-        (rows,).
     evaluations
         The number of motions that were computed.
     """
@@ -71,7 +69,6 @@ class Fit(NamedTuple):
     reason: list[str]
     residuals: dict[str, np.ndarray]
     noise: dict[str, float]
-    t: np.ndarray
     evaluations: int
 
 
@@ -242,7 +239,6 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
         reasons,
         parts,
         noise,
-        observation.t,
         misfit.evaluations,
     )
 
@@ -286,7 +282,7 @@ def _undecided(
         for side, limit in (("lowest", scale.low), ("highest", scale.high)):
             if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * s, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
-        if (scale.logarithmic and s > 1) or (not scale.logarithmic and s > max(1.0, abs(u))):
+        if s > (1.0 if scale.logarithmic else max(1.0, abs(u))):
             reasons.append(
                 f"the data cannot decide `{name}`: its standard error is as large as itself."
             )

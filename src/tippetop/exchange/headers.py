@@ -35,6 +35,14 @@ KIND = {name: kind for kind, (names, _) in KINDS.items() for name in names.split
 COLUMNS = SCALARS | {name: KINDS[kind][1] for name, kind in KIND.items()}
 """Name of a column -> its SI unit. q: body to space; omega: in the space frame."""
 
+UNITS = {
+    **dict.fromkeys(("place", "marker"), "m"),
+    **dict.fromkeys(("omega", "omega3", "theta_dot", "phi_dot"), "rad/s"),
+    "velocity": "m/s",
+    "force": "N",
+}
+"""Units of differences as text, by quantity; the others are angles in rad."""
+
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
 """Columns of every run, which identify a header of `tippetop export`."""
 

@@ -129,7 +129,7 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
             f"`{table.path}`: a quaternion must have the columns {', '.join(sorted(names))}, all "
             "of them: --quaternion names the order of numbered ones."
         )
-    q = table.stacked(*names)
+    q = np.stack([table.columns[name] for name in names], axis=1)
     q[:, 1:] = q[:, 1:][:, turn]
     return _unit(table, q, "quaternion")
 
@@ -161,12 +161,12 @@ def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> np.ndarray
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return vectors v, (3,) or (n, 3), rotated by unit quaternions (n, 4)."""
-    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=1)
+    """Return vectors v, (3,) or (n, 3), rotated by one unit quaternion, (4,), or (n, 4) of them."""
+    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=-1)
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:
-    """Return the axis of symmetry in space, (n, 3), of unit quaternions (n, 4)."""
+    """Return the axis of symmetry in space of one or more unit quaternions, as `turned`."""
     return turned(q, np.array([0.0, 0.0, 1.0]))
 
 

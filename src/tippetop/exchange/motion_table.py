@@ -44,10 +44,6 @@ class Table:
         """Return whether all of these columns are there."""
         return all(name in self.columns for name in names)
 
-    def stacked(self, *names: str) -> np.ndarray:
-        """Return several columns as an array (rows, columns)."""
-        return np.stack([self.columns[name] for name in names], axis=1)
-
 
 def read(
     path: str | Path, *, wrapped: bool = True, noise: float | None = None, gaps: bool = True

@@ -92,10 +92,8 @@ class Space:
         self.names, self.scales = tuple(start), tuple(scales)
         values = np.array(list(start.values()))
         self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
-        self.far = np.where([s.logarithmic for s in scales], FAR, FAR * np.abs(self.origin))
-        self.low, self.high = (
-            np.array([getattr(s, side) for s in scales]) for side in ("low", "high")
-        )
+        logarithmic, _, self.low, self.high = np.array(scales, float).T
+        self.far = np.where(logarithmic, FAR, FAR * np.abs(self.origin))
         self.loose = self.far == 0
         self.azimuth = start.get("initial.phi", 0.0)
         self.pairs: list[tuple[int, int, bool]] = []

@@ -11,9 +11,10 @@ from ..mechanics.contact import body as contact
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
-from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON
+from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
 from ..scenario import build
+from .motion import axis_of, turned
 
 
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
@@ -57,10 +58,14 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     """
     read, body = Observables(problem), problem.body()
     columns = read.columns(np.zeros(len(rows)), rows)
-    q, scale = columns["orientation"].values, problem.scales.of
+    q = columns["orientation"].values
+
+    def vectors(unit: Unit, *parts: Any) -> np.ndarray:
+        return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
+
     state, carried = read.state(rows)
     u = np.stack(state[:3], axis=1).astype(float)
-    L = np.stack(state[3:6], axis=1).astype(float) * scale(ANGULAR_MOMENTUM)
+    L = vectors(ANGULAR_MOMENTUM, *state[3:6])
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
@@ -71,10 +76,9 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
         return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
     y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
-    place = np.stack([carried.x, y, state.height], axis=1).astype(float) * scale(METRE)
-    velocity = np.stack(state[6:9], axis=1).astype(float) * scale(METRE_PER_SECOND)
-    force = np.stack([state.Fx, state.Fy, state.force], axis=1).astype(float) * scale(NEWTON)
-    return place, q, velocity, w, force
+    place = vectors(METRE, carried.x, y, state.height)
+    velocity = vectors(METRE_PER_SECOND, *state[6:9])
+    return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
 
 
 def _opened(problem: Problem) -> Problem:
@@ -273,11 +277,8 @@ def _mjcf(model: Model) -> str:
         contact_words = (
             "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
         )
-        q = Quaternion(*start.quaternion)
-        arm, turning = (
-            frame * np.array(rotated(q, Vector(0.0, 0.0, 1.0))),
-            rotated(q, Vector(*start.omega)),
-        )
+        arm = frame * axis_of(start.quaternion)
+        turning = turned(start.quaternion, start.omega)
         qpos = _numbers(start.place + arm, start.quaternion)
         qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
     return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system}">

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, orders, shown
+from .comparison import Compared, compare, orders_of, shown
+from .headers import UNITS
 from .motion import Convention
 
 
@@ -24,7 +25,7 @@ class Verdict:
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):
         self.motions = tuple(compare(problem, file, convention) for file in files)
-        self.orders = orders(self.motions)
+        self.orders = orders_of(self.motions)
         self.title = f"{problem.system.title}, {problem.form.name} form"
 
     def to_dict(self) -> dict[str, Any]:
@@ -54,12 +55,6 @@ class Verdict:
     __repr__ = __str__
 
 
-UNITS = {
-    **{"place": "m", "velocity": "m/s", "force": "N"},
-    **dict.fromkeys(("omega", "omega3", "theta_dot", "phi_dot"), "rad/s"),
-}
-
-
 def _table(motions: Sequence[Compared]) -> list[str]:
     """Return a table of motions, the best first, as lines; one motion is a column."""
     from pandas import DataFrame
@@ -79,6 +74,7 @@ def _row(motion: Compared) -> dict[str, str]:
         for quantity in motion.curves.keys() & numbers
     }
     left = numbers[name]["leaves"]["0.1"]
+    contact = numbers.get("contact")
     return {
         "file": motion.path.name,
         "largest error": f"{name} {errors.pop(name)}",
@@ -86,8 +82,6 @@ def _row(motion: Compared) -> dict[str, str]:
         "until": f"{numbers['until']:.4g} s",
         "error of energy": shown(numbers.get("energy_error")),
         "error of Jellett": shown(numbers.get("jellett_error")),
-        "in the floor": f"{numbers['contact']['penetration']:.2g} m"
-        if "contact" in numbers
-        else "-",
+        "in the floor": f"{contact['penetration']:.2g} m" if contact else "-",
         **{f"error of {other}": errors[other] for other in sorted(errors)},
     }
