@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..arguments import path_of
+from ..columns import Column
 from ..exchange.fit_text import toml_of
 from ..exchange.simulators import DIGITS, rounded_to_digits, text_of
-from ..mechanics.contact.contact_phases import PHASES
 from ..runs import phases
 from ..runs.run import Solution
 from ..scenario import build
@@ -196,15 +196,14 @@ def export(
 
 def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     """Return the text files of a case by name; write the Parquet file."""
-    problem, body, tables = given.problem, given.problem.body(), _scenario(given)
+    problem, body, tables = given.problem, given.problem.body(), build.resolved(given.problem)
+    tables["run"] = {key: tables["run"][key] for key in ("until", "output_step")}
     motion, run = truth(problem, sample_times(problem), "longdouble")
     columns = _columns(motion, given.certificate.get("rounding", {}))
     if problem.contact is not None:
-        state, _ = run.problem.variables.split(run.rows.T)
-        labels = np.array(PHASES)[np.rint(state.phase.astype(float)).astype(int)]
+        columns["phase"] = _words(run.columns()["phase"])
     else:
-        labels = np.full(len(motion.t), "joint")
-    columns["phase"] = labels
+        columns["phase"] = np.full(len(motion.t), "joint")
     texts = {
         "scenario.toml": toml_of(tables).strip() + "\n",
         **{name: text_of(problem, to) for to, name in MODELS.items()},
@@ -251,13 +250,6 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     return texts | {"case.json": json.dumps(description, indent=2) + "\n"}
 
 
-def _scenario(given: Case) -> dict[str, Any]:
-    """Return the tables of a case's scenario."""
-    tables = build.resolved(given.problem)
-    kept = ("until", "output_step")
-    return tables | {"run": {key: tables["run"][key] for key in kept}}
-
-
 def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.ndarray]:
     """Return the columns of a reference by header, rounded.
 
@@ -287,11 +279,10 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
     for name, table in phases.joined(run.problem.system, run.others).items():
         columns: dict[str, Any] = {}
         for key, column in table.items():
-            words = column.attrs.get("flag_meanings", "").split()
-            unit = column.attrs["units"]
-            if words:
-                columns[key] = np.array(words)[column.values]
+            if "flag_meanings" in column.attrs:
+                columns[key] = _words(column)
                 continue
+            unit = column.attrs["units"]
             # digits of the largest number of its unit, so that zeros have no rounding errors
             alike = [c.values for c in table.values() if c.attrs["units"] == unit]
             end = [run.problem.until] if unit == "s" else []
@@ -300,6 +291,11 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
             columns[f"{key} [{unit.replace('m s-1', 'm/s')}]"] = values
         result[name] = columns if len(next(iter(columns.values()))) else {}
     return result
+
+
+def _words(flags: Column) -> np.ndarray:
+    """Return the words of a column of flags."""
+    return np.array(flags.attrs["flag_meanings"].split())[flags.values]
 
 
 def _csv(columns: Mapping[str, Any]) -> str:

@@ -307,17 +307,17 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
     numbers = {name: size_of(t[within], curve) for name, curve in curves.items()}
     compared = Compared(path, t[within], curves, *thetas, numbers)
-    seen, whole_outcome = (outcome(each.problem, each_motion) for each_motion in (there, exact))
-    if whole_outcome.get("lifts off") and "lifts off" in seen:
+    seen, expected = (outcome(each.problem, each_motion) for each_motion in (there, exact))
+    if expected.get("lifts off") and "lifts off" in seen:
         ratio = rise(each.problem, there) / rise(each.problem, exact)
-        seen["rises as high"], whole_outcome["rises as high"] = 1 / RISES <= ratio <= RISES, True
+        seen["rises as high"], expected["rises as high"] = 1 / RISES <= ratio <= RISES, True
     folders = path.resolve().parts[:-1]
     engine, setting = path.stem, "-"
     if folders[-1] == each.name and not _is_reference(path):
         *_, engine, setting = ("-", "-", *folders[:-1])
     heights = there.position[within, 2], exact.position[within, 2]
     unseen = _unseen(t, each.problem.until)
-    return Result(each.name, engine, setting, compared, seen, whole_outcome, heights, unseen)
+    return Result(each.name, engine, setting, compared, seen, expected, heights, unseen)
 
 
 def _unseen(t: np.ndarray, until: float) -> tuple[float, float] | None:
