@@ -86,7 +86,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         If the table is wrong, or has no quantity that can be compared.
     """
     table = read(path, wrapped=bool(problem.system.vectors))
-    given, t = motion(table, convention), table.t
+    given = motion(table, convention)
+    t = table.t
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
             f"`{path}`: times must begin at 0, the start of the reference, or later, but "
@@ -106,16 +107,19 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             f"`{path}`: every column must be comparable with the reference, but "
             f"{', '.join(lost)} cannot be: leave them out."
         )
-    there, curves = Motion(**theirs), differences(theirs, columns)
+    there = Motion(**theirs)
+    curves = differences(theirs, columns)
     if not set(MAIN) & curves.keys():
         raise InputError(
             f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
             "but has none."
         )
     body = problem.body()
-    kept, touching = {}, {}
+    kept = {}
+    touching = {}
     if isinstance(body, contact.Touch) and there.axis is not None:
-        kept, touching = conserved(there, problem, body), _contact(there, problem, body)
+        kept = conserved(there, problem, body)
+        touching = _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: dict[str, Any] = {
         "file": str(path),
@@ -145,15 +149,19 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
 
 def reference(run: Solution) -> dict[str, np.ndarray]:
     """Return the columns of a run, and further quantities of a table, SI."""
-    problem, body = run.problem, run.problem.body()
+    problem = run.problem
+    body = problem.body()
     columns = {name: column.values for name, column in run.columns().items()}
     if problem.contact is not None or problem.system.name == "heavy-top":
         names = ("place", "orientation", "velocity", "omega", "force")
         return columns | dict(zip(names, motion_of(problem, run.rows), strict=True))
     if not isinstance(body, contact.Touch):
         return columns
-    view, scale = Observables(problem), float(problem.scales.of(METRE_PER_SECOND))
-    state, theta, none = view.state(run.rows), columns["theta"], np.zeros(len(run.times))
+    view = Observables(problem)
+    scale = float(problem.scales.of(METRE_PER_SECOND))
+    state = view.state(run.rows)
+    theta = columns["theta"]
+    none = np.zeros(len(run.times))
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
     place = columns["x"], columns.get("y", none), contact.height(np.cos(theta), body)
     across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
@@ -175,7 +183,8 @@ def differences(
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi"):
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
-        given, size = np.isfinite(off).any(axis=1), np.sqrt(np.nansum(off**2, axis=1))
+        given = np.isfinite(off).any(axis=1)
+        size = np.sqrt(np.nansum(off**2, axis=1))
         if name == "axis":
             size = 2 * np.arcsin(np.clip(size / 2, 0, 1))
         if name == "orientation":
@@ -238,7 +247,8 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
 def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     """Return the largest difference and its time, means, and when it exceeds each level."""
     given = np.isfinite(curve)
-    t, curve = t[given], curve[given]
+    t = t[given]
+    curve = curve[given]
     beyond = {f"{level:g}": t[curve > level] for level in LEVELS}
     return {
         "max": float(curve.max()),

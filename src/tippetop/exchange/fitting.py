@@ -14,14 +14,18 @@ from .scales import Space, scale_of
 from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
-# Searches at most, and those that must have ended in the best minimum
-STARTS, MET = 12, 3
+# Searches at most
+STARTS = 12
+# Searches that must have ended in the best minimum
+MET = 3
 # Standard deviations of the sum of squared autocorrelations, and of the variance, beyond noise
 NOISY = 5.0
 # Lags of that sum
 LAGS = 12
-# Correlation, and one standard error, of numbers that cannot be distinguished
-CORRELATED, ROUGH = 0.99, 0.05
+# Correlation beyond which two numbers cannot be distinguished
+CORRELATED = 0.99
+# Standard error of one of them, in its coordinate, beyond which that is reported
+ROUGH = 0.05
 QUANTILE = 0.975
 # Standard errors from a bound, and at most this coordinate, within which a number is at it
 AT_BOUND = 0.01
@@ -134,7 +138,8 @@ def fit(
 
 def _refuse(misfit: Misfit) -> None:
     """Raise InputError for too few measurements, or a number without effect on them."""
-    observation, space = misfit.observation, misfit.space
+    observation = misfit.observation
+    space = misfit.space
     count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
     if count <= len(space.names):
         raise InputError(
@@ -172,7 +177,8 @@ def _excess(parts: dict[str, np.ndarray]) -> float:
     for off in parts.values():
         for part in off.T:
             r = part[np.isfinite(part)]
-            n, power = len(r), (r**2).sum()
+            n = len(r)
+            power = (r**2).sum()
             if n > 2 * LAGS and power > 0:
                 rho = np.array([(r[k:] * r[:-k]).sum() for k in lags]) / power
                 total = n * (n + 2) * (rho**2 / (n - lags)).sum()  # Ljung and Box 1978
@@ -184,7 +190,9 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     """Return the result of searches that ended in these minima, best first, `met` in the first."""
     from scipy.stats import t as student
 
-    observation, space, point = misfit.observation, misfit.space, ends[0].point
+    observation = misfit.observation
+    space = misfit.space
+    point = ends[0].point
     (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
     freedom = max(float(weight.sum()) - len(point), 1.0)
@@ -245,7 +253,8 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
 
 def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
     """Return sentences on residuals that are not noise, or not of the stated size."""
-    observation, reasons = misfit.observation, []
+    observation = misfit.observation
+    reasons = []
     excess = _excess({g: off for g, off in parts.items() if noise[g] > misfit.rounding[g]})
     if excess > NOISY:
         reasons.append(

@@ -57,11 +57,13 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
     Raises InputError."""
     own = {text.partition(" [")[0] for text in header} >= OWN
     found: dict[str, tuple[int, float]] = {}
-    faults, unknown = [], []
+    faults = []
+    unknown = []
     for place, text in enumerate(header):
         match = HEADER.fullmatch(text)
         name = RENAMED.get(match[1], match[1]) if match else ""
-        unit, given = COLUMNS.get(name), match and (match[2] or match[3] or "").strip()
+        unit = COLUMNS.get(name)
+        given = match and (match[2] or match[3] or "").strip()
         if match is None:
             faults.append(
                 "a header must be names with units, separated by commas, such as "

@@ -41,7 +41,9 @@ class Misfit:
 
     def __init__(self, observation: Observation, space: Space, loss: str):
         choice("loss", loss, WEIGHTS)
-        self.observation, self.space, self.loss = observation, space, loss
+        self.observation = observation
+        self.space = space
+        self.loss = loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.rounding = {
             group: ROUNDING * float(np.sqrt(np.nanmean(seen**2))) or ROUNDING
@@ -63,7 +65,8 @@ class Misfit:
             [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
         )
         chain = np.array([self.space.slopes(p) for p in points]) if slopes else np.eye(0)
-        residuals, jacobians = [], []
+        residuals = []
+        jacobians = []
         for group, (off, moves) in parts.items():
             weight = self.weights[group]
             given = np.isfinite(self.observation.groups[group][:rows])
@@ -85,7 +88,8 @@ class Misfit:
 
     def variance(self, residuals: np.ndarray) -> float:
         """Return the variance of residuals; rounding, whose errors may all agree, adds to it."""
-        weight, free = self.weight(residuals), len(self.space.names)
+        weight = self.weight(residuals)
+        free = len(self.space.names)
         most = max(self.weights[group] * size for group, size in self.rounding.items())
         squares = float((weight * residuals**2).sum())
         return squares / max(float(weight.sum()) - free, 1.0) + len(residuals) * most**2

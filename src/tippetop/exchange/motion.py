@@ -1,6 +1,6 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -82,14 +82,14 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    whole = Motion(*(table.columns.get(name) for name in SCALARS))
-    theta, phi, omega3 = whole.theta, whole.phi, whole.omega3
-    vectors = {
-        kind: _vector(table, names.split()[:3], turn)
-        for kind, (names, _) in KINDS.items()
-        if kind != "orientation"
-    }
-    axis, omega = vectors["axis"], vectors["omega"]
+    found: dict[str, Any] = {name: table.columns.get(name) for name in SCALARS}
+    for kind in ("axis", "place", "velocity", "omega", "force", "marker"):
+        found[kind] = _vector(table, KINDS[kind][0].split()[:3], turn)
+    theta = found["theta"]
+    phi = found["phi"]
+    omega3 = found["omega3"]
+    omega = found["omega"]
+    axis = found["axis"]
     axis = None if axis is None else _unit(table, axis, "axis")
     axis = _filled(axis, None if q is None else axis_of(q))
     if theta is not None and phi is not None:
@@ -102,8 +102,8 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     if axis is not None:
         theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
         omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
-    vectors |= {"axis": axis, "omega": omega, "orientation": q}
-    return whole._replace(theta=theta, omega3=omega3, **vectors)
+    found |= {"theta": theta, "omega3": omega3, "axis": axis, "omega": omega, "orientation": q}
+    return Motion(**found)
 
 
 def _filled(given: np.ndarray | None, other: np.ndarray | None) -> np.ndarray | None:

@@ -71,7 +71,8 @@ def read(
     InputError
         If it is not such a table.
     """
-    path, allowed = Path(path), GAPS if gaps else ()
+    path = Path(path)
+    allowed = GAPS if gaps else ()
     try:
         (_, header), *rows = _cells(path).items()
         found = heading(header)

@@ -36,14 +36,16 @@ def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
     """
     known = [first._replace(searches=0)]
     for side in (1, -1):
-        before, here = first, _next(misfit, first, clock, side)
+        before = first
+        here = _next(misfit, first, clock, side)
         for _ in range(MOST):
             least = min(s.cost for s in known)
             if here is None or before.met(here) or here.cost - least > RIVAL * first.variance:
                 break
             known.append(here)
             further = misfit.space.clipped(2 * here.point - before.point)
-            before, here = here, local_minimum(misfit, further, misfit.rows)
+            before = here
+            here = local_minimum(misfit, further, misfit.rows)
     least = min(s.cost for s in known)
     equal = [s for s in known if s.cost < least + SAME * first.variance]
     best = min(equal, key=lambda s: abs(s.point[clock] - first.point[clock]))

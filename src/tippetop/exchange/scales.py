@@ -89,7 +89,8 @@ class Space:
     """
 
     def __init__(self, start: dict[str, float], scales: Sequence[Scale]):
-        self.names, self.scales = tuple(start), tuple(scales)
+        self.names = tuple(start)
+        self.scales = tuple(scales)
         values = np.array(list(start.values()))
         self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
         logarithmic, _, self.low, self.high = np.array(scales, float).T
@@ -102,7 +103,8 @@ class Space:
         for first, second in POLAR if polar else ():
             if not {first, second} <= set(start):
                 continue
-            i, k = self.names.index(first), self.names.index(second)
+            i = self.names.index(first)
+            k = self.names.index(second)
             swept = first == "initial.theta_dot"
             vector = (values[i], values[k] * (r if swept else 1)) if self.pairs else (r, 0.0)
             reach = np.inf if self.pairs else np.pi / np.sqrt(2)

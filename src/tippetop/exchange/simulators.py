@@ -56,7 +56,8 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         Position of the centre of mass, quaternion, its velocity, angular velocity in space and the
         force of the plane or the joint, (n, 3) or (n, 4), SI.
     """
-    read, body = Observables(problem), problem.body()
+    read = Observables(problem)
+    body = problem.body()
     columns = read.columns(np.zeros(len(rows)), rows)
     q = columns["orientation"].values
 
@@ -72,7 +73,8 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
     if fixed:
         weight = np.array([0.0, 0.0, -body.m * body.g])
-        place, rate = -body.c * u, np.cross(w, u)
+        place = -body.c * u
+        rate = np.cross(w, u)
         bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
         return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
     y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
@@ -166,7 +168,8 @@ class Model(NamedTuple):
     @property
     def inertia(self) -> dict[str, str]:
         """Moments of inertia about the centre of mass by their names in URDF and SDF."""
-        across, along = _numbers(self.body.I1), _numbers(self.body.I3)
+        across = _numbers(self.body.I1)
+        along = _numbers(self.body.I3)
         return {"ixx": across, "iyy": across, "izz": along, "ixy": "0", "ixz": "0", "iyz": "0"}
 
     def comment(self, *sentences: str) -> str:
@@ -195,7 +198,9 @@ class Model(NamedTuple):
 
 def _model(problem: Problem) -> Model:
     """Return the model of a problem."""
-    law, body, opens = problem.friction, problem.body(), problem.contact
+    law = problem.friction
+    body = problem.body()
+    opens = problem.contact
     fixed = problem.system.name == "heavy-top"
     tip = TIP * abs(body.c)
     balls = [("sphere", body.c, body.R) if body.R else ("tip", body.c, tip)]
@@ -262,9 +267,13 @@ def _mjcf(model: Model) -> str:
         "computes the acceleration of the contact in full; the centre of mass is xipos"
     )
     if model.fixed:
-        joint, geoms, floor, default = '<joint name="tip" type="ball" damping="0"/>', "", "", ""
+        joint = '<joint name="tip" type="ball" damping="0"/>'
+        geoms = ""
+        floor = ""
+        default = ""
         contact_words = "the tip is held by a ball joint at the origin: there is no plane"
-        qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
+        qpos = _numbers(start.quaternion)
+        qvel = _numbers(start.omega)
     else:
         joint = "<freejoint/>"
         geoms = "\n".join(
@@ -334,7 +343,8 @@ def _urdf(model: Model) -> str:
 def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
     """Return the angles of SDF: rotations about the fixed axes x, y and z [rad]."""
     w, x, y, z = rounded_to_digits(quaternion)
-    total, difference = math.atan2(z + x, w - y), math.atan2(z - x, w + y)
+    total = math.atan2(z + x, w - y)
+    difference = math.atan2(z - x, w + y)
     pitch = 2 * math.atan2(math.hypot(w + y, z - x), math.hypot(w - y, z + x)) - math.pi / 2
     return [total - difference, pitch, total + difference]
 

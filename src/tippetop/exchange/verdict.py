@@ -68,7 +68,8 @@ def _table(motions: Sequence[Compared]) -> list[str]:
 
 def _row(motion: Compared) -> dict[str, str]:
     """Return the numbers of one motion as text; `-` for what its file lacks."""
-    numbers, name = motion.numbers, motion.main
+    numbers = motion.numbers
+    name = motion.main
     errors = {
         quantity: f"{numbers[quantity]['max']:.2g} {UNITS.get(quantity, 'rad')}"
         for quantity in motion.curves.keys() & numbers
