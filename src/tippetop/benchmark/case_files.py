@@ -196,7 +196,9 @@ def export(
 
 def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     """Return the text files of a case by name; write the Parquet file."""
-    problem, body, tables = given.problem, given.problem.body(), build.resolved(given.problem)
+    problem = given.problem
+    body = problem.body()
+    tables = build.resolved(problem)
     tables["run"] = {key: tables["run"][key] for key in ("until", "output_step")}
     motion, run = truth(problem, sample_times(problem), "longdouble")
     columns = _columns(motion, given.certificate.get("rounding", {}))

@@ -300,7 +300,8 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
         times = np.unique(np.append(np.minimum(t, each.problem.until), 0.0))
         whole = truth(each.problem, times)[0]
         known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
-    exact, there = known[key], _motion(table)
+    exact = known[key]
+    there = _motion(table)
     _check_start(path, there, exact, each.problem)
     within = t <= each.horizon * (1 + 1e-12)
     curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
@@ -312,7 +313,8 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
         ratio = rise(each.problem, there) / rise(each.problem, exact)
         seen["rises as high"], expected["rises as high"] = 1 / RISES <= ratio <= RISES, True
     folders = path.resolve().parts[:-1]
-    engine, setting = path.stem, "-"
+    engine = path.stem
+    setting = "-"
     if folders[-1] == each.name and not _is_reference(path):
         *_, engine, setting = ("-", "-", *folders[:-1])
     heights = there.position[within, 2], exact.position[within, 2]
@@ -349,7 +351,8 @@ def _checked(path: Path, each: Case) -> Table:
 
 def _motion(table: Table) -> Truth:
     """Return the motion of a result; NaN for missing columns."""
-    given, none = motion(table), np.full((len(table.t), 3), np.nan)
+    given = motion(table)
+    none = np.full((len(table.t), 3), np.nan)
     place, velocity, omega, force = (
         none if part is None else part
         for part in (given.place, given.velocity, given.omega, given.force)
@@ -363,8 +366,11 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 
     The first row is compared, and one where the body has turned, so that frames differ.
     """
-    q, body, size = there.quaternion, problem.body(), length_of(problem)
-    rate, arm = math.sqrt(body.g / size), body.c * axis_of(q)
+    q = there.quaternion
+    body = problem.body()
+    size = length_of(problem)
+    rate = math.sqrt(body.g / size)
+    arm = body.c * axis_of(q)
     units = {
         "attitude [rad]": 1.0,
         "position [m]": size,
@@ -401,8 +407,10 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
-    body, apart = each.problem.body(), differences(there, exact)
-    spins, energies = [], []
+    body = each.problem.body()
+    apart = differences(there, exact)
+    spins = []
+    energies = []
     for m in (there, exact):
         axis = axis_of(m.quaternion)
         spins.append((m.omega * axis).sum(axis=1))
