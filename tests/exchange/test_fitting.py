@@ -117,7 +117,7 @@ def test_outliers_hardly_move_a_fit_with_another_loss(
 
 def test_searches_with_the_same_end_are_counted_together() -> None:
     def end(point: float, cost: float) -> Minimum:
-        return Minimum(np.array([point]), np.zeros(9), np.full((9, 1), 10.0), cost, 0.01)
+        return Minimum(np.array([point]), np.zeros(9), np.full((9, 1), 10.0), cost, 0.01, 1)
 
     ends = merge([end(1.0, 3.0), end(0.0, 1.0), end(0.001, 1.0), end(1.0, 3.0), end(0.0, 1.0)])
     assert [(e.point.round(2).item(), e.searches) for e in ends] == [(0.0, 3), (1.0, 2)]

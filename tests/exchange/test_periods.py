@@ -35,12 +35,11 @@ def misfit(drift: float) -> Misfit:
                     axis=1,
                 )
             )
-        return {
-            "theta": (np.array(off)[:, :, None], np.array(moves)[:, :, None, :] if slopes else None)
-        }
+        free = slice(None) if slopes else slice(0)
+        return {"theta": (np.array(off)[:, :, None], np.array(moves)[:, :, None, free])}
 
     observation = SimpleNamespace(
-        t=T, groups={"theta": seen[:, None]}, parts=lambda _: 1, predictions=predictions
+        t=T, reach=T[-1] / 8, groups={"theta": seen[:, None]}, predictions=predictions
     )
     line = Scale(False, 1.0, -np.inf, np.inf)
     return Misfit(observation, Space({OFFSET: 0.0, "b": 0.0}, [line, line]), "linear")  # type: ignore[arg-type]

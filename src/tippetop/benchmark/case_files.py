@@ -14,7 +14,6 @@ from ..arguments import path_of
 from ..columns import flag_words
 from ..exchange.fit_text import toml_of
 from ..exchange.simulators import DIGITS, rounded_to_digits, text_of
-from ..mechanics.contact.contact_phases import PHASES
 from ..runs import phases
 from ..runs.run import Solution
 from ..scenario import build
@@ -174,12 +173,12 @@ def export(
         for name, text in _texts(each, root / each.name, overwrite).items():
             write(f"{each.name}/{name}", text)
         made.append(root / each.name / "reference.parquet")
-    titles = {
-        path.parent.name: json.loads(path.read_text("utf-8"))["title"]
-        for path in sorted(root.glob("*/case.json"))
-    }
-    present = sorted(titles, key=[*names(), *titles].index)
-    rows = "\n".join(f"| `{name}` | {titles[name]} |" for name in present)
+    present = sorted(path.parent.name for path in root.glob("*/case.json"))
+    present.sort(key=[*names(), *present].index)
+    titles = [
+        json.loads((root / name / "case.json").read_text("utf-8"))["title"] for name in present
+    ]
+    rows = "\n".join(map("| `{}` | {} |".format, present, titles))
     write("README.md", README.format(version=VERSION, rows=rows))
     write("LICENSE", LICENSE)
     write("VERSION", f"{VERSION}\n")
@@ -197,15 +196,16 @@ def export(
 
 def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     """Return the text files of a case by name; write the Parquet file."""
-    problem, body, tables = given.problem, given.problem.body(), _scenario(given)
+    problem = given.problem
+    body = problem.body()
+    tables = build.resolved(problem)
+    tables["run"] = {key: tables["run"][key] for key in ("until", "output_step")}
     motion, run = truth(problem, sample_times(problem), "longdouble")
     columns = _columns(motion, given.certificate.get("rounding", {}))
     if problem.contact is not None:
-        state, _ = run.problem.variables.split(run.rows.T)
-        labels = np.array(PHASES)[np.rint(state.phase.astype(float)).astype(int)]
+        columns["phase"] = _words(run.columns()["phase"])
     else:
-        labels = np.full(len(motion.t), "joint")
-    columns["phase"] = labels
+        columns["phase"] = np.full(len(motion.t), "joint")
     texts = {
         "scenario.toml": toml_of(tables).strip() + "\n",
         **{name: text_of(problem, to) for to, name in MODELS.items()},
@@ -250,13 +250,6 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         "files": content,
     }
     return texts | {"case.json": json.dumps(description, indent=2) + "\n"}
-
-
-def _scenario(given: Case) -> dict[str, Any]:
-    """Return the tables of a case's scenario."""
-    tables = build.resolved(given.problem)
-    kept = ("until", "output_step")
-    return tables | {"run": {key: tables["run"][key] for key in kept}}
 
 
 def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.ndarray]:
@@ -304,12 +297,9 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
 
 def _csv(columns: Mapping[str, Any]) -> str:
     """Return columns as CSV."""
-    rows = zip(*columns.values(), strict=True)
-    lines = [
-        ",".join(value if isinstance(value, str) else f"{value:.12g}" for value in row)
-        for row in rows
-    ]
-    return "\n".join([",".join(columns), *lines]) + "\n"
+    from pandas import DataFrame
+
+    return DataFrame(columns).to_csv(index=False, float_format="%.12g", lineterminator="\n")
 
 
 def _parquet(columns: dict[str, Any], path: Path, overwrite: bool) -> None:

@@ -49,7 +49,8 @@ class Case(NamedTuple):
     @property
     def settings(self) -> dict[str, str]:
         """Return by engine the settings that express the law and the restitution."""
-        exact, rules = self.law["exact"], self.problem.contact
+        exact = self.law["exact"]
+        rules = self.problem.contact
         if rules is None or not rules.e_n:
             return dict(exact)
         ways = data("laws.toml")["restitution"]

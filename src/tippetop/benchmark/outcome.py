@@ -32,7 +32,8 @@ def rise(problem: Problem, motion: Truth) -> float:
 
 def _gaps(problem: Problem, motion: Truth) -> np.ndarray:
     """Return the gap of each ball (balls, rows) [m]."""
-    axis, z = axis_of(motion.quaternion), motion.position[:, 2]
+    axis = axis_of(motion.quaternion)
+    z = motion.position[:, 2]
     return np.array([z + c * axis[:, 2] - R for c, R in problem.balls.values()])
 
 
@@ -43,11 +44,13 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     """
     theta = theta_of(motion.quaternion)
     result = {"turns over": bool(theta[0] < math.pi / 2 - ROUNDED < math.pi / 2 < theta.max())}
-    rules, body = problem.contact, problem.body()
+    rules = problem.contact
+    body = problem.body()
     if rules is None or not np.isfinite(motion.position).all():
         return result
     gaps = _gaps(problem, motion)
-    lowest, touches = gaps.argmin(axis=0), gaps.min(axis=0) < TOUCH * body.R
+    lowest = gaps.argmin(axis=0)
+    touches = gaps.min(axis=0) < TOUCH * body.R
     result["lifts off"] = rise(problem, motion) > TOUCH * body.R
     if rules.stem:
         result["lands on the stem"] = bool((touches & (lowest == 1)).any())

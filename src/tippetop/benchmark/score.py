@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import ROUNDING, STEP, Compared, energy, size_of
+from ..exchange.comparison import ROUNDING, Compared, energy, shown, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..problem import Problem
@@ -51,9 +51,22 @@ SINGLE = 1e-6
 """Relative excess of the last time over the end of a case, as of numbers in single precision."""
 
 HEAD = (
-    *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
-    *("spin [rad/s]", "energy", "force [m g]", "mean", "attitude rms", "worst at [s]"),
-    *("leaves 1e-3, 1e-2, 1e-1 rad at [s]", "order", "outcome"),
+    "case",
+    "engine",
+    "setting",
+    "step [s]",
+    "attitude [rad]",
+    "theta [rad]",
+    "position [m]",
+    "spin [rad/s]",
+    "energy",
+    "force [m g]",
+    "mean",
+    "attitude rms",
+    "worst at [s]",
+    "leaves 1e-3, 1e-2, 1e-1 rad at [s]",
+    "order",
+    "outcome",
 )
 
 
@@ -175,26 +188,20 @@ class Score:
     def _rows(self) -> list[tuple[str, ...]]:
         """Return a row of text for each result; `-` for what its file lacks."""
         rows = []
-        for r in self.to_dict():
-            leaves = ["never" if t is None else f"{t:.3g}" for t in r["leaves"].values()]
+        for r, plain in zip(self.results, self.to_dict(), strict=True):
             row = (
-                *(r["case"], r["engine"], r["setting"]),
-                _text(r["step"], "g"),
-                *(_text(r["largest"].get(name), ".2g") for name in QUANTITIES),
-                _text(r["mean"].get("force"), ".2g"),
-                _text(r["rms"]["attitude"], ".2g"),
-                _text(r["at"]["attitude"], ".3g"),
-                ", ".join(leaves),
-                _text(r["order"], ".2f"),
-                r["judgement"],
+                *r[:3],
+                shown(plain["step"] or None, "g"),
+                *(shown(plain["largest"].get(name)) for name in QUANTITIES),
+                shown(plain["mean"].get("force")),
+                shown(plain["rms"]["attitude"]),
+                shown(plain["at"]["attitude"], ".3g"),
+                ", ".join(shown(t, ".3g", "never") for t in plain["leaves"].values()),
+                shown(plain["order"] or None, ".2f"),
+                r.judgement,
             )
             rows.append(row)
         return rows
-
-
-def _text(number: float | None, form: str) -> str:
-    """Return a number as text; `-` where it is missing."""
-    return "-" if number is None else format(number, form)
 
 
 def _order(coarse: Compared, fine: Compared) -> float | None:
@@ -286,35 +293,32 @@ def _case_of(path: Path, chosen: Case | None) -> Case:
 
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
     """Compare one file with its case; `known`: references by case and times."""
-    table, problem = _checked(path, each), each.problem
+    table = _checked(path, each)
     t = table.t
     key = each.name, t.tobytes()
     if key not in known:
-        times = np.unique(np.append(np.minimum(t, problem.until), 0.0))
-        whole = truth(problem, times)[0]
+        times = np.unique(np.append(np.minimum(t, each.problem.until), 0.0))
+        whole = truth(each.problem, times)[0]
         known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
-    exact, there = known[key], _motion(table)
-    _check_start(path, there, exact, problem)
+    exact = known[key]
+    there = _motion(table)
+    _check_start(path, there, exact, each.problem)
     within = t <= each.horizon * (1 + 1e-12)
     curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
     thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
-    match = STEP.search(path.stem)
     numbers = {name: size_of(t[within], curve) for name, curve in curves.items()}
-    compared = Compared(
-        path, float(match[1]) if match else None, t[within], curves, *thetas, numbers
-    )
-    seen = outcome(problem, there)
-    expected = outcome(problem, exact)
+    compared = Compared(path, t[within], curves, *thetas, numbers)
+    seen, expected = (outcome(each.problem, each_motion) for each_motion in (there, exact))
     if expected.get("lifts off") and "lifts off" in seen:
-        ratio = rise(problem, there) / rise(problem, exact)
-        seen["rises as high"] = 1 / RISES <= ratio <= RISES
-        expected["rises as high"] = True
+        ratio = rise(each.problem, there) / rise(each.problem, exact)
+        seen["rises as high"], expected["rises as high"] = 1 / RISES <= ratio <= RISES, True
     folders = path.resolve().parts[:-1]
-    engine, setting = path.stem, "-"
+    engine = path.stem
+    setting = "-"
     if folders[-1] == each.name and not _is_reference(path):
         *_, engine, setting = ("-", "-", *folders[:-1])
     heights = there.position[within, 2], exact.position[within, 2]
-    unseen = _unseen(t, problem.until)
+    unseen = _unseen(t, each.problem.until)
     return Result(each.name, engine, setting, compared, seen, expected, heights, unseen)
 
 
@@ -347,7 +351,8 @@ def _checked(path: Path, each: Case) -> Table:
 
 def _motion(table: Table) -> Truth:
     """Return the motion of a result; NaN for missing columns."""
-    given, none = motion(table), np.full((len(table.t), 3), np.nan)
+    given = motion(table)
+    none = np.full((len(table.t), 3), np.nan)
     place, velocity, omega, force = (
         none if part is None else part
         for part in (given.place, given.velocity, given.omega, given.force)
@@ -361,10 +366,17 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 
     The first row is compared, and one where the body has turned, so that frames differ.
     """
-    q, body, size = there.quaternion, problem.body(), length_of(problem)
-    rate, arm = math.sqrt(body.g / size), body.c * axis_of(q)
-    units = {"attitude [rad]": 1.0, "position [m]": size, "velocity [m/s]": size * rate}
-    units["omega [rad/s]"] = rate
+    q = there.quaternion
+    body = problem.body()
+    size = length_of(problem)
+    rate = math.sqrt(body.g / size)
+    arm = body.c * axis_of(q)
+    units = {
+        "attitude [rad]": 1.0,
+        "position [m]": size,
+        "velocity [m/s]": size * rate,
+        "omega [rad/s]": rate,
+    }
     readings = {
         "the order of the quaternion is x, y, z, w: name the columns accordingly.": there._replace(
             quaternion=np.roll(q, 1, axis=1)
@@ -395,20 +407,19 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
-    body, apart = each.problem.body(), differences(there, exact)
-
-    def spin_and_energy(m: Truth) -> tuple[np.ndarray, np.ndarray]:
+    body = each.problem.body()
+    apart = differences(there, exact)
+    spins = []
+    energies = []
+    for m in (there, exact):
         axis = axis_of(m.quaternion)
-        spin = (m.omega * axis).sum(axis=1)
-        return spin, energy(m.velocity, m.omega, m.position[:, 2], axis, body)
-
-    spin, energy_there = spin_and_energy(there)
-    exact_spin, exact_energy = spin_and_energy(exact)
+        spins.append((m.omega * axis).sum(axis=1))
+        energies.append(energy(m.velocity, m.omega, m.position[:, 2], axis, body))
     return {
         "attitude": apart["attitude [rad]"],
         "theta": apart["theta [rad]"],
         "position": apart["position [m]"],
-        "spin": np.abs(spin - exact_spin),
-        "energy": np.abs((energy_there - exact_energy) / exact_energy[0]),
+        "spin": np.abs(spins[0] - spins[1]),
+        "energy": np.abs((energies[0] - energies[1]) / energies[1][0]),
         "force": apart["force [N]"] / (body.m * body.g),
     }

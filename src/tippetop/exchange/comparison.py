@@ -35,8 +35,6 @@ class Compared(NamedTuple):
     ----------
     path
         The file.
-    step
-        Its time step [s] from the name of the file, or None.
     t
         Times [s], (rows,).
     curves
@@ -48,7 +46,6 @@ class Compared(NamedTuple):
     """
 
     path: Path
-    step: float | None
     t: np.ndarray
     curves: dict[str, np.ndarray]
     theta: np.ndarray
@@ -56,12 +53,18 @@ class Compared(NamedTuple):
     numbers: dict[str, Any]
 
     @property
+    def step(self) -> float | None:
+        """Its time step [s] from the name of the file, or None."""
+        match = STEP.search(self.path.stem)
+        return float(match[1]) if match else None
+
+    @property
     def main(self) -> str:
         """The quantity by which motions are judged."""
         return next(name for name in MAIN if name in self.curves)
 
 
-def compare(problem: Problem, path: str | Path, convention: Convention = Convention()) -> Compared:  # noqa: B008
+def compare(problem: Problem, path: str | Path, convention: Convention) -> Compared:
     """Compare one table with the exact motion of a problem.
 
     Parameters
@@ -83,7 +86,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         If the table is wrong, or has no quantity that can be compared.
     """
     table = read(path, wrapped=bool(problem.system.vectors))
-    given, t = motion(table, convention), table.t
+    given = motion(table, convention)
+    t = table.t
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
             f"`{path}`: times must begin at 0, the start of the reference, or later, but "
@@ -103,16 +107,19 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
             f"`{path}`: every column must be comparable with the reference, but "
             f"{', '.join(lost)} cannot be: leave them out."
         )
-    there, curves = Motion(**theirs), differences(theirs, columns)
+    there = Motion(**theirs)
+    curves = differences(theirs, columns)
     if not set(MAIN) & curves.keys():
         raise InputError(
             f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
             "but has none."
         )
     body = problem.body()
-    kept, touching = {}, {}
+    kept = {}
+    touching = {}
     if isinstance(body, contact.Touch) and there.axis is not None:
-        kept, touching = conserved(there, problem, body), _contact(there, problem, body)
+        kept = conserved(there, problem, body)
+        touching = _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: dict[str, Any] = {
         "file": str(path),
@@ -130,14 +137,11 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     if faults := _start_faults(numbers, curves, convention):
         numbers["suspicion"] = faults
     unknown = np.full(rows, np.nan)
-    theta = unknown if there.theta is None else there.theta
-    step = STEP.search(Path(path).stem)
     return Compared(
         Path(path),
-        float(step[1]) if step else None,
         run.times,
         curves | errors,
-        theta,
+        theirs.get("theta", unknown),
         columns.get("theta", unknown),
         numbers,
     )
@@ -145,15 +149,19 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
 
 def reference(run: Solution) -> dict[str, np.ndarray]:
     """Return the columns of a run, and further quantities of a table, SI."""
-    problem, body = run.problem, run.problem.body()
+    problem = run.problem
+    body = problem.body()
     columns = {name: column.values for name, column in run.columns().items()}
     if problem.contact is not None or problem.system.name == "heavy-top":
         names = ("place", "orientation", "velocity", "omega", "force")
         return columns | dict(zip(names, motion_of(problem, run.rows), strict=True))
     if not isinstance(body, contact.Touch):
         return columns
-    view, scale = Observables(problem), float(problem.scales.of(METRE_PER_SECOND))
-    state, theta, none = view.state(run.rows), columns["theta"], np.zeros(len(run.times))
+    view = Observables(problem)
+    scale = float(problem.scales.of(METRE_PER_SECOND))
+    state = view.state(run.rows)
+    theta = columns["theta"]
+    none = np.zeros(len(run.times))
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
     place = columns["x"], columns.get("y", none), contact.height(np.cos(theta), body)
     across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
@@ -175,7 +183,8 @@ def differences(
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi"):
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
-        given, size = np.isfinite(off).any(axis=1), np.sqrt(np.nansum(off**2, axis=1))
+        given = np.isfinite(off).any(axis=1)
+        size = np.sqrt(np.nansum(off**2, axis=1))
         if name == "axis":
             size = 2 * np.arcsin(np.clip(size / 2, 0, 1))
         if name == "orientation":
@@ -238,17 +247,23 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
 def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     """Return the largest difference and its time, means, and when it exceeds each level."""
     given = np.isfinite(curve)
-    t, curve = t[given], curve[given]
-    beyond = {f"{level:g}": np.flatnonzero(curve > level) for level in LEVELS}
+    t = t[given]
+    curve = curve[given]
+    beyond = {f"{level:g}": t[curve > level] for level in LEVELS}
     return {
         "max": float(curve.max()),
         "at": float(t[curve.argmax()]),
         "mean": float(curve.mean()),
         "rms": float(np.sqrt(np.mean(curve**2))),
         "leaves": {
-            level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()
+            level: float(times[0]) if len(times) else None for level, times in beyond.items()
         },
     }
+
+
+def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
+    """Return a number as text, and the text `missing` for None."""
+    return missing if value is None else format(value, form)
 
 
 def _start_faults(
@@ -266,26 +281,25 @@ def _start_faults(
     return ""
 
 
-def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
+def orders_of(compared: Sequence[Compared]) -> list[dict[str, Any]]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
     They are those of the time in which the coarser motion is within 0.1 rad.
     """
-    stepped = sorted((c for c in compared if c.step), key=lambda c: -(c.step or 0))
+    stepped = [(c.step, c) for c in compared if c.step]
+    stepped.sort(key=lambda pair: -pair[0])
     result = []
-    for coarse, fine in itertools.pairwise(stepped):
-        if coarse.step == fine.step:
+    for (long, coarse), (short, fine) in itertools.pairwise(stepped):
+        if long == short:
             continue
-        pair: dict[str, Any] = {"steps": [coarse.step, fine.step]}
+        orders: dict[str, Any] = {"steps": [long, short]}
         for name in ("theta", "attitude", "axis", "place"):
             if name not in coarse.curves or name not in fine.curves:
                 continue
-            over = np.flatnonzero(coarse.curves[name] > LEVELS[-1])
-            end = coarse.t[over[0]] if len(over) else coarse.t[-1]
+            left = coarse.numbers[name]["leaves"]["0.1"]
+            end = coarse.t[-1] if left is None else left
             errors = [np.sqrt(np.nanmean(c.curves[name][c.t <= end] ** 2)) for c in (coarse, fine)]
             if min(errors) > ROUNDING:
-                pair[name] = math.log(errors[0] / errors[1]) / math.log(
-                    (coarse.step or 1) / (fine.step or 1)
-                )
-        result.append(pair)
+                orders[name] = math.log(errors[0] / errors[1]) / math.log(long / short)
+        result.append(orders)
     return result

@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
 from .fitting import Estimate, Fit
+from .headers import UNITS
 from .observation import TIMES, Observation
 
 
@@ -19,17 +20,17 @@ WIDEST = 1e6
 
 def plain(fit: Fit, observation: Observation) -> dict[str, Any]:
     """Return the object that `tippetop fit --json` prints."""
+    from pandas import DataFrame
+
     names = list(fit.estimates)
-    rows = zip(names, fit.correlations.tolist(), strict=True)
-    correlations = {name: dict(zip(names, row, strict=True)) for name, row in rows}
     return {
         "estimates": {name: estimate._asdict() for name, estimate in fit.estimates.items()},
-        "correlations": correlations,
+        "correlations": DataFrame(fit.correlations, names, names).to_dict("index"),
         "converged": fit.converged,
         "trustworthy": fit.trustworthy,
         "reason": " ".join(fit.reason),
         "noise": fit.noise,
-        "rows": len(fit.t),
+        "rows": len(observation.t),
         "rows_used": {name: used for name, (used, _) in observation.cells.items()},
         "evaluations": fit.evaluations,
     }
@@ -46,9 +47,8 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
         text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{suffix}"
         interval = f"{e.low:.{digits}g} to {e.high:.{digits}g}"
         rows.append(f"{text}   (95 %: {'undecided' if 0 < WIDEST * e.low < e.high else interval})")
-    units = {"place": "m", "marker": "m", "omega3": "rad/s"}
     noise = ", ".join(
-        f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items()
+        f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()
     )
     rows.append(f"residuals: {noise} (root mean square)")
     cells = (f"{name} {used} of {given}" for name, (used, given) in observation.cells.items())

@@ -8,20 +8,24 @@ import numpy as np
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from .misfit import ROUNDING, Misfit
-from .observation import CLOCK, OFFSET, REACH, Observation
+from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
-from .scales import Scale, Space, scale_of
+from .scales import Space, scale_of
 from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
-# Searches at most, and those that must have ended in the best minimum
-STARTS, MET = 12, 3
+# Searches at most
+STARTS = 12
+# Searches that must have ended in the best minimum
+MET = 3
 # Standard deviations of the sum of squared autocorrelations, and of the variance, beyond noise
 NOISY = 5.0
 # Lags of that sum
 LAGS = 12
-# Correlation, and one standard error, of numbers that cannot be distinguished
-CORRELATED, ROUGH = 0.99, 0.05
+# Correlation beyond which two numbers cannot be distinguished
+CORRELATED = 0.99
+# Standard error of one of them, in its coordinate, beyond which that is reported
+ROUGH = 0.05
 QUANTILE = 0.975
 # Standard errors from a bound, and at most this coordinate, within which a number is at it
 AT_BOUND = 0.01
@@ -58,8 +62,6 @@ class Fit(NamedTuple):
         two parts, across it.
     noise
         Name -> its standard deviation.
-    t
-        (rows,).
     evaluations
         The number of motions that were computed.
     """
@@ -71,7 +73,6 @@ class Fit(NamedTuple):
     reason: list[str]
     residuals: dict[str, np.ndarray]
     noise: dict[str, float]
-    t: np.ndarray
     evaluations: int
 
 
@@ -127,9 +128,9 @@ def fit(
     observation.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
-    total = len(observation.t)
     again = [
-        local_minimum(misfit, end.point, total)._replace(searches=end.searches) for end in ends
+        local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
+        for end in ends
     ]
     ends = merge(again)  # a search along a long valley may have ended early
     return judged(misfit, ends, ends[0].searches, n + 1)
@@ -137,7 +138,8 @@ def fit(
 
 def _refuse(misfit: Misfit) -> None:
     """Raise InputError for too few measurements, or a number without effect on them."""
-    observation, space = misfit.observation, misfit.space
+    observation = misfit.observation
+    space = misfit.space
     count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
     if count <= len(space.names):
         raise InputError(
@@ -170,16 +172,16 @@ def _refuse(misfit: Misfit) -> None:
 
 def _excess(parts: dict[str, np.ndarray]) -> float:
     """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
+    lags = np.arange(1, LAGS + 1)
     worst = 0.0
     for off in parts.values():
         for part in off.T:
             r = part[np.isfinite(part)]
             n = len(r)
-            if n > 2 * LAGS and (r**2).sum() > 0:
-                rho = np.array([(r[k:] * r[:-k]).sum() for k in range(1, LAGS + 1)]) / (r**2).sum()
-                total = (
-                    n * (n + 2) * (rho**2 / (n - np.arange(1, LAGS + 1))).sum()
-                )  # Ljung and Box 1978
+            power = (r**2).sum()
+            if n > 2 * LAGS and power > 0:
+                rho = np.array([(r[k:] * r[:-k]).sum() for k in lags]) / power
+                total = n * (n + 2) * (rho**2 / (n - lags)).sum()  # Ljung and Box 1978
                 worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
     return worst
 
@@ -188,8 +190,10 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     """Return the result of searches that ended in these minima, best first, `met` in the first."""
     from scipy.stats import t as student
 
-    observation, space, point = misfit.observation, misfit.space, ends[0].point
-    (residual,), (jacobian,) = misfit.at(point[None, :], len(observation.t))
+    observation = misfit.observation
+    space = misfit.space
+    point = ends[0].point
+    (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
     freedom = max(float(weight.sum()) - len(point), 1.0)
     variance = misfit.variance(residual)
@@ -210,8 +214,10 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     for (name, value), scale, s, slope in zip(
         values.items(), space.scales, sigma, slopes, strict=True
     ):
-        u = scale.inside(value)
-        low, high = (scale.outside(_within(scale, u + sign * quantile * s)) for sign in (-1, 1))
+        limits = scale.inside(value) + quantile * s * np.array([-1, 1])
+        if not scale.logarithmic:
+            limits = np.clip(limits, scale.low, scale.high)
+        low, high = map(scale.outside, limits)
         estimates[name] = Estimate(value, float(s * slope), low, high)
     parts = {
         group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()
@@ -241,14 +247,14 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
         reasons,
         parts,
         noise,
-        observation.t,
         misfit.evaluations,
     )
 
 
 def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
     """Return sentences on residuals that are not noise, or not of the stated size."""
-    observation, reasons = misfit.observation, []
+    observation = misfit.observation
+    reasons = []
     excess = _excess({g: off for g, off in parts.items() if noise[g] > misfit.rounding[g]})
     if excess > NOISY:
         reasons.append(
@@ -256,9 +262,7 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
             "deviations too large): the "
             "model, or a start, is missing something."
         )
-        if OFFSET not in misfit.space.names and observation.t[0] > REACH * (
-            observation.t[-1] - observation.t[0]
-        ):
+        if OFFSET not in misfit.space.names and observation.t[0] > observation.reach:
             reasons.append(
                 f"the table begins {observation.t[0]:.6g} s after the start of the motion: let "
                 f"`{OFFSET}` be "
@@ -277,11 +281,6 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
     return reasons
 
 
-def _within(scale: Scale, u: float) -> float:
-    """Return a coordinate limited to the interval of its number; logarithms are unlimited."""
-    return u if scale.logarithmic else min(max(u, scale.low), scale.high)
-
-
 def _undecided(
     space: Space, values: dict[str, float], sigma: np.ndarray, correlations: np.ndarray
 ) -> list[str]:
@@ -292,7 +291,7 @@ def _undecided(
         for side, limit in (("lowest", scale.low), ("highest", scale.high)):
             if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * s, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
-        if (scale.logarithmic and s > 1) or (not scale.logarithmic and s > max(1.0, abs(u))):
+        if s > (1.0 if scale.logarithmic else max(1.0, abs(u))):
             reasons.append(
                 f"the data cannot decide `{name}`: its standard error is as large as itself."
             )

@@ -35,6 +35,14 @@ KIND = {name: kind for kind, (names, _) in KINDS.items() for name in names.split
 COLUMNS = SCALARS | {name: KINDS[kind][1] for name, kind in KIND.items()}
 """Name of a column -> its SI unit. q: body to space; omega: in the space frame."""
 
+UNITS = {
+    **dict.fromkeys(("place", "marker"), "m"),
+    **dict.fromkeys(("omega", "omega3", "theta_dot", "phi_dot"), "rad/s"),
+    "velocity": "m/s",
+    "force": "N",
+}
+"""Units of differences as text, by quantity; the others are angles in rad."""
+
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
 """Columns of every run, which identify a header of `tippetop export`."""
 
@@ -49,11 +57,13 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
     Raises InputError."""
     own = {text.partition(" [")[0] for text in header} >= OWN
     found: dict[str, tuple[int, float]] = {}
-    faults, unknown = [], []
+    faults = []
+    unknown = []
     for place, text in enumerate(header):
         match = HEADER.fullmatch(text)
         name = RENAMED.get(match[1], match[1]) if match else ""
-        unit, given = COLUMNS.get(name), match and (match[2] or match[3] or "").strip()
+        unit = COLUMNS.get(name)
+        given = match and (match[2] or match[3] or "").strip()
         if match is None:
             faults.append(
                 "a header must be names with units, separated by commas, such as "

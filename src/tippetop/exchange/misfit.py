@@ -1,7 +1,6 @@
 """Weighted residuals of sets of numbers, and their Jacobians."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -42,40 +41,43 @@ class Misfit:
 
     def __init__(self, observation: Observation, space: Space, loss: str):
         choice("loss", loss, WEIGHTS)
-        self.observation, self.space, self.loss = observation, space, loss
+        self.observation = observation
+        self.space = space
+        self.loss = loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.rounding = {
             group: ROUNDING * float(np.sqrt(np.nanmean(seen**2))) or ROUNDING
             for group, seen in observation.groups.items()
         }
+        self.rows = len(observation.t)
         self.evaluations = 0
 
-    def at(self, points: np.ndarray, rows: int, *, slopes: bool = True) -> tuple[np.ndarray, Any]:
-        """Return residuals (points, numbers) of the first rows, and their Jacobians or None.
+    def at(
+        self, points: np.ndarray, rows: int, *, slopes: bool = True
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals (points, numbers) of the first rows, and their Jacobians.
 
-        Gaps are left out; a motion that cannot be computed leaves `WORST`, constant.
+        Without `slopes` the Jacobians have no columns. Gaps are left out; a motion that cannot be
+        computed leaves `WORST`, constant.
         """
         self.evaluations += len(points)
         parts = self.observation.predictions(
             [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
         )
-        residuals, jacobians = [], []
-        chain = np.array([self.space.slopes(p) for p in points if slopes])
+        chain = np.array([self.space.slopes(p) for p in points]) if slopes else np.eye(0)
+        residuals = []
+        jacobians = []
         for group, (off, moves) in parts.items():
             weight = self.weights[group]
             given = np.isfinite(self.observation.groups[group][:rows])
             if given.shape != off.shape[1:]:  # of an attitude, whose residuals have fewer parts
                 given = np.broadcast_to(given.all(axis=1, keepdims=True), off.shape[1:])
             r = off[:, given] * weight
-            broken = ~np.isfinite(r)
-            if slopes:
-                j = -moves[:, given] * weight @ chain
-                broken |= ~np.isfinite(j).all(axis=2)
-                jacobians.append(np.where(broken[:, :, None], 0.0, j))
-            residuals.append(np.where(broken, WORST * weight, r))
-        return np.concatenate(residuals, axis=1), np.concatenate(
-            jacobians, axis=1
-        ) if slopes else None
+            j = -moves[:, given] * weight @ chain
+            known = np.isfinite(r) & np.isfinite(j).all(axis=2)
+            residuals.append(np.where(known, r, WORST * weight))
+            jacobians.append(np.where(known[:, :, None], j, 0.0))
+        return np.concatenate(residuals, axis=1), np.concatenate(jacobians, axis=1)
 
     def weigh(self, point: np.ndarray) -> None:
         """Weight each kind of measurement by its own noise."""
@@ -86,7 +88,8 @@ class Misfit:
 
     def variance(self, residuals: np.ndarray) -> float:
         """Return the variance of residuals; rounding, whose errors may all agree, adds to it."""
-        weight, free = self.weight(residuals), len(self.space.names)
+        weight = self.weight(residuals)
+        free = len(self.space.names)
         most = max(self.weights[group] * size for group, size in self.rounding.items())
         squares = float((weight * residuals**2).sum())
         return squares / max(float(weight.sum()) - free, 1.0) + len(residuals) * most**2

@@ -1,6 +1,6 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
-from .headers import SCALARS
+from .headers import KINDS, SCALARS
 from .motion_table import Table
 
 
@@ -82,35 +82,28 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    whole = Motion(*(table.columns.get(name) for name in SCALARS))
-    theta, phi, omega3 = whole.theta, whole.phi, whole.omega3
-    axis = _vector(table, "axis_{}", turn)
+    found: dict[str, Any] = {name: table.columns.get(name) for name in SCALARS}
+    for kind in ("axis", "place", "velocity", "omega", "force", "marker"):
+        found[kind] = _vector(table, KINDS[kind][0].split()[:3], turn)
+    theta = found["theta"]
+    phi = found["phi"]
+    omega3 = found["omega3"]
+    omega = found["omega"]
+    axis = found["axis"]
     axis = None if axis is None else _unit(table, axis, "axis")
     axis = _filled(axis, None if q is None else axis_of(q))
     if theta is not None and phi is not None:
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
         axis = _filled(axis, np.stack(parts, axis=1))
-    omega, own = _vector(table, "omega_{}", turn), _vector(table, "omega_body_{}", turn)
+    own = _vector(table, [f"omega_body_{c}" for c in "xyz"], turn)
     if own is not None:
         omega3 = _filled(omega3, own[:, 2])
         omega = _filled(omega, None if q is None else turned(q, own))
     if axis is not None:
         theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
         omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
-    place, velocity, force, marker = (
-        _vector(table, names, turn) for names in ("{}", "v{}", "force_{}", "marker_{}")
-    )
-    return whole._replace(
-        theta=theta,
-        omega3=omega3,
-        axis=axis,
-        orientation=q,
-        place=place,
-        velocity=velocity,
-        omega=omega,
-        force=force,
-        marker=marker,
-    )
+    found |= {"theta": theta, "omega3": omega3, "axis": axis, "omega": omega, "orientation": q}
+    return Motion(**found)
 
 
 def _filled(given: np.ndarray | None, other: np.ndarray | None) -> np.ndarray | None:
@@ -136,7 +129,7 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
             f"`{table.path}`: a quaternion must have the columns {', '.join(sorted(names))}, all "
             "of them: --quaternion names the order of numbered ones."
         )
-    q = table.stacked(*names)
+    q = np.stack([table.columns[name] for name in names], axis=1)
     q[:, 1:] = q[:, 1:][:, turn]
     return _unit(table, q, "quaternion")
 
@@ -158,9 +151,8 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
     return rows / size[:, None]
 
 
-def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | None:
+def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> np.ndarray | None:
     """Return components in our frame, (rows, 3), NaN if not given; None if all are missing."""
-    names = [pattern.format(c) for c in "xyz"]
     if not any(table.has(name) for name in names):
         return None
     none = np.full(len(table.t), np.nan)
@@ -169,12 +161,12 @@ def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | N
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return vectors v, (3,) or (n, 3), rotated by unit quaternions (n, 4)."""
-    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=1)
+    """Return vectors v, (3,) or (n, 3), rotated by one unit quaternion, (4,), or (n, 4) of them."""
+    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=-1)
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:
-    """Return the axis of symmetry in space, (n, 3), of unit quaternions (n, 4)."""
+    """Return the axis of symmetry in space of one or more unit quaternions, as `turned`."""
     return turned(q, np.array([0.0, 0.0, 1.0]))
 
 

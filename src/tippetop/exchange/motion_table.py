@@ -44,10 +44,6 @@ class Table:
         """Return whether all of these columns are there."""
         return all(name in self.columns for name in names)
 
-    def stacked(self, *names: str) -> np.ndarray:
-        """Return several columns as an array (rows, columns)."""
-        return np.stack([self.columns[name] for name in names], axis=1)
-
 
 def read(
     path: str | Path, *, wrapped: bool = True, noise: float | None = None, gaps: bool = True
@@ -75,7 +71,8 @@ def read(
     InputError
         If it is not such a table.
     """
-    path, allowed = Path(path), GAPS if gaps else ()
+    path = Path(path)
+    allowed = GAPS if gaps else ()
     try:
         (_, header), *rows = _cells(path).items()
         found = heading(header)

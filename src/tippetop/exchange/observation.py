@@ -15,7 +15,8 @@ from . import residuals
 from .motion import Motion, theta_of
 
 
-OFFSET, CLOCK = "time.offset", "time.scale"
+OFFSET = "time.offset"
+CLOCK = "time.scale"
 TIMES = {
     OFFSET: Number(SECOND, "time of the motion where the table's clock shows 0"),
     CLOCK: Number(ONE, "seconds of the motion per second of the table's clock", above=0),
@@ -78,11 +79,15 @@ class Observation:
         marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
     ):
-        self.free, self.t, self.noise = tuple(free), seen.t, noise
+        self.free = tuple(free)
+        self.t = seen.t
+        self.noise = noise
         if problem.contact is not None:
             raise InputError(UNSUPPORTED)
         self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
         longest = LONGEST * self.second
+        # [s] Within which the time of the table's clock is searched
+        self.reach = REACH * float(self.t[-1] - self.t[0])
         if self.t[-1] > longest:
             raise InputError(
                 f"the last time must be at most {longest:.3g} s in a fit, but is "
@@ -124,11 +129,9 @@ class Observation:
 
     def start(self) -> dict[str, float]:
         """Return the values of the free numbers in the scenario."""
-        first, last = float(self.t[0]), float(self.t[-1])
-        late = first < 0 or first > REACH * (
-            last - first
-        )  # then the motion starts with the first row
-        clock = {OFFSET: -first if late else 0.0, CLOCK: 1.0}
+        first = float(self.t[0])
+        apart = first < 0 or first > self.reach  # then the motion starts with the first row
+        clock = {OFFSET: -first if apart else 0.0, CLOCK: 1.0}
         return {name: clock.get(name, self.tangents.values.get(name, 0.0)) for name in self.free}
 
     def predictions(
@@ -139,7 +142,8 @@ class Observation:
         The residuals are (points, rows, parts), the derivatives (points, rows, parts, free), SI;
         without `slopes` free is 0. NaN in gaps, and where the motion cannot be computed.
         """
-        t, k = self.t[rows], len(points)
+        t = self.t[rows]
+        k = len(points)
         jets = self._read(points, t, slopes=slopes)
         parts = {}
         for group, seen in self.groups.items():
@@ -175,7 +179,8 @@ class Observation:
 
         The first column is the value, the others its derivatives by the free numbers in SI units.
         """
-        k, tangents = len(points), self.tangents
+        k = len(points)
+        tangents = self.tangents
         lanes = max(1, len(self.own)) if slopes else 1
         own = {name: np.repeat([values[name] for values in points], lanes) for name in self.own}
         one = tangents.directions if slopes and self.own else np.zeros((len(tangents.values), 1))
@@ -204,7 +209,8 @@ class Observation:
             axes, turn = self._axes(jets)
             return residuals.of_orientation(seen, axes), turn
         jet = self._model(group, jets)
-        model, moves = jet[..., 0], jet[..., 1:]
+        model = jet[..., 0]
+        moves = jet[..., 1:]
         if group == "axis":
             return residuals.of_axis(seen, model, moves)
         off = seen - model
@@ -212,14 +218,9 @@ class Observation:
 
     def _model(self, group: str, jets: dict[str, np.ndarray]) -> np.ndarray:
         """Return the predictions of a group and their derivatives, (rows, parts, 1 + free)."""
-        size = (
-            self.metre
-            if group in ("place", "marker")
-            else 1 / self.second
-            if group == "omega3"
-            else 1.0
-        )
-        model = np.stack([jets[name] for name in NAMES.get(group, (group,))], axis=1) * size
+        sizes = {"place": self.metre, "marker": self.metre, "omega3": 1 / self.second}
+        names = NAMES.get(group, (group,))
+        model = np.stack([jets[name] for name in names], axis=1) * sizes.get(group, 1.0)
         if group == "marker":
             axes, turn = self._axes(jets)
             arm = (axes @ self.marker)[:, :, None]
@@ -231,7 +232,8 @@ class Observation:
         first, third = (
             np.stack([jets[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:])
         )
-        a, c = first[..., 0], third[..., 0]
+        a = first[..., 0]
+        c = third[..., 0]
         axes = np.stack([a, np.cross(c, a), c], axis=2)
         return axes, residuals.turning(a, c, first[..., 1:], third[..., 1:])
 

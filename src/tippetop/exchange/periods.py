@@ -9,7 +9,6 @@ ones by the same step, as long as they are nearly as deep.
 import numpy as np
 
 from .misfit import Misfit
-from .observation import REACH
 from .search import Minimum, local_minimum
 
 
@@ -35,34 +34,32 @@ def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
     clock
         The place of the time of the clock among the free numbers.
     """
-    total = len(misfit.observation.t)
-    known = [first]
+    known = [first._replace(searches=0)]
     for side in (1, -1):
-        before, here = first, _next(misfit, first, clock, side)
+        before = first
+        here = _next(misfit, first, clock, side)
         for _ in range(MOST):
             least = min(s.cost for s in known)
             if here is None or before.met(here) or here.cost - least > RIVAL * first.variance:
                 break
             known.append(here)
-            before, here = (
-                here,
-                local_minimum(misfit, misfit.space.clipped(2 * here.point - before.point), total),
-            )
+            further = misfit.space.clipped(2 * here.point - before.point)
+            before = here
+            here = local_minimum(misfit, further, misfit.rows)
     least = min(s.cost for s in known)
     equal = [s for s in known if s.cost < least + SAME * first.variance]
     best = min(equal, key=lambda s: abs(s.point[clock] - first.point[clock]))
     others = [s for s in sorted(known, key=lambda s: s.cost) if not best.met(s)]
-    return [best._replace(searches=1), *(s._replace(searches=0) for s in others)]
+    return [best._replace(searches=1), *others]
 
 
 def _next(misfit: Misfit, minimum: Minimum, clock: int, side: int) -> Minimum | None:
     """Return the next minimum on one side; None where the cost has none within reach."""
-    t, total = misfit.observation.t, len(misfit.observation.t)
     shift = np.zeros((POINTS, len(minimum.point)))
     seconds = misfit.space.width[clock] * misfit.space.scales[clock].size
-    shift[:, clock] = side * np.linspace(0, REACH * (t[-1] - t[0]), POINTS) / seconds
+    shift[:, clock] = side * np.linspace(0, misfit.observation.reach, POINTS) / seconds
     points = misfit.space.clipped(minimum.point + shift)
-    residuals, _ = misfit.at(points, total, slopes=False)
+    residuals, _ = misfit.at(points, misfit.rows, slopes=False)
     costs = misfit.costs(residuals, minimum.residual)
     lowest = np.flatnonzero((costs[1:-1] < costs[:-2]) & (costs[1:-1] < costs[2:])) + 1
-    return local_minimum(misfit, points[lowest[0]], total) if len(lowest) else None
+    return local_minimum(misfit, points[lowest[0]], misfit.rows) if len(lowest) else None

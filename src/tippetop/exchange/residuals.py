@@ -52,10 +52,9 @@ def turning(
 
     It is half the sum of axis x change.
     """
-    a, c = first[:, :, None], third[:, :, None]
-    b, moved = (
-        np.cross(c, a, axis=1),
-        np.cross(third_moves, a, axis=1) + np.cross(c, first_moves, axis=1),
-    )
+    a = first[:, :, None]
+    c = third[:, :, None]
+    b = np.cross(c, a, axis=1)
+    moved = np.cross(third_moves, a, axis=1) + np.cross(c, first_moves, axis=1)
     pairs = ((a, first_moves), (b, moved), (c, third_moves))
     return np.asarray(sum(np.cross(axis, change, axis=1) for axis, change in pairs)) / 2

@@ -89,13 +89,12 @@ class Space:
     """
 
     def __init__(self, start: dict[str, float], scales: Sequence[Scale]):
-        self.names, self.scales = tuple(start), tuple(scales)
+        self.names = tuple(start)
+        self.scales = tuple(scales)
         values = np.array(list(start.values()))
         self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
-        self.far = np.where([s.logarithmic for s in scales], FAR, FAR * np.abs(self.origin))
-        self.low, self.high = (
-            np.array([getattr(s, side) for s in scales]) for side in ("low", "high")
-        )
+        logarithmic, _, self.low, self.high = np.array(scales, float).T
+        self.far = np.where(logarithmic, FAR, FAR * np.abs(self.origin))
         self.loose = self.far == 0
         self.azimuth = start.get("initial.phi", 0.0)
         self.pairs: list[tuple[int, int, bool]] = []
@@ -104,7 +103,8 @@ class Space:
         for first, second in POLAR if polar else ():
             if not {first, second} <= set(start):
                 continue
-            i, k = self.names.index(first), self.names.index(second)
+            i = self.names.index(first)
+            k = self.names.index(second)
             swept = first == "initial.theta_dot"
             vector = (values[i], values[k] * (r if swept else 1)) if self.pairs else (r, 0.0)
             reach = np.inf if self.pairs else np.pi / np.sqrt(2)

@@ -14,15 +14,23 @@ from typing import NamedTuple
 import numpy as np
 
 from .misfit import Misfit
-from .observation import OFFSET, REACH
+from .observation import OFFSET
 
 
-# Measurements of the first window per free number, and growth of a window to the next
-FEWEST, GROWTH = 3, 1.5
-# Starts of a search; different points that continue to the next window
-BATCH, BEAM = 8, 4
-# Points about the best one; those that are improved; their distance in standard errors
-CLOUD, CHILDREN, WIDER = 128, 2, 1.5
+# Measurements of the first window per free number
+FEWEST = 3
+# Growth of a window to the next
+GROWTH = 1.5
+# Starts of a search
+BATCH = 8
+# Different points that continue to the next window
+BEAM = 4
+# Points that are tried about the best one
+CLOUD = 128
+# Those of them that are improved
+CHILDREN = 2
+# Their distance in standard errors
+WIDER = 1.5
 # How often they are tried at most, as long as they lead to better ones: from period to period
 ROUNDS = 8
 # Step of slow changes in plausible distances
@@ -31,13 +39,16 @@ COARSE = 0.3
 LOOK = 6
 # Growth of the variance from one window to the next, beyond which they are tried again
 SURPRISE = 1.1
-# Variances of the noise: by which a dropped point is worse than the best one, and between points
-# that are the same
-WORSE, SAME = 60.0, 1.0
+# Variances of the noise by which a dropped point is worse than the best one
+WORSE = 60.0
+# Variances of the noise between points that are the same
+SAME = 1.0
 # Plausible distances within which points are the same before the last window
 NEAR = 0.03
-# Motions of a local search, before the last window and over it
-FEW, MOST = 12, 60
+# Motions of a local search before the last window
+FEW = 12
+# Motions of a local search over the last window
+MOST = 60
 
 
 class Minimum(NamedTuple):
@@ -51,7 +62,7 @@ class Minimum(NamedTuple):
     jacobian: np.ndarray
     cost: float
     variance: float
-    searches: int = 1
+    searches: int = 0
 
     def met(self, other: "Minimum", within: float = np.inf) -> bool:
         """Return whether another point is the same to the data, and near in each coordinate."""
@@ -71,7 +82,7 @@ def local_minimum(
     def residuals(x: np.ndarray) -> np.ndarray:
         return misfit.at(x[None], rows, slopes=False)[0][0]
 
-    last = rows >= len(misfit.observation.t)
+    last = rows >= misfit.rows
     begin = residuals(point)
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
@@ -87,7 +98,8 @@ def local_minimum(
         max_nfev=MOST if last else FEW,
     )
     residual = result.fun[:count]
-    cost, variance = 2 * result.cost, misfit.variance(residual)
+    cost = 2 * result.cost
+    variance = misfit.variance(residual)
     return Minimum(result.x, residual, result.jac[:count], cost, variance)
 
 
@@ -100,7 +112,8 @@ def search(
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
-    least, looking = np.inf, True
+    least = np.inf
+    looking = True
     for n, window in enumerate(rows):
         last = window == rows[-1]
         residuals, _ = misfit.at(points, window, slopes=False)
@@ -112,7 +125,8 @@ def search(
                 local_minimum(misfit, p, window, size) for p in _cloud(misfit, best, window, random)
             ]
             minima = merge([*minima, *more], last=last)
-            before, best = best, minima[0]
+            before = best
+            best = minima[0]
             if before.cost - best.cost < best.variance:
                 break
         kept = [s for s in minima if s.cost < best.cost + WORSE * best.variance][:BEAM]
@@ -120,7 +134,7 @@ def search(
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
         progress(n + 1)
-    return [best._replace(searches=1), *(s._replace(searches=0) for s in kept[1:])]
+    return [best._replace(searches=1), *kept[1:]]
 
 
 def widen(misfit: Misfit) -> None:
@@ -128,7 +142,7 @@ def widen(misfit: Misfit) -> None:
 
     This holds for vectors too; the distance of the clock is that within which it is searched.
     """
-    space, t = misfit.space, misfit.observation.t
+    space = misfit.space
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
     need = (
         space.width
@@ -138,14 +152,15 @@ def widen(misfit: Misfit) -> None:
     space.width = np.where(space.loose, np.maximum(space.far, need), space.far)
     if OFFSET in space.names:
         clock = space.names.index(OFFSET)
-        space.width[clock] = REACH * (t[-1] - t[0]) / space.scales[clock].size
+        space.width[clock] = misfit.observation.reach / space.scales[clock].size
 
 
 def windows(misfit: Misfit) -> list[int]:
     """Return the numbers of rows of the windows."""
-    total = len(misfit.observation.t)
-    measurements = misfit.at(np.zeros((1, len(misfit.space.names))), total, slopes=False)[0].size
-    rows = [min(total, int(np.ceil(FEWEST * len(misfit.space.names) * total / measurements)))]
+    total = misfit.rows
+    free = len(misfit.space.names)
+    measurements = misfit.at(np.zeros((1, free)), total, slopes=False)[0].size
+    rows = [min(total, int(np.ceil(FEWEST * free * total / measurements)))]
     while rows[-1] < total:
         rows.append(min(total, int(np.ceil(GROWTH * rows[-1]))))
     return rows
@@ -170,7 +185,8 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
 
     Differences over a coarse step ignore fast oscillations: their derivatives are large, and
     mean nothing far from the point."""
-    space, one = misfit.space, np.eye(len(best.point))
+    space = misfit.space
+    one = np.eye(len(best.point))
     ahead, behind = (space.clipped(best.point + sign * COARSE * one) for sign in (1, -1))
     after, before = (misfit.at(side, rows, slopes=False)[0] for side in (ahead, behind))
     slow = (after - before) / np.diag(ahead - behind)[:, None]

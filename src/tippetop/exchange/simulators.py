@@ -11,9 +11,10 @@ from ..mechanics.contact import body as contact
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
-from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON
+from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
 from ..scenario import build
+from .motion import axis_of, turned
 
 
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
@@ -55,26 +56,31 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         Position of the centre of mass, quaternion, its velocity, angular velocity in space and the
         force of the plane or the joint, (n, 3) or (n, 4), SI.
     """
-    read, body = Observables(problem), problem.body()
+    read = Observables(problem)
+    body = problem.body()
     columns = read.columns(np.zeros(len(rows)), rows)
-    q, scale = columns["orientation"].values, problem.scales.of
+    q = columns["orientation"].values
+
+    def vectors(unit: Unit, *parts: Any) -> np.ndarray:
+        return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
+
     state, carried = read.state(rows)
     u = np.stack(state[:3], axis=1).astype(float)
-    L = np.stack(state[3:6], axis=1).astype(float) * scale(ANGULAR_MOMENTUM)
+    L = vectors(ANGULAR_MOMENTUM, *state[3:6])
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
     w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
     if fixed:
         weight = np.array([0.0, 0.0, -body.m * body.g])
-        place, rate = -body.c * u, np.cross(w, u)
+        place = -body.c * u
+        rate = np.cross(w, u)
         bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
         return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
     y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
-    place = np.stack([carried.x, y, state.height], axis=1).astype(float) * scale(METRE)
-    velocity = np.stack(state[6:9], axis=1).astype(float) * scale(METRE_PER_SECOND)
-    force = np.stack([state.Fx, state.Fy, state.force], axis=1).astype(float) * scale(NEWTON)
-    return place, q, velocity, w, force
+    place = vectors(METRE, carried.x, y, state.height)
+    velocity = vectors(METRE_PER_SECOND, *state[6:9])
+    return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
 
 
 def _opened(problem: Problem) -> Problem:
@@ -162,7 +168,8 @@ class Model(NamedTuple):
     @property
     def inertia(self) -> dict[str, str]:
         """Moments of inertia about the centre of mass by their names in URDF and SDF."""
-        across, along = _numbers(self.body.I1), _numbers(self.body.I3)
+        across = _numbers(self.body.I1)
+        along = _numbers(self.body.I3)
         return {"ixx": across, "iyy": across, "izz": along, "ixy": "0", "ixz": "0", "iyz": "0"}
 
     def comment(self, *sentences: str) -> str:
@@ -191,7 +198,9 @@ class Model(NamedTuple):
 
 def _model(problem: Problem) -> Model:
     """Return the model of a problem."""
-    law, body, opens = problem.friction, problem.body(), problem.contact
+    law = problem.friction
+    body = problem.body()
+    opens = problem.contact
     fixed = problem.system.name == "heavy-top"
     tip = TIP * abs(body.c)
     balls = [("sphere", body.c, body.R) if body.R else ("tip", body.c, tip)]
@@ -258,9 +267,13 @@ def _mjcf(model: Model) -> str:
         "computes the acceleration of the contact in full; the centre of mass is xipos"
     )
     if model.fixed:
-        joint, geoms, floor, default = '<joint name="tip" type="ball" damping="0"/>', "", "", ""
+        joint = '<joint name="tip" type="ball" damping="0"/>'
+        geoms = ""
+        floor = ""
+        default = ""
         contact_words = "the tip is held by a ball joint at the origin: there is no plane"
-        qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
+        qpos = _numbers(start.quaternion)
+        qvel = _numbers(start.omega)
     else:
         joint = "<freejoint/>"
         geoms = "\n".join(
@@ -273,11 +286,8 @@ def _mjcf(model: Model) -> str:
         contact_words = (
             "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
         )
-        q = Quaternion(*start.quaternion)
-        arm, turning = (
-            frame * np.array(rotated(q, Vector(0.0, 0.0, 1.0))),
-            rotated(q, Vector(*start.omega)),
-        )
+        arm = frame * axis_of(start.quaternion)
+        turning = turned(start.quaternion, start.omega)
         qpos = _numbers(start.place + arm, start.quaternion)
         qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
     return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system}">
@@ -333,7 +343,8 @@ def _urdf(model: Model) -> str:
 def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
     """Return the angles of SDF: rotations about the fixed axes x, y and z [rad]."""
     w, x, y, z = rounded_to_digits(quaternion)
-    total, difference = math.atan2(z + x, w - y), math.atan2(z - x, w + y)
+    total = math.atan2(z + x, w - y)
+    difference = math.atan2(z - x, w + y)
     pitch = 2 * math.atan2(math.hypot(w + y, z - x), math.hypot(w - y, z + x)) - math.pi / 2
     return [total - difference, pitch, total + difference]
 

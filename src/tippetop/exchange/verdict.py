@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, orders
+from .comparison import Compared, compare, orders_of, shown
+from .headers import UNITS
 from .motion import Convention
 
 
@@ -24,7 +25,7 @@ class Verdict:
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):
         self.motions = tuple(compare(problem, file, convention) for file in files)
-        self.orders = orders(self.motions)
+        self.orders = orders_of(self.motions)
         self.title = f"{problem.system.title}, {problem.form.name} form"
 
     def to_dict(self) -> dict[str, Any]:
@@ -54,16 +55,6 @@ class Verdict:
     __repr__ = __str__
 
 
-UNITS = {
-    **{"place": "m", "velocity": "m/s", "force": "N"},
-    **dict.fromkeys(("omega", "omega3", "theta_dot", "phi_dot"), "rad/s"),
-}
-HEAD = (
-    *("file", "largest error", "0.1 exceeded at", "until"),
-    *("error of energy", "error of Jellett", "in the floor"),
-)
-
-
 def _table(motions: Sequence[Compared]) -> list[str]:
     """Return a table of motions, the best first, as lines; one motion is a column."""
     from pandas import DataFrame
@@ -77,18 +68,21 @@ def _table(motions: Sequence[Compared]) -> list[str]:
 
 def _row(motion: Compared) -> dict[str, str]:
     """Return the numbers of one motion as text; `-` for what its file lacks."""
-    numbers, name = motion.numbers, motion.main
+    numbers = motion.numbers
+    name = motion.main
     errors = {
         quantity: f"{numbers[quantity]['max']:.2g} {UNITS.get(quantity, 'rad')}"
         for quantity in motion.curves.keys() & numbers
     }
     left = numbers[name]["leaves"]["0.1"]
-    changes = [
-        f"{numbers[key]:.2g}" if key in numbers else "-"
-        for key in ("energy_error", "jellett_error")
-    ]
-    floor = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
-    beyond = "never" if left is None else f"{left:.4g} s"
-    first = motion.path.name, f"{name} {errors.pop(name)}", beyond, f"{numbers['until']:.4g} s"
-    row = dict(zip(HEAD, (*first, *changes, floor), strict=True))
-    return row | {f"error of {other}": errors[other] for other in sorted(errors)}
+    contact = numbers.get("contact")
+    return {
+        "file": motion.path.name,
+        "largest error": f"{name} {errors.pop(name)}",
+        "0.1 exceeded at": "never" if left is None else f"{left:.4g} s",
+        "until": f"{numbers['until']:.4g} s",
+        "error of energy": shown(numbers.get("energy_error")),
+        "error of Jellett": shown(numbers.get("jellett_error")),
+        "in the floor": f"{contact['penetration']:.2g} m" if contact else "-",
+        **{f"error of {other}": errors[other] for other in sorted(errors)},
+    }

@@ -139,7 +139,7 @@ class Fitted:
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(
-            self._fit.t,
+            self._observation.t,
             self._observation.dots(),
             self._observation.curves({name: e.value for name, e in self.estimates.items()}),
             self.residuals,

@@ -38,8 +38,8 @@ def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
 
 def attributes(progress: RunProgress) -> dict[str, Any]:
     """Return the root attributes of a store: scenario, measurements, provenance; no clock times."""
-    problem, names = progress.problem, progress.problem.variables.names
-    values = [float(v) * float(w) for v, w in zip(progress.last[0], problem.weights(), strict=True)]
+    problem = progress.problem
+    last = zip(problem.variables.names, progress.last[0], problem.weights(), strict=True)
     numbers = {**problem.law.parameters, **problem.system.parameters, **problem.system.initial}
     return {
         "title": problem.system.title,
@@ -52,7 +52,7 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
         "units": {name: number.unit.symbol for name, number in numbers.items()},
-        "final_state": dict(zip(names, values, strict=True)),
+        "final_state": {name: float(value) * float(weight) for name, value, weight in last},
         "report": report(progress),
         **provenance(),
     }

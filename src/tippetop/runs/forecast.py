@@ -21,11 +21,10 @@ def assessment(problem: Problem) -> dict[str, Any]:
         for q in problem.system.quantities
         if q.is_column
     }
-    contact = contact_start(problem)
+    predictions = {"contact_point": contact_start(problem), **_outlook(problem, start)}
     return {
         "at_start": quantities,
-        **({"contact_point": contact} if contact else {}),
-        **_outlook(problem, start),
+        **{name: part for name, part in predictions.items() if part},
         "expected": estimate(problem),
     }
 
@@ -61,5 +60,4 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
         name: {"value": t.value, "unit": t.unit.symbol, "meaning": t.long_name}
         for name, t in outlook.thresholds.items()
     }
-    parts = {"thresholds": limits, "regime": outlook.regime, "fate": outlook.fate}
-    return {name: part for name, part in parts.items() if part}
+    return {"thresholds": limits, "regime": outlook.regime, "fate": outlook.fate}

@@ -54,12 +54,14 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
         along 3hat from the centre of mass, and radius), ellipsoid (half axes across and along),
         weight [N], fixed.
     """
-    b, system = body_of(attrs), by_name(attrs["system"])
+    b = body_of(attrs)
+    system = by_name(attrs["system"])
     kind = "ball" if b.R > 0 else "heavy"
     if not system.vectors:
         kind = "cylinder"
     offset, radius, weight, *ellipsoid = map(float, sizes(b, heavy=kind == "heavy"))
-    balls, stem = [{"offset": offset, "radius": radius}], attrs.get("stem")
+    balls = [{"offset": offset, "radius": radius}]
+    stem = attrs.get("stem")
     if stem:
         balls.append({"offset": offset + stem["h"], "radius": stem["r"]})
     return {
@@ -79,7 +81,8 @@ def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
     before the tip. Half axes are across and along 3hat. Numbers, or symbols of a page.
     """
     across2 = 2.5 * b.I3 / b.m
-    across, along = np.sqrt(across2), np.sqrt(np.maximum(5 * b.I1 / b.m - across2, 0.02 * across2))
+    across = np.sqrt(across2)
+    along = np.sqrt(np.maximum(5 * b.I1 / b.m - across2, 0.02 * across2))
     size = np.minimum(1.0, -b.c * BIGGEST / np.maximum(across, along)) if heavy else 1.0
     return b.c, b.R, b.m * b.g, size * across, size * along
 

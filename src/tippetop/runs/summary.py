@@ -62,11 +62,6 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
     system = find(info["system"])
     events = {event.name: event for event in system.events} if system is not None else {}
     peg = is_peg(info.get("parameters", {}))
-    others = {
-        kind: n
-        for kind, n in info["event_counts"].items()
-        if not (kind.startswith("turning") or (peg and kind == "inverted"))
-    }
     drift = [f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items()]
     rows = {
         "status": status,
@@ -78,7 +73,8 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
         "turning angles": "" if info["theta_end"] is None else _turnings(info),
         "other events": ", ".join(
             f"{_counted(kind, events)}: {n} passage{'' if n == 1 else 's'}"
-            for kind, n in others.items()
+            for kind, n in info["event_counts"].items()
+            if not (kind.startswith("turning") or (peg and kind == "inverted"))
         ),
         "kept": ", ".join(
             f"{name} = {f'{value:.9g} s' if isinstance(value, float) else value or 'none'}"
@@ -96,7 +92,8 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
 
 def _axis(info: Info, system: Any, events: Info, peg: bool) -> dict[str, str]:
     """Return the inversion, or only the last theta of a body that cannot invert."""
-    inversion, end = info["inversion"], info["theta_end"]
+    inversion = info["inversion"]
+    end = info["theta_end"]
     first, last, inverted = (
         inversion[name] for name in ("first_equator", "last_equator", "inverted_at")
     )
@@ -116,7 +113,8 @@ def _axis(info: Info, system: Any, events: Info, peg: bool) -> dict[str, str]:
 
 
 def _turnings(info: Info) -> str:
-    counts, band = info["event_counts"], info["nutational_band"]
+    counts = info["event_counts"]
+    band = info["nutational_band"]
     if not counts.get("turning"):
         return "none logged"
     significant = counts.get("turning_significant", counts["turning"])
@@ -148,7 +146,9 @@ def _force(force: Info) -> str:
 
 def contact(phases: Info) -> str:
     """Return the phases of a contact: all if they are few, else counts, the first and the last."""
-    counts, first, last = phases["counts"], phases["first"], phases["last"]
+    counts = phases["counts"]
+    first = phases["first"]
+    last = phases["last"]
     if sum(counts.values()) == 1:
         text = f"{_does(last)} throughout"
     elif sum(counts.values()) == len(first):
