@@ -203,7 +203,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     motion, run = truth(problem, sample_times(problem), "longdouble")
     columns = _columns(motion, given.certificate.get("rounding", {}))
     if problem.contact is not None:
-        columns["phase"] = _words(run.columns()["phase"])
+        columns["phase"] = flag_words(run.columns()["phase"])
     else:
         columns["phase"] = np.full(len(motion.t), "joint")
     texts = {
