@@ -1,7 +1,7 @@
 """A body on its ball under exact Coulomb friction, integrated independently of the package.
 
-Newton's and Euler's equations in space; a slide has its speed and angle as variables and begins
-with 1e-13 m/s, by Radau's implicit method. It agrees with the reference cases to about 1e-13.
+Newton's and Euler's equations in space; a slide has its speed and angle as variables, and is
+integrated by Radau's implicit method.
 """
 
 from typing import Any, NamedTuple
@@ -10,9 +10,6 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-
-
-STOPS = 1e-13
 
 
 class Ball(NamedTuple):
@@ -114,8 +111,11 @@ def event(function: Any) -> Any:
     return at
 
 
-def axes(b: Ball, u: Any, L: Any, times: Any) -> np.ndarray:
-    """3hat at times of a body whose contact is at rest at first; until it lifts off."""
+def axes(b: Ball, u: Any, L: Any, times: Any, slow: float = 1e-13) -> np.ndarray:
+    """3hat at times of a body whose contact is at rest at first; until it lifts off.
+
+    `slow` is the speed [m/s] with which slides begin.
+    """
     y, t, until, gives, rows = np.array([*u, *L]), 0.0, times[-1], False, []
     sizes = np.linalg.norm(L) + 1e-3 * b.m * b.R * np.sqrt(b.g * b.R)
     sizes = np.array([1, 1, 1, *[sizes] * 3])
@@ -124,8 +124,8 @@ def axes(b: Ball, u: Any, L: Any, times: Any) -> np.ndarray:
         falls = margin(y + h * rates(y + h / 2 * rates(y, b), b), b) < left
         slides = gives or (left < 0 and (left < -1e-11 * b.m * b.g or falls))
         if slides:
-            start = np.array([*y, first_direction(y, b), STOPS])
-            stop = event(lambda y: y[7] - STOPS / 2)
+            start = np.array([*y, first_direction(y, b), slow])
+            stop = event(lambda y: y[7] - slow / 2)
             events = stop, event(lambda y: pushed(y[:3], y[3:6], y[6], b)[2])
             how = {"method": "Radau", "rtol": 1e-12, "first_step": min(1e-14, h)}
             how["atol"] = np.array([*1e-12 * sizes, 1e-12, 1e-17])

@@ -28,7 +28,7 @@ MAX_TOLERANCE = 2.3e-16
 MAX_THETA_ERROR = 1e-10
 NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
-# Thresholds of contact that both runs share, with the error of theta [rad] in tests.
+# Thresholds of contact that both runs share, with their effect on theta [rad]: see the manual.
 THRESHOLDS = {
     "disc": "a disc that comes to rest, or leaves its rest (up to 1e-5 rad)",
     "both": "a body that comes to stand on both balls (up to 1e-7 rad)",
