@@ -1,6 +1,6 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -82,7 +82,8 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    whole = Motion(*(table.columns.get(name) for name in SCALARS))
+    scalars: Any = (table.columns.get(name) for name in SCALARS)
+    whole = Motion(*scalars)
     theta, phi, omega3 = whole.theta, whole.phi, whole.omega3
     axis = _vector(table, "axis_{}", turn)
     axis = None if axis is None else _unit(table, axis, "axis")
