@@ -11,8 +11,9 @@ from .scales import Space
 
 # Residual of a motion that cannot be computed
 WORST = 10.0
-# Error of data and predictions by rounding, of their root mean square
-ROUNDING = 1e-12
+# Error of data and predictions by rounding, of their root mean square: attitudes after 1500 rad of
+# spin have 1e-12, and after 9000 rad 2e-11
+ROUNDING = 1e-11
 # Medians of the noise beyond which a residual is an outlier
 OUTLIER = 5.0
 WEIGHTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
