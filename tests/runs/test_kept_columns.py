@@ -166,11 +166,9 @@ def test_a_figure_needs_no_more_than_it_names() -> None:
     for kind, figure in catalogue.FIGURES.items():
         if figure.needs not in groups["trajectory"]:
             continue
-        uses = {
-            figure.needs,
-            *figure.uses,
-            *(system.integrals if "integrals" in figure.uses else ()),
-        }
+        uses = {figure.needs, *figure.uses}
+        if "integrals" in uses:
+            uses |= {*system.integrals}
         if "landscape" in uses:
             uses |= {*system.landscape.columns}
         columns = [name for name in has if name in uses]

@@ -71,8 +71,8 @@ def _view(axes: Axes, view: str, path: np.ndarray, t: np.ndarray) -> Any:
     for row, style, words, face in ((0, "o", "start", colours.mark), (-1, "D", "end", "none")):
         if near[row]:
             axes.plot(*plane[row], style, color=colours.mark, mfc=face, ms=5, label=words, zorder=4)
-    labels = {"xlabel": f"$\\hat{{3}}$ along {along}", "ylabel": f"$\\hat{{3}}$ along {up}"}
-    axes.set(xlim=(-size, size), ylim=(-size, size), aspect="equal", title=view, **labels)
+    axes.set(xlim=(-size, size), ylim=(-size, size), aspect="equal", title=view)
+    axes.set(xlabel=f"$\\hat{{3}}$ along {along}", ylabel=f"$\\hat{{3}}$ along {up}")
     axes.locator_params(nbins=5)
     return lines
 
