@@ -91,7 +91,7 @@ def check(
     from ..scenario.doubts import doubts
     from ..sweeps import plan
 
-    tables = reading.override(reading.read(scenario), set_ or [])
+    tables = reading.override(reading.read(scenario), set_)
     if plan.is_plan(tables):
         from . import sweep_command
 
@@ -159,8 +159,11 @@ def export(
             raise StoreError(
                 f"`{store}` must be a run or a sweep to be exported, but is a {content}."
             )
-        groups = [name for name in root.groups_of(store) if name != "keyframes"]
-        tables = {name: root.open_group(store, name) for name in groups}
+        tables = {
+            name: root.open_group(store, name)
+            for name in root.groups_of(store)
+            if name != "keyframes"
+        }
         write(tables, attrs, f"`{store}`", to, out, group, overwrite=overwrite)
         return 0
     from ..exchange.simulators import text_of
