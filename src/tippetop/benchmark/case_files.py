@@ -210,7 +210,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         "scenario.toml": toml_of(tables).strip() + "\n",
         **{name: text_of(problem, to) for to, name in MODELS.items()},
         "reference.csv": _csv(columns),
-        **{f"{name}.csv": _csv(table) for name, table in _tables(run).items() if table},
+        **{f"{name}.csv": _csv(table) for name, table in _tables(run).items()},
     }
     _parquet(columns, folder / "reference.parquet", overwrite)
     content = {name: CONTENT[name] for name in CONTENT if name in {*texts, "reference.parquet"}}
@@ -276,7 +276,7 @@ def scaled(motion: Truth) -> dict[str, tuple[np.ndarray, float]]:
 
 
 def _tables(run: Solution) -> dict[str, dict[str, Any]]:
-    """Return phases and impacts by column; possibly empty."""
+    """Return phases and impacts by column; without tables that have no rows."""
     result: dict[str, dict[str, Any]] = {}
     for name, table in phases.joined(run.problem.system, run.others).items():
         columns: dict[str, Any] = {}
@@ -289,9 +289,10 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
             alike = [c.values for c in table.values() if c.attrs["units"] == unit]
             end = [run.problem.until] if unit == "s" else []
             numbers = rounded_to_digits(np.concatenate([column.values, *alike, end]))
-            values = numbers[: len(column.values)]
-            columns[f"{key} [{unit.replace('m s-1', 'm/s')}]"] = values
-        result[name] = columns if len(next(iter(columns.values()))) else {}
+            header = f"{key} [{unit.replace('m s-1', 'm/s')}]"
+            columns[header] = numbers[: len(column.values)]
+        if len(next(iter(columns.values()))):
+            result[name] = columns
     return result
 
 

@@ -238,7 +238,7 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
         "contact": {
             "penetration": float(max(0.0, -np.nanmin(gap))),
             "gap": float(max(0.0, np.nanmax(gap))),
-            "leaves": [float(t) for t in leaves[:100]],
+            "leaves": leaves[:100].tolist(),
             "times_off": len(leaves),
         }
     }
