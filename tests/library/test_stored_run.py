@@ -99,7 +99,7 @@ def test_a_certificate_joins_the_summary(place: Path) -> None:
     found = run.certify(0.02)
     assert run.summary.certificate.to_dict() == found.to_dict()
     assert f"{found}".startswith("<Certificate against longdouble over 0.02 s: theta differs by at")
-    assert f"{found}".endswith("same_end, columns, theta, turnings>")
+    assert f"{found}".endswith("same_end, columns, theta, turnings, thresholds>")
     assert "against longdouble over 0.02 s" in str(run)
 
 

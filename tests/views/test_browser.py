@@ -114,7 +114,7 @@ def test_the_colours_of_phases_are_explained(tab: Any) -> None:
 
 def test_a_run_that_rolls_throughout_has_no_arrow_of_sliding(open_page: Any) -> None:
     friction = {"law": "coulomb", "mu": 0.3}
-    run = tt.run("inverting", friction=friction, until=0.2)
+    run = tt.run("inverting", friction=friction, start={"nu_x": 0.0}, until=0.2)
     assert 0 < np.abs(run.trajectory.nu_x).max() < 1e-12
     tab = open_page(run.view().text)
     tab.evaluate("tippetop.set(0.1)")
