@@ -21,6 +21,9 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 """Settings of the encoder."""
 
+MOST_FRAMES = 100_000
+"""As many as an hour of 28 frames a second."""
+
 
 def film(
     store: Place,
@@ -79,6 +82,12 @@ def film(
     times, kept, _, notes = run_page.read(pieces, attrs, from_, until)
     for note in notes:
         report(note)
+    count = (times[-1] - times[0]) * fps / speed
+    if count > MOST_FRAMES:
+        raise InputError(
+            f"a film must have at most {MOST_FRAMES} frames, but has {count:.3g}: a larger --speed "
+            "or a shorter part makes fewer."
+        )
     shown = np.arange(times[0], times[-1], speed / fps)
     if not shown.size:
         raise InputError("a film must have two rows, but there is one.")

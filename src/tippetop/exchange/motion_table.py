@@ -110,7 +110,7 @@ def _cells(path: Path) -> dict[str, list]:
             rows = {f"row {n}": row for n, row in enumerate(cells, 1)}
             return {"header": [*map(str, frame.columns)], **rows}
         lines = path.read_text(encoding="utf-8-sig").split("\n")
-        kept = [n for n, line in enumerate(lines) if line.strip() and line.lstrip()[0] != "#"]
+        kept = [n for n, line in enumerate(lines) if line.strip() and not _is_comment(line)]
         reader = csv.reader((lines[n] for n in kept), skipinitialspace=True)
         if found := {f"line {kept[reader.line_num - 1] + 1}": row for row in reader}:
             return found
@@ -160,3 +160,9 @@ def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -
                 f"`theta` must lie in 0 to pi, but is {theta[row]:.6g} rad "
                 f"({np.rad2deg(theta[row]):.6g} deg) in row {row + 1}{hint}."
             )
+
+
+def _is_comment(line: str) -> bool:
+    """Return whether a line begins with `#`, and not with a gap such as `#N/A`."""
+    first = line.partition(",")[0].strip()
+    return first.startswith("#") and first.lower() not in GAPS
