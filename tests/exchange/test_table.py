@@ -170,3 +170,9 @@ def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
     np.testing.assert_allclose(seen.theta, 0.3)
     np.testing.assert_allclose(seen.place[0], [3, 1, 2])
     np.testing.assert_allclose(seen.axis[0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
+
+
+def test_a_row_that_begins_with_a_gap_is_no_comment(tmp_path: Path) -> None:
+    table = written(tmp_path, "t [s],theta [rad]\n0,1\n#N/A,1\n0.2,1\n")
+    with pytest.raises(InputError):
+        motion(motion_table.read(table), Convention())
