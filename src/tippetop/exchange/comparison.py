@@ -191,7 +191,7 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
     ):
         return {}
     gap = there.place[:, 2] - contact.height(axis[:, 2], body)
-    off = gap > TOUCH * (body.R or abs(body.c))
+    off = gap > TOUCH * contact.size(body)
     leaves = there.t[1:][off[1:] & ~off[:-1]]
     return {
         "contact": {

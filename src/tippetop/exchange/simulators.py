@@ -59,8 +59,9 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     columns = read.columns(np.zeros(len(rows)), rows)
     q, scale = columns["orientation"].values, problem.scales.of
     state, carried = read.state(rows)
-    u = np.stack(state[:3], axis=1).astype(float)
-    L = np.stack(state[3:6], axis=1).astype(float) * scale(ANGULAR_MOMENTUM)
+    x = contact.turning(state)
+    u = np.stack(x.u, axis=1).astype(float)
+    L = np.stack(x.L, axis=1).astype(float) * scale(ANGULAR_MOMENTUM)
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
@@ -72,7 +73,8 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
     y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
     place = np.stack([carried.x, y, state.height], axis=1).astype(float) * scale(METRE)
-    velocity = np.stack(state[6:9], axis=1).astype(float) * scale(METRE_PER_SECOND)
+    velocity = np.stack([getattr(state, name) for name in contact.VELOCITY], axis=1).astype(float)
+    velocity *= scale(METRE_PER_SECOND)
     force = np.stack([state.Fx, state.Fy, state.force], axis=1).astype(float) * scale(NEWTON)
     return place, q, velocity, w, force
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError
+from ..mechanics.contact.body import size
 from ..mechanics.contact.contact_phases import LEAST_PATCH
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
@@ -89,7 +90,7 @@ def contact_faults(problem: Problem) -> list[str]:
     if rules is None:
         return []
     body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
-    R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
+    R = size(body)
     fastest, nu_z = math.sqrt(2 * body.g * HIGHEST * R), problem.initial.get("nu_z", 0.0)
     parts = "`friction.mu_r` or `friction.mu_d`"
     patch, disc = getattr(friction, "patch", R), bool(law.regions)
@@ -152,7 +153,7 @@ def contact_faults(problem: Problem) -> list[str]:
             f"but is {mu_r:g}."
         )
     least = _least_gap(problem.initial, body.R, rules) if rules.stem else -math.inf
-    if gap < least - UNDER * body.R:
+    if gap < least - UNDER * R:
         faults.append(
             f"`initial.gap` must be at least {least:.17g}, but is {gap:g}: the stem would be "
             "under the plane."

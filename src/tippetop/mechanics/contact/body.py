@@ -54,6 +54,19 @@ def seen_from_other(b: Touch) -> Touch:
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
+def as_ball(b: Touch) -> Touch:
+    """Return the ball by which a body touches the plane, alone."""
+    return Touch(b.m, b.R, b.c, b.I1, b.I3, b.g, b.friction)
+
+
+def size(b: Touch) -> Any:
+    """Return the size of a body [m], by which its other lengths are measured.
+
+    That of a tip is its distance from the centre of mass.
+    """
+    return max(b.R, abs(b.c))
+
+
 class Top(Record, abstract=True):
     """A body, by the numbers that the user gives.
 

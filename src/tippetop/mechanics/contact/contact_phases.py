@@ -183,7 +183,7 @@ FLIGHT = Phase(
         FREE,
         free_rates,
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
-        integrals=place(lambda q, carried, b: q[6:8]),
+        integrals=place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
         orientation=TURN,
     ),
     (),
@@ -192,7 +192,7 @@ FLIGHT = Phase(
         replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b)),
     ),
     enter=lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-    leave=lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
+    leave=lambda q, b: Moving(*turning(q), Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height),
     reaction=lambda q, b: Reaction(none(q)),
 )
 

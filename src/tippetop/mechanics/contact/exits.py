@@ -339,19 +339,20 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     name, number = phase_name("slip", ball), type(world.left)
     phase, wide = world.phases[name], world._replace(body=rounded(world.body))
     x, b = rounded(x), wide.body[ball]
+    first = len(DIRECTED) - 2  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
         *moved, w, beta = values
-        return type(DIRECTED)(*moved[:6], beta, w), x.carried._make(moved[6:])
+        return type(DIRECTED)(*moved[:first], beta, w), x.carried._make(moved[first:])
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
-        every = (*by[:6], *wide.rates(phase, q, carried), by.w)
+        every = (*by[:first], *wide.rates(phase, q, carried), by.w)
         return np.array(np.broadcast_arrays(*every)), by.beta
 
     omega = contact.angular_velocity(x, b)
-    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
+    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * contact.size(b))))
 
     def lasts(end: np.ndarray) -> bool:
         q, _ = read(end)

@@ -29,27 +29,28 @@ from .integrals import integral
 from .rolling import spin
 
 
-ROW_UNITS = state(
-    **VELOCITY,
-    height=METRE,  # of the centre of mass
-    Fx=NEWTON,
-    Fy=NEWTON,
-    force=NEWTON,  # normal
-    radius=METRE,  # of the ball in contact, or last in contact
-    offset=METRE,
-    stem_gap=METRE,
-    phase=ONE,
-    ball=ONE,
-    jellett_taken=JELLETT,
-    drilled=WATT,
-)
+NUMBERS = {
+    "height": METRE,  # of the centre of mass
+    "Fx": NEWTON,
+    "Fy": NEWTON,
+    "force": NEWTON,  # normal
+    "radius": METRE,  # of the ball in contact, or last in contact
+    "offset": METRE,
+    "stem_gap": METRE,
+    "phase": ONE,
+    "ball": ONE,
+    "jellett_taken": JELLETT,
+    "drilled": WATT,
+}
+ROW_UNITS = state(**VELOCITY, **NUMBERS)
 Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
 
 def moving(row: Any, carried: Any) -> Moving:
     """Return the common state of a row."""
-    return Moving(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
+    velocity = Vector(row.rx_dot, row.ry_dot, row.rz_dot)
+    return Moving(*turning(row), velocity, row.height, carried)
 
 
 def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
@@ -81,7 +82,7 @@ FIELDS = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
-    *Row._fields[9:],
+    *NUMBERS,
 )
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
@@ -103,7 +104,7 @@ def row_scalars(q, b):
         q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
         q.drilled - (q.Fx * v.x + q.Fy * v.y),
         q.height - q.radius + q.offset * u.z,
-        *q[9:],
+        *(getattr(q, name) for name in NUMBERS),
     )
 
 
