@@ -13,6 +13,7 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON
 from ..problem import Problem
+from ..runs.shape import refuse_outline
 from ..scenario import build
 
 
@@ -102,6 +103,7 @@ def text_of(problem: Problem, to: str) -> str:
         raise InputError(
             f"a body for a simulator must be a top, but this is `{problem.system.name}`."
         )
+    refuse_outline(problem.body(), problem.system.name)
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))

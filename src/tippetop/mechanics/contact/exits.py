@@ -34,6 +34,7 @@ from .contact_phases import (
     without_slip_on_both,
 )
 from .first_slip import first_directions, first_slip
+from .outline import Ball
 from .response import (
     bias_vector,
     cone,
@@ -174,7 +175,7 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 
     A step that goes far beyond it would find the landing less exactly.
     """
-    v, highest = x.velocity.z, abs(contact.gap(x, b)) + 2 * abs(b.c)
+    v, highest = x.velocity.z, abs(contact.gap(x, b)) + contact.height_range(b)
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
@@ -184,7 +185,13 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
-    return -(b.c * dot(x.L, x.L) / b.I1**2 * contact.axis_rate(x, b).z)
+    u_dot = contact.axis_rate(x, b)
+    third = -(b.c * dot(x.L, x.L) / b.I1**2 * u_dot.z)
+    if not isinstance(b.outline, Ball):
+        swing = cross(x.L, u_dot).z / b.I1
+        _, bend, twist = b.outline
+        third += 3 * bend * (u_dot.z * swing) + twist * (u_dot.z * u_dot.z * u_dot.z)
+    return third
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:

@@ -50,7 +50,8 @@ Row = type(ROW_UNITS)
 def moving(row: Any, carried: Any) -> Moving:
     """Return the common state of a row."""
     velocity = Vector(row.rx_dot, row.ry_dot, row.rz_dot)
-    return Moving(*turning(row), velocity, row.height, carried)
+    x = turning(row)
+    return Moving(x.u, x.L, velocity, row.height, carried)
 
 
 def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
@@ -59,6 +60,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     b is the body seen from the ball of the phase. Numbers, arrays or expressions.
     """
     x, by = phase.leave(q, b), phase.reaction(q, b)
+    b = contact.by_axis(x.u, b)
     reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
@@ -128,6 +130,7 @@ def row_of_angles(e, s, z, b):
     """
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
+    b = contact.touching_ball(z, s * s, b)
     x = axis_and_momentum(e, s, z, b.I1, b.I3)
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
@@ -207,10 +210,11 @@ def energy(s, b):
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
-def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
+def columns(jellett: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """Return the columns of rows.
 
-    `routh`: Routh's function of a gliding body, if its system has one.
+    `jellett`: whether Jellett's integral is conserved on a ball; `routh`: Routh's function of a
+    gliding body, if its system has one.
     """
     formulas = {
         "energy": energy,
@@ -226,7 +230,7 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
         text = "height of the stem's ball"
         gap = Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
         quantities.append(gap)
-    return (*(() if planar else JELLETT_COLUMNS), *quantities, *PLACE_COLUMNS)
+    return (*(JELLETT_COLUMNS if jellett else ()), *quantities, *PLACE_COLUMNS)
 
 
 JELLETT_COLUMNS = (
