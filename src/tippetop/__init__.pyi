@@ -30,6 +30,8 @@ from .mechanics.friction import FrictionLaw
 from .mechanics.system import System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
 from .mechanics.systems.heavy_top import HeavyTop as HeavyTop
+from .mechanics.systems.revolution import Disc as Disc
+from .mechanics.systems.revolution import Spheroid as Spheroid
 from .mechanics.systems.tippe_top import TippeTop as TippeTop
 from .problem.problem import Problem as Problem
 from .runs.starting import load as load

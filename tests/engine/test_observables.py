@@ -22,14 +22,19 @@ STARTS = {
     "heavy-top": ROLLS,
     "gliding-cylinder": {"theta": 0.4, "theta_dot": 1.0, "nu_x": 0.1},
     "rolling-cylinder": {"theta": 0.4, "theta_dot": 1.0},
+    "spheroid": SLIDES,
+    "rolling-spheroid": ROLLS,
+    "disc": SLIDES,
+    "rolling-disc": ROLLS,
 }
 CYLINDER = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 3e-6, "g": 9.82}
+OUTLINES = {"a": 0.03, "b": 0.02, "c": 1e-3, "ring": 0.02, "tube": 2e-3}
 EVERY_FORM = [(name, form) for name in STARTS for form in SYSTEMS[name].forms]
 
 
 def made(system: str, form: str, theta: float | None = None, **options: object) -> Problem:
     used = SYSTEMS[system]
-    given = {**CYLINDER, **examples.HEAVY, **examples.CANONICAL}
+    given = {**CYLINDER, **examples.HEAVY, **examples.CANONICAL, **OUTLINES}
     start = {**STARTS[system], **({} if theta is None else {"theta": theta})}
     law = ("viscous", {"mu": 0.3}) if used.frictional else ("none", {})
     return examples.problem(

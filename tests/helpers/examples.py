@@ -30,6 +30,10 @@ PRESETS = {
     "heavy-top": "heavy-top",
     "gliding-cylinder": "gliding-cylinder",
     "rolling-cylinder": "rolling-cylinder",
+    "spheroid": "spinning-egg",
+    "rolling-spheroid": "rolling-egg",
+    "disc": "spinning-coin",
+    "rolling-disc": "rolling-coin",
 }
 """A preset of each system."""
 

@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import rolling
+from tippetop.mechanics.contact.outline import Rim, Spheroid
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill
 from tippetop.mechanics.systems import gliding_heavy_top, tippe_top
@@ -138,7 +139,7 @@ class Case:
             w = q.theta_dot * node - phi_dot * s * (z * e - s * vertical) + omega3 * u
             L = b.I1 * w + (b.I3 - b.I1) * omega3 * u
         omega = L / b.I1 + (1 / b.I3 - 1 / b.I1) * np.sum(L * u, axis=0) * u
-        arm = b.c * u - b.R * vertical
+        arm = arm_of(u, vertical, b)
         arm_speed = np.cross(omega, arm, axis=0)
         if self.system.frictional:
             rates = self.rates(q)
@@ -150,6 +151,20 @@ class Case:
     def derivative(self) -> Motion:
         """Derivatives of the vectors along the flow."""
         return self.along(self.motion)
+
+
+def arm_of(u: np.ndarray, vertical: np.ndarray, b: Any) -> np.ndarray:
+    """The lowest point of a body, from its centre of mass: of a spheroid by its matrix, of a rim by
+    the lowest point of its circle.
+    """
+    shape, z = b.outline, u[2]
+    if isinstance(shape, Spheroid):
+        down = shape.b**2 * vertical + (shape.a**2 - shape.b**2) * z * u
+        return shape.c * u - down / np.sqrt(down[2])
+    if isinstance(shape, Rim):
+        across = vertical - z * u
+        return shape.c * u - shape.tube * vertical - shape.ring * across / np.sqrt(across[2])
+    return b.c * u - b.R * vertical
 
 
 def momentum_about_centre(u: np.ndarray, q: Any, b: Any) -> np.ndarray:
@@ -373,7 +388,7 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
     """Energies, Jellett's integral, Routh's function, L_3 and L_z, from the vectors."""
     b, m = case.body, case.motion(case.state)
     rotation = np.sum(m.omega * m.L, axis=0) / 2
-    height = b.m * b.g * (b.R - b.c * m.u[2])
+    height = -(b.m * b.g * m.arm[2])
     arm_speed = np.cross(m.omega, m.arm, axis=0)
     yield "E", case.quantity("energy"), b.m * np.sum(m.s_dot**2, axis=0) / 2 + rotation + height
     yield (
@@ -384,6 +399,14 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
     L3 = np.sum(m.L * m.u, axis=0)
     if "jellett" in case.formulas:
         yield "lambda", case.quantity("jellett"), -np.sum(m.L * m.arm, axis=0)
+        rate, s = (
+            case.along(lambda x: case.quantity("jellett", x)),
+            case.form.scalars(case.state, b),
+        )
+        yield "lambda'", rate, -np.sum(m.L * case.derivative().arm, axis=0)
+        bend = contact.by_scalars(s, b).outline.bend if len(b.outline) else 0.0
+        yield "lambda' by the bend", rate, -bend * s.z_dot * (L3 - m.u[2] * m.L[2])
+    if "routh" in case.formulas:
         gamma, sigma, alpha, z = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R, m.u[2]
         d = gamma + sigma * (alpha - z) ** 2 + sigma * gamma * (1 - z**2)
         yield "D", case.quantity("routh"), L3 * np.sqrt(d)
@@ -412,6 +435,7 @@ def main_equation(case: Case) -> Pairs:
     rate = b.m * np.sum(arm_speed[:2] * change.v[:2], axis=0)
     yield "E~'", case.along(lambda x: case.quantity("modified_energy", x)), rate
     s = case.form.scalars(q, b)
+    b = contact.by_scalars(s, b)
     v_u = np.sum(m.u[:2] * change.v[:2], axis=0)  # (dv_A/dt).3hat
     v_n = m.u[0] * change.v[1] - m.u[1] * change.v[0]  # (zhat x 3hat).dv_A/dt
     yield "E~' as a formula", contact.modified_energy_rate(v_u, v_n, s, b), rate
@@ -436,8 +460,8 @@ def general_system(case: Case) -> Pairs:
 
     [T 3.36; section 12]
     """
-    e, b = case.state, case.body
-    rates = case.rates(e)
+    e, rates = case.state, case.rates(case.state)
+    b = contact.by_scalars(case.form.scalars(e, case.body), case.body)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
     s, z = np.sin(e.theta), np.cos(e.theta)
     _, theta_dot2, phi_dot2, omega3_dot = rolling.euler_rates(e, b)
@@ -550,7 +574,7 @@ def domains_are_what_they_say(case: Case) -> Pairs:
     for domain in case.form.domains:
         value = domain.formula(s, b)
         if "jam" not in domain.meaning:
-            yield "pole", value, 1 - m.u[2] ** 2
+            yield "pole", value, 1 - m.u[2] ** 2 - (1e-6 if "flat" in domain.meaning else 0)
         elif case.law != "modified":
             N = case.quantity("normal_force")
             F = contact_law(case, m, m, N) / N
@@ -607,6 +631,8 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
     parameters = {name: rng.uniform(0.6, 1.5, n) for name in system.parameters}
     if "alpha" in parameters:
         parameters["alpha"] = rng.uniform(0.1, 0.9, n)
+    if "c" in parameters:
+        parameters["c"] = rng.uniform(-0.5, 0.5, n)
     if "mu" in (record := system.laws[law]._fields if system.frictional else ()):
         friction = system.laws[law](*(rng.uniform(0.02, 0.2, n) for _ in record))
         speeds = {

@@ -52,6 +52,11 @@ def bodies(draw: st.DrawFn, system: Any, scale: float) -> dict[str, float]:
         "I3": I3,
         "I1": I3 * draw(st.floats(0.55, 3.0)),  # every body has I3 <= 2 I1
         "I": m * R * R * draw(st.floats(0.2, 0.9)),
+        "a": R * draw(spread(0.3, 3.0)),
+        "b": R,
+        "c": alpha * R,
+        "ring": R,
+        "tube": R * draw(spread(0.01, 1.0)),
     }
     return {name: numbers[name] for name in system.parameters}
 

@@ -97,7 +97,7 @@ def test_every_list_of_laws_is_the_same() -> None:
     named = {section.title: section.text for section in scenario_reference.friction()}
     del named["coulomb (without eps)"]
     assert named.keys() == tt.extending.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
-    assert named["contensou"].endswith("For tippe-top.")
+    assert named["contensou"].endswith("For tippe-top, spheroid, disc.")
     assert named["modified"].endswith("For gliding-cylinder.")
     for name, absent in (("tippe-top", "modified"), ("gliding-cylinder", "contensou")):
         laws = [law for law in named if law != absent]

@@ -23,6 +23,7 @@ from tippetop.mechanics.operand import (
     dot,
     exp,
     formula,
+    kinds,
     plus,
     product_error,
     select,
@@ -189,3 +190,9 @@ def _chosen_inside(x, record):
 def test_a_formula_is_chosen_by_the_type_of_its_last_argument(world: Callable) -> None:
     assert world(2.0, Red(5.0)) == 7.0
     assert world(2.0, Blue(5.0)) == 10.0
+
+
+def test_equal_records_of_other_types_have_other_kinds() -> None:
+    whole, other = Vector(1.0, Red(5.0), ()), Vector(1.0, Blue(5.0), ())
+    assert whole == other
+    assert kinds(whole) == (Vector, (Red,), (tuple,)) != kinds(other)

@@ -131,13 +131,16 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
     assert abs(modes.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
 
 
+OUTLINES = {"a": 0.03, "b": 0.02, "c": 1e-3, "ring": 0.02, "tube": 2e-3}
+
+
 def start_of(
     name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float
 ) -> Problem:
     """A start of a system with its usual numbers."""
     system, numbers = (
         SYSTEMS[name],
-        examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6},
+        examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6, **OUTLINES},
     )
     initial = {
         "theta": theta,

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from ..exchange.motion import axis_of, theta_of
+from ..mechanics.contact.body import size
 from ..problem import Problem
 from .truth import Truth
 
@@ -26,7 +27,7 @@ def rise(problem: Problem, motion: Truth) -> float:
     """Return the largest rise of the lowest ball from its lowest gap after a contact [m]."""
     gap = _gaps(problem, motion).min(axis=0)
     least = np.minimum.accumulate(gap)
-    near = least < 10 * TOUCH * problem.body().R
+    near = least < 10 * TOUCH * size(problem.body())
     return float((gap - least)[near].max(initial=0.0))
 
 
@@ -50,8 +51,8 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
         return result
     gaps = _gaps(problem, motion)
     lowest = gaps.argmin(axis=0)
-    touches = gaps.min(axis=0) < TOUCH * body.R
-    result["lifts off"] = rise(problem, motion) > TOUCH * body.R
+    touches = gaps.min(axis=0) < TOUCH * size(body)
+    result["lifts off"] = rise(problem, motion) > TOUCH * size(body)
     if rules.stem:
         result["lands on the stem"] = bool((touches & (lowest == 1)).any())
     moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()
@@ -59,6 +60,6 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
         offset, radius = [*problem.balls.values()][lowest[-1]]
         arm = offset * axis_of(motion.quaternion)[-1] - [0.0, 0.0, radius]
         slip = motion.velocity[-1] + np.cross(motion.omega[-1], arm)
-        slow = math.hypot(slip[0], slip[1]) < STICKS * math.sqrt(body.g * body.R)
+        slow = math.hypot(slip[0], slip[1]) < STICKS * math.sqrt(body.g * size(body))
         result["sticks"] = bool(touches[-1] and slow)
     return result

@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from itertools import repeat
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO, zero_of
 from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, STALL, Exit, Next, Phase
 from ..mechanics.moment import moment
-from ..mechanics.operand import leaves, refill
+from ..mechanics.operand import kinds, leaves, refill
 from ..mechanics.readonly import ReadOnly
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
@@ -78,18 +79,15 @@ def completed(phase: Phase, variables: Variables) -> Phase:
 
 
 @lru_cache(maxsize=256)
-def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) -> Formulas:
-    """Return the formulas of a phase, whose parameters are a record of type `body` with this record
-    of a law.
+def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) -> Formulas:
+    """Return the formulas of a phase, whose parameters are a record like `pattern`, of `kinds`
+    `types`.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]
     of_phases = {event.name for other in system.phases.values() for event in other.events}
     common = [event for event in system.events if event.formula and event.name not in of_phases]
-    template = body(
-        *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
-    )
-    folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
+    folds = {name: v for name, v in system.folds(form).items() if name in pattern._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         state = form.scalars(q, b)
@@ -101,9 +99,8 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
         return values
 
     events = *own, *common
-    return Formulas(
-        form, events, functions, lambda values: refill(template, values)._replace(**folds)
-    )
+    body = lambda values: refill(pattern, values)._replace(**folds)  # noqa: E731
+    return Formulas(form, events, functions, body)
 
 
 class World(NamedTuple):
@@ -283,8 +280,8 @@ class Track:
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
-        types: Any = type(self.b), type(self.b.friction)
-        self.formulas = formulas_of_phase(problem.system, phase, *types)
+        pattern = refill(self.b, repeat(1.0))
+        self.formulas = formulas_of_phase(problem.system, phase, pattern, kinds(pattern))
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
         code = code_for(problem, self.formulas, run.stop)
         records = self._records(run, code.rows.events)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Moving, Touch, velocities
+from ..mechanics.contact.body import Moving, Touch, as_ball, velocities
 from ..mechanics.contact.impact_motion import CLOCK_RATE
 from ..mechanics.contact.response import work_of
 from ..mechanics.lines import unit_of
@@ -46,9 +46,9 @@ way.
 def formulas_of_impact(friction: Any, name: str) -> Formulas:
     """Return the formulas of a stage, with the type of the record of a friction law."""
     stage = motion.stages(friction)[name]
-    touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
+    ball = Touch(*(1.0,) * 6, friction._make(friction._fields))
     axis = Vector(1.0, 1.0, 1.0)
-    template = motion.Blow(axis, *(1.0,) * 4, axis, axis, touch)
+    template = motion.Blow(axis, *(1.0,) * 4, axis, axis, ball)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         return [event.formula(q, b) for event in stage.events]
@@ -149,6 +149,7 @@ class ImpactMotions:
             If friction jams the contact, or is too stiff.
         """
         self.follow, self.left, self.mode = piece or self.piece, MOST_STEPS, "slip"
+        b = as_ball(b)  # which stays within an impact
         (v, omega), none = velocities(x, b), 0 * x.height
         slip = v._replace(z=b.friction.patch * omega.z if self.law.regions else none)
         speed, unit, stops = unit_of(*v, slip.z), unit_of(v.z), STOPS[self.precision]

@@ -132,11 +132,11 @@ def compiled_from(
         source = _source(e, function, equations, formulas, variables)
         if not source and event.extremes in of_integrals:
             source = variables.moving + of_integrals.index(event.extremes), 1, INTEGRAL_SCALE, 0.0
-        sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
+        scale = 1.0 if event.name in formulas.form.resolved else INTEGRAL_SCALE
+        sources.append(source or (len(equations), 1, scale, 0.0))
         if not source:
-            equations.append(
-                (hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function)
-            )
+            integral = hy.make_vars(f"integral_{event.name}")
+            equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
     level = opt_level() if terms < HUGE else 0

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import BALLS, Touch
+from ..mechanics.contact.body import BALLS, Touch, by_scalars
 from ..mechanics.contact.contact_phases import PHASES
 from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.system import System
@@ -60,6 +60,7 @@ def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
     with np.errstate(all="ignore"):  # of tops beyond the doubles
         scalars = problems.base.form.scalars(problems.record(states.astype(float)), body)
         v2 = getattr(scalars, "v2", 0.0)  # a tip that is held has none
+        body = by_scalars(scalars, body)
         fast = v2 > SLIDES**2 * body.g * (body.R + np.abs(body.c))
     return np.broadcast_to(fast, states.shape[1])
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
-from ..mechanics.contact.body import Touch, height
+from ..mechanics.contact.body import Touch, by_scalars, height
 from ..mechanics.moment import moment
 from ..mechanics.operand import Vector, cos, leaves, refill, sin
 from ..mechanics.rotation import outer
@@ -127,7 +127,8 @@ def expressions_of(kind: Kind, state: list[Any], body: Any) -> dict[str, Any]:
     form, (q, carried) = kind.variables.form, kind.variables.split(state)
     values = observed(kind.system, form, q, carried, body)
     if isinstance(body, Touch):
-        values |= {"height": height(form.scalars(q, body).z, body)}
+        scalars = form.scalars(q, body)
+        values |= {"height": height(scalars.z, by_scalars(scalars, body))}
     if kind.variables.orientation and form.orientation:
         values |= orientation_of(kind.system, form, q, carried, body)
         first, third = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))

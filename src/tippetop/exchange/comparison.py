@@ -231,8 +231,9 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
         or not np.isfinite(there.place[:, 2]).any()
     ):
         return {}
-    gap = there.place[:, 2] - contact.height(axis[:, 2], body)
-    off = gap > TOUCH * (body.R or abs(body.c))
+    z = axis[:, 2]
+    gap = there.place[:, 2] - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
+    off = gap > TOUCH * contact.size(body)
     leaves = there.t[1:][off[1:] & ~off[:-1]]
     return {
         "contact": {

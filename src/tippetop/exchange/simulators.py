@@ -13,6 +13,7 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
+from ..runs.shape import refuse_outline
 from ..scenario import build
 from .motion import axis_of, turned
 
@@ -65,8 +66,9 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
 
     state, carried = read.state(rows)
-    u = np.stack(state[:3], axis=1).astype(float)
-    L = vectors(ANGULAR_MOMENTUM, *state[3:6])
+    x = contact.turning(state)
+    u = np.stack(x.u, axis=1).astype(float)
+    L = vectors(ANGULAR_MOMENTUM, *x.L)
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
@@ -79,7 +81,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
         return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
     y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
     place = vectors(METRE, carried.x, y, state.height)
-    velocity = vectors(METRE_PER_SECOND, *state[6:9])
+    velocity = vectors(METRE_PER_SECOND, *(getattr(state, name) for name in contact.VELOCITY))
     return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
 
 
@@ -106,6 +108,7 @@ def text_of(problem: Problem, to: str) -> str:
         raise InputError(
             f"a body for a simulator must be a top, but this is `{problem.system.name}`."
         )
+    refuse_outline(problem.body(), problem.system.name)
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))

@@ -113,8 +113,8 @@ def _tables(
         tables = reading.read(os.fspath(source))
     else:
         raise InputError(
-            "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a "
-            "preset, a TOML file, the tables of a scenario or a System, but is "
+            "the first argument must be a body (TippeTop, HeavyTop, Cylinder, Spheroid, Disc), the "
+            "name of a preset, a TOML file, the tables of a scenario or a System, but is "
             f"{source!r:.60}."
         )
     if system is not None:

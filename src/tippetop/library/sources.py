@@ -8,13 +8,14 @@ from ..mechanics.contact.body import Top
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.cylinder import Cylinder
 from ..mechanics.systems.heavy_top import HeavyTop
+from ..mechanics.systems.revolution import Disc, Spheroid
 from ..mechanics.systems.tippe_top import TippeTop
 from ..problem import Problem
 from .finished_run import Run
 from .scenarios import checked, problem_of
 
 
-KINDS = (TippeTop, HeavyTop, Cylinder)
+KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc)
 
 
 def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:

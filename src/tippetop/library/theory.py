@@ -12,6 +12,7 @@ from ..mechanics.contact.body import Top
 from ..mechanics.friction import has_parts
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.heavy_top import HeavyTop
+from ..mechanics.systems.revolution import Spheroid
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import least_energy as least
 from ..mechanics.theory import modes, regimes
@@ -187,7 +188,7 @@ def linear_modes(
 
     Parameters
     ----------
-    top : TippeTop, HeavyTop, Run, Problem or str
+    top : TippeTop, HeavyTop, Spheroid, Run, Problem or str
         A body or a source of one, as for `thresholds`.
     law : friction law, optional
         A record such as `Viscous(mu=0.3)`. With one, the contact glides; without, it is at rest
@@ -215,7 +216,7 @@ def linear_modes(
     glides. Friedl (1997).
     """
     flag("inverted", inverted)
-    body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
+    body, problem = top_of(top, TippeTop, HeavyTop, Spheroid), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     friction = None
     if law is not None:

@@ -139,6 +139,9 @@ class Form:
     length_unit, not_normalised
         The unit of length of the form, in units of the system; the fields of the body that are 1 in
         the units of the system but not in those of the form.
+    resolved
+        Names of events whose functions control the step too. It is needed where their Taylor series
+        converge more slowly than those of the state, as that of a gap that is no polynomial of it.
     """
 
     name: str
@@ -153,6 +156,7 @@ class Form:
     domains: tuple[Domain, ...] = ()
     length_unit: float = 1.0
     not_normalised: tuple[str, ...] = ()
+    resolved: tuple[str, ...] = ()
 
 
 def unchanged(x: Any, b: Any) -> Any:

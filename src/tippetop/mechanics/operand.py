@@ -165,6 +165,11 @@ def refill(record: Any, values: Any) -> Any:
     return make(refill(f, values) if isinstance(f, tuple) else next(values) for f in record)
 
 
+def kinds(record: Any) -> tuple:
+    """Return the types of a record and of the records in it, by which equal records may differ."""
+    return type(record), *(kinds(field) for field in record if isinstance(field, tuple))
+
+
 def select(choose: Callable[[Any], Callable]) -> Callable:
     """Return a formula that is chosen by the type of its last argument, a NamedTuple.
 

@@ -90,14 +90,23 @@ class Opening(NamedTuple):
 
     # whether it moves in a plane
     planar: bool = False
-    # whether its ball has a radius: there may be a stem, and a contact disc
+    # whether it is a sphere, which may have a stem
     sphere: bool = False
+    # whether it has an outline, and is a different ball at each inclination
+    outlined: bool = False
+    # domains of its rows
+    domains: tuple[Domain, ...] = ()
     # Routh's function of the gliding body, if it has one
     routh: Callable | None = None
     # outlook(b, start, rules) -> Outlook
     outlook: Callable | None = None
     # quantities of the gliding body that are not columns of its phases
     without: tuple[str, ...] = ()
+
+    @property
+    def rounded(self) -> bool:
+        """Return whether its contact has curvature: there may be a contact disc."""
+        return self.sphere or self.outlined
 
 
 def _same(value: Any) -> Any:

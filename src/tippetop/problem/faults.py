@@ -132,7 +132,9 @@ def start_faults(problems: "Problems") -> list[Fault]:
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
     ours = [i for i in range(len(domains), len(table)) if i not in owners]
-    faults.append((together, ~finite | ~(abs(table[ours]) < LARGEST).all(axis=0)))
+    known = table[: len(domains)]
+    overflows = ~finite | ~(abs(table[ours]) < LARGEST).all(axis=0)
+    faults.append((together, overflows & ~((known <= 0) & (known > -LARGEST)).any(axis=0)))
     large = abs(start[variables.moving :]) > 1
     for i in _rows(large):
         name = variables.names[variables.moving + i]
@@ -141,7 +143,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
             "it is so large that it would decide how long the steps are."
         )
         faults.append((sentence, large[i]))
-    outside = ~(table[: len(domains)] > 0)
+    outside = ~(known > 0)
     for i in _rows(outside):
         sentence = f"`initial` must allow a motion, but {domains[i].meaning}."
         faults.append((sentence, outside[i]))

@@ -9,7 +9,9 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.caching import cached_property
+from ..mechanics.contact.body import touching_ball
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
+from ..mechanics.contact.uniqueness import THETA
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
@@ -177,10 +179,14 @@ class Problem(RunOptions):
         return self.system.body_of(self.parameters, self.friction, number)
 
     @property
-    def balls(self) -> dict[str, tuple[float, float]]:
-        """Offset along the axis and radius [m] of each ball that may touch the plane, by name."""
+    def balls(self) -> dict[str, tuple[Any, Any]]:
+        """Offset along the axis and radius [m] of each ball that may touch the plane, by name.
+
+        Of a body with an outline they are arrays, over `uniqueness.THETA`.
+        """
         body, rules = self.body(), self.contact
-        balls = {"body": (body.c, body.R)}
+        at = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, body)
+        balls = {"body": (at.c, at.R)}
         if rules is not None and rules.stem:
             balls["stem"] = body.c + rules.h, rules.r
         return balls

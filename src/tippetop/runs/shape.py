@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact.body import Touch
+from ..mechanics.contact.outline import Ball
 from ..mechanics.friction import Frictionless
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import by_name, find
@@ -29,12 +30,22 @@ def body_of(attrs: dict[str, Any]) -> Touch:
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = system.laws.get(friction.get("law"), Frictionless)
     body = system.body_of(attrs["parameters"], law._make(friction[name] for name in law._fields))
+    refuse_outline(body, system.name)
     needed = [name for name in Touch._fields if name not in Touch._field_defaults]
     missing = [name for name in needed if not hasattr(body, name)]
     if missing:
         what = f"a body that is shown must have {', '.join(needed)}"
         raise InputError([f"{what}, but that of `{attrs['system']}` has no {missing[0]}."])
     return Touch(*(getattr(body, name) for name in needed))
+
+
+def refuse_outline(body: Any, system: str) -> None:
+    """Raise InputError for a body that pictures and files of simulators cannot contain yet."""
+    if not isinstance(getattr(body, "outline", Ball()), Ball):
+        raise InputError(
+            f"a body that is drawn or exported must touch the plane with spheres, but `{system}` "
+            "has another outline."
+        )
 
 
 def columns_of(attrs: dict[str, Any]) -> set[str]:

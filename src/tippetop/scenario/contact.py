@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError
+from ..mechanics.contact.body import size
 from ..mechanics.contact.contact_phases import LEAST_PATCH
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
@@ -35,15 +36,15 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     name = law_name(tables)
     law = system.laws.get(name, LAWS.get(name, LAWS["none"])).given(friction)
     opening = system.opening
-    features = (  # the requirement, whether it is given, and whether only a sphere has it
-        ("`contact`", "contact" in tables, False),
-        ("`stem`", "stem" in tables, True),
-        ('`run.on_liftoff = "fly"`', run.get("on_liftoff") == "fly", False),
-        (f'`friction.law = "{name}"`', bool(law.regions), True),
-        *((f"`friction.{part}`", law.torque and part in friction, True) for part in PARTS),
-        (f'`friction.law = "{name}"` without eps', law.set_valued and opening, False),
+    features = (  # the requirement, whether it is given, and the Opening that has it; "": any
+        ("`contact`", "contact" in tables, ""),
+        ("`stem`", "stem" in tables, "sphere"),
+        ('`run.on_liftoff = "fly"`', run.get("on_liftoff") == "fly", ""),
+        (f'`friction.law = "{name}"`', bool(law.regions), "rounded"),
+        *((f"`friction.{part}`", law.torque and part in friction, "rounded") for part in PARTS),
+        (f'`friction.law = "{name}"` without eps', law.set_valued and opening, ""),
     )
-    asked = [(feature, sphere) for feature, given, sphere in features if given]
+    asked = [(feature, kind) for feature, given, kind in features if given]
     if not asked:
         above = [key for key in ABOVE if key in initial]
         if above and opening:
@@ -53,8 +54,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
             )
         return system
     bodies = opening_systems()
-    for feature, sphere in asked:
-        fits = [key for key, body in bodies.items() if not sphere or body.opening.sphere]  # type: ignore[union-attr]
+    for feature, kind in asked:
+        fits = [key for key, body in bodies.items() if not kind or getattr(body.opening, kind)]
         if system.name not in fits:
             raise InputError(
                 f"{feature} must be of a {' or '.join(fits)}, but the system is {system.name}."
@@ -89,7 +90,7 @@ def contact_faults(problem: Problem) -> list[str]:
     if rules is None:
         return []
     body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
-    R = max(body.R, abs(body.c))  # the length of a heavy top, whose tip has no radius
+    R = size(body)
     fastest, nu_z = math.sqrt(2 * body.g * HIGHEST * R), problem.initial.get("nu_z", 0.0)
     parts = "`friction.mu_r` or `friction.mu_d`"
     patch, disc = getattr(friction, "patch", R), bool(law.regions)
@@ -126,8 +127,8 @@ def contact_faults(problem: Problem) -> list[str]:
             ),
             (
                 disc and not (1 - 1e-12) * LEAST_PATCH * R <= patch <= R,  # the least is allowed
-                f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to parameters.R = {R:.6g}, "
-                f"but is {patch:.9g}.{smaller}",
+                f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to the size of the body = "
+                f"{R:.6g}, but is {patch:.9g}.{smaller}",
             ),
         )
         if broken
@@ -152,7 +153,7 @@ def contact_faults(problem: Problem) -> list[str]:
             f"but is {mu_r:g}."
         )
     least = _least_gap(problem.initial, body.R, rules) if rules.stem else -math.inf
-    if gap < least - UNDER * body.R:
+    if gap < least - UNDER * R:
         faults.append(
             f"`initial.gap` must be at least {least:.17g}, but is {gap:g}: the stem would be "
             "under the plane."

@@ -17,8 +17,10 @@ PLAUSIBLE = {"R": (0.01, 4.0), "l": (0.0, 100.0)}
 def doubts(problem: Problem) -> list[str]:
     """Return one sentence for each doubt; empty for most scenarios."""
     initial, given, sentences = problem.initial, problem.parameters, []
+    theta = float(initial.get("theta", 0.0))
     if "omega3" in problem.system.initial:
-        if not {"omega3", "psi_dot", "phi_dot"} & set(initial):
+        turns = initial.get("phi_dot", 0.0) != 0 and theta not in (0.0, math.pi)
+        if not turns and not {"omega3", "psi_dot"} & set(initial):
             sentences.append("`initial.omega3` is not given: this top does not spin.")
         if "theta" not in initial and starts_at_pole(problem):
             sentences.append(
@@ -28,7 +30,6 @@ def doubts(problem: Problem) -> list[str]:
         sentences.append(
             f"the contact point starts {start}. Under Coulomb's law itself it may never slide."
         )
-    theta = float(initial.get("theta", 0.0))
     falls = any(event.ends == "fallen" for event in problem.system.events)
     if falls and abs(theta) >= math.pi / 2:
         sentences.append(

@@ -137,7 +137,7 @@ def friction() -> list[Section]:
             optional = ", ".join(key for key, rule in law.parameters.items() if rule.optional)
             laws[f"{name} (without {optional})"] = (law.without, list(opening_systems()))
     opening = opening_systems().items()
-    rolling = {name for name, system in opening if system.opening and system.opening.sphere}
+    rolling = {name for name, system in opening if system.opening and system.opening.rounded}
     return [
         Section(
             name,

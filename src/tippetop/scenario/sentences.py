@@ -37,7 +37,7 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
     models = tables_of(system, law)
     model: Any = models[place[0]] if place[1:] else scenario_model(system, law)
     keys = [f"{name}.{key}" for name, its in models.items() for key in its.model_fields]
-    keys += [f"friction.{part}" for part in PARTS if system.opening and system.opening.sphere]
+    keys += [f"friction.{part}" for part in PARTS if system.opening and system.opening.rounded]
     return unknown_key(key, list(model.model_fields), ["system", "form", *keys], belongs)
 
 

@@ -16,13 +16,14 @@ from tippetop.mechanics.contact.body import Moving, Touch, Turning, axis_rate, h
 from tippetop.mechanics.contact.exits import gap_rate, longest_flight
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.friction import LAWS, Frictionless
-from tippetop.mechanics.operand import Vector, leaves
+from tippetop.mechanics.operand import Vector, kinds, leaves
 from tippetop.mechanics.systems import SYSTEMS
 
 
 SYSTEM = opened(SYSTEMS["tippe-top"], LAWS["none"], 1)
 FLIGHT = SYSTEM.phases["flight"]
-FORMULAS = formulas_of_phase(SYSTEM, FLIGHT, Touch, Frictionless)
+PATTERN = Touch(*(1.0,) * 6, Frictionless(), 1.0, 1.0)
+FORMULAS = formulas_of_phase(SYSTEM, FLIGHT, PATTERN, kinds(PATTERN))
 NAMES = [event.name for event in FORMULAS.events]
 LANDINGS = "land", "touch"
 

@@ -138,7 +138,7 @@ def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
             "viscous",
             True,
             {"system": "gliding-cylinder", "parameters": {}},
-            r"`friction.mu_r` must be of a tippe-top, but the system is",
+            r"`friction.mu_r` must be of a tippe-top or spheroid or disc, but the system is",
         ),
     ],
 )

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..number import Record
-from ..operand import Operand, Vector, cos, cross, dot, formula, minus, plus, sin, times
+from ..operand import Operand, Vector, cos, cross, dot, formula, minus, plus, select, sin, times
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -20,10 +20,14 @@ from ..units import (
     METRE_PER_SECOND2,
     ONE,
 )
+from .outline import Ball, Bent, Series
 
 
 class Touch(NamedTuple):
-    """A body seen from one of its balls, `b` of every formula; the arm is c 3hat - R zhat."""
+    """A body seen from one of its balls, `b` of every formula; the arm is c 3hat - R zhat.
+
+    R and c are () in a body with an outline, until `touching_ball` fills them.
+    """
 
     m: Operand  # [kg]
     R: Operand  # radius of the ball [m]
@@ -34,6 +38,7 @@ class Touch(NamedTuple):
     friction: Any  # record of a law
     clearance: Operand = ()  # the other ball touches where this + lever cos(theta) = 0; (): none
     lever: Operand = ()
+    outline: Any = Ball()
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
@@ -52,6 +57,59 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
 def seen_from_other(b: Touch) -> Touch:
     """Return a body seen from its other ball."""
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
+
+
+def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
+    """Return a body as the ball by which it touches the plane at z = cos(theta).
+
+    s2 is sin(theta)^2, which 1 - z^2 is not exactly. A sphere is always that ball.
+    """
+    if isinstance(b.outline, Ball):
+        return b
+    shape = shape_of(b)
+    f = shape.height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
+    bent = Bent(shape, -f.second, -f.third)
+    return b._replace(R=f.value - z * f.first, c=-f.first, outline=bent)
+
+
+def shape_of(b: Touch) -> Any:
+    """Return the outline of a body without its bend."""
+    return getattr(b.outline, "shape", b.outline)
+
+
+def by_axis(u: Vector, b: Touch) -> Touch:
+    """Return the touching ball of a body with this axis."""
+    return touching_ball(u.z, u.x * u.x + u.y * u.y, b)
+
+
+def by_scalars(s: Any, b: Touch) -> Touch:
+    """Return the touching ball at these scalars, if they have sin(theta)^2."""
+    return touching_ball(s.z, s.s2, b) if hasattr(s, "s2") else b
+
+
+def of_outline(of_ball: Any, of_others: Any) -> Any:
+    """Return a formula that is chosen by its last argument, an outline."""
+    return select(lambda outline: of_ball if outline is Ball else of_others)
+
+
+def as_ball(b: Touch) -> Touch:
+    """Return the ball by which a body touches the plane, alone."""
+    return Touch(b.m, b.R, b.c, b.I1, b.I3, b.g, b.friction)
+
+
+def size(b: Touch) -> Any:
+    """Return the size of a body [m], by which its other lengths are measured.
+
+    That of a tip is its distance from the centre of mass.
+    """
+    return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
+
+
+def height_range(b: Touch) -> Any:
+    """Return a bound of the difference of two heights of the centre of mass [m]."""
+    if isinstance(b.outline, Ball):
+        return 2 * abs(b.c)
+    return 2 * (shape_of(b).size + abs(shape_of(b).c))
 
 
 class Top(Record, abstract=True):
@@ -335,10 +393,22 @@ def contact_mobility(s, b):
     return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - height(s.z, b) * slip)
 
 
+pull_on = of_outline(
+    formula(lambda z_dot, b, outline: b.g),
+    lambda z_dot, b, outline: b.g - outline.bend * (z_dot * z_dot),
+)
+
+
+@formula
+def pull(z_dot, b):
+    """Return gravity less the upward acceleration of the contact by its bend, c' z'^2 [m/s^2]."""
+    return pull_on(z_dot, b, b.outline)
+
+
 @formula
 def g_n(s, b):
     """Return the normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
-    return b.m * (b.g - b.c * s.z_ddot_free) / contact_mobility(s, b)
+    return b.m * (pull(s.z_dot, b) - b.c * s.z_ddot_free) / contact_mobility(s, b)
 
 
 @formula
@@ -368,10 +438,25 @@ def push_u(s, b):
 
 
 @formula
-def bias_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
+def bias_n_of_ball(s, b, outline):
+    """Return `bias_n` of a sphere."""
     turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
     return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
+
+
+def bent_bias_n(s, b, outline):
+    """Return `bias_n` of a body with an outline."""
+    turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
+    return bias_n_of_ball(s, b, outline) + outline.bend * (s.z_dot * s.s2 * turn)
+
+
+chosen_bias_n = of_outline(bias_n_of_ball, bent_bias_n)
+
+
+@formula
+def bias_n(s, b):
+    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
+    return chosen_bias_n(s, b, b.outline)
 
 
 @formula

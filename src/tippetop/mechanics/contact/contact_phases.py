@@ -163,7 +163,7 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 
 
 FREE = state(**VELOCITY, height=METRE)
-Free: Any = namedtuple("Free", "z z_dot height")
+Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
@@ -172,27 +172,24 @@ def free_rates(q, b):
     return type(FREE)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
 
 
-def own_gap(s, b):
-    """Return the height of the ball above the plane."""
-    return s.height - height(s.z, b)
-
-
 FLIGHT = Phase(
     Form(
         "vector",
         FREE,
         free_rates,
-        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
-        integrals=place(lambda q, carried, b: q[6:8]),
+        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height(q.uz, b)),
+        integrals=place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
         orientation=TURN,
     ),
     (),
     (
-        ending("land", "the ball lands", own_gap),
-        replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b)),
+        ending("land", "the ball lands", lambda s, b: s.gap),
+        replace(TOUCH, formula=lambda s, b: s.gap + other_gap(s, b)),
     ),
     enter=lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-    leave=lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
+    leave=lambda q, b: Moving(
+        axis(q), turning(q).L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height
+    ),
     reaction=lambda q, b: Reaction(none(q)),
 )
 

@@ -34,6 +34,7 @@ from .contact_phases import (
     without_slip_on_both,
 )
 from .first_slip import first_directions, first_slip
+from .outline import Ball
 from .response import (
     bias_vector,
     cone,
@@ -174,7 +175,7 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 
     A step that goes far beyond it would find the landing less exactly.
     """
-    v, highest = x.velocity.z, abs(contact.gap(x, b)) + 2 * abs(b.c)
+    v, highest = x.velocity.z, abs(contact.gap(x, b)) + contact.height_range(b)
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
@@ -184,7 +185,13 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
-    return -(b.c * dot(x.L, x.L) / b.I1**2 * contact.axis_rate(x, b).z)
+    u_dot = contact.axis_rate(x, b)
+    third = -(b.c * dot(x.L, x.L) / b.I1**2 * u_dot.z)
+    if not isinstance(b.outline, Ball):
+        swing = cross(x.L, u_dot).z / b.I1
+        _, bend, twist = b.outline
+        third += 3 * bend * (u_dot.z * swing) + twist * (u_dot.z * u_dot.z * u_dot.z)
+    return third
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
@@ -342,19 +349,20 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     name, number = phase_name("slip", ball), type(world.left)
     phase, wide = world.phases[name], world._replace(body=rounded(world.body))
     x, b = rounded(x), wide.body[ball]
+    first = len(DIRECTED) - 2  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
         *moved, w, beta = values
-        return type(DIRECTED)(*moved[:6], beta, w), x.carried._make(moved[6:])
+        return type(DIRECTED)(*moved[:first], beta, w), x.carried._make(moved[first:])
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
-        every = (*by[:6], *wide.rates(phase, q, carried), by.w)
+        every = (*by[:first], *wide.rates(phase, q, carried), by.w)
         return np.array(np.broadcast_arrays(*every)), by.beta
 
     omega = contact.angular_velocity(x, b)
-    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
+    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * contact.size(b))))
 
     def lasts(end: np.ndarray) -> bool:
         q, _ = read(end)

@@ -19,6 +19,7 @@ from .body import BALLS, Touch, seen_from_balls
 from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
 from .exits import IMPACT, JUMPS, REASONS, begin, go_on, slide_on
 from .integrals import NAMED, integral
+from .outlined import outlined_jump, outlined_phase
 from .rows import (
     ANGLES,
     DISC_ANGLES,
@@ -101,8 +102,10 @@ def in_plane(form: Form) -> Form:
 # --- phases and exits ---------------------------------------------------------------------------
 
 
-def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) -> dict[str, Phase]:
+def phases_of(opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...]) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
+    same = lambda one: one  # noqa: E731
+    seen, jumping = (outlined_phase, outlined_jump) if opening.outlined else (same, same)
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
         for (label, *regions), phase in phases_under(law).items()
@@ -119,12 +122,13 @@ def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
         if label == "slip" and law.set_valued:
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
+        phase = seen(phase)
         form = replace(phase.form, not_normalised=("R", "c"))
         phases[name] = replace(
             phase,
-            forms=in_plane(form) if planar else form,
+            forms=in_plane(form) if opening.planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(one, tuple(kinds), jumps[one]) for one in names),
+            exits=tuple(Exit(one, tuple(kinds), jumping(jumps[one])) for one in names),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,
@@ -165,12 +169,14 @@ def opened(system: System, law: Any, balls: int) -> System:
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
     form = PLANAR_ROW if opening.planar else DISC_ROW if law.torque else ROW
+    form = replace(form, domains=opening.domains)
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
-    quantities = columns(opening.planar, opening.routh, balls > 1)
+    jellett = not (opening.planar or opening.outlined)
+    quantities = columns(jellett, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}
     quantities += tuple(one for one in system.quantities if one.name not in known)
     # events of the axis by the few scalars of a phase, if these are enough
-    phases = phases_of(opening.planar, law, balls, () if opening.planar else of_axis)
+    phases = phases_of(opening, law, balls, () if opening.planar else of_axis)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -196,7 +202,7 @@ def opened(system: System, law: Any, balls: int) -> System:
         phases=phases,
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
-        begin=begin,
+        begin=outlined_jump(begin) if opening.outlined else begin,
         read=row,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
@@ -204,7 +210,7 @@ def opened(system: System, law: Any, balls: int) -> System:
         start=start,
         angles=angles,
         long_names=system.long_names | LONG_NAMES,
-        integrals=() if opening.planar else ("jellett",),
+        integrals=("jellett",) if jellett else (),
         landscape=None,
         potential=None,
         outlook=opening.outlook,

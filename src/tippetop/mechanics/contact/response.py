@@ -26,6 +26,7 @@ from .body import (
     arm2,
     axis_rate,
     gained,
+    of_outline,
     velocities,
 )
 
@@ -63,14 +64,31 @@ def mobility_inverse_times(u, x, b, less=0):
 
 
 @formula
-def bias_vector(x, b):
-    """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
-
-    It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1.
-    """
+def bias_of_ball(x, b, outline):
+    """Return `bias_vector` of a sphere."""
     u_dot = axis_rate(x, b)
     free, spin = times(b.c / b.I1, cross(x.L, u_dot)), b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
     return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
+
+
+def bent_bias(x, b, outline):
+    """Return `bias_vector` of a body with an outline, with omega x (c' z' (3hat - z zhat))."""
+    bends = outline.bend * axis_rate(x, b).z
+    moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
+    return plus(bias_of_ball(x, b, outline), cross(angular_velocity(x, b), moves))
+
+
+chosen_bias = of_outline(bias_of_ball, bent_bias)
+
+
+@formula
+def bias_vector(x, b):
+    """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
+
+    It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1, and more if
+    the ball changes.
+    """
+    return chosen_bias(x, b, b.outline)
 
 
 @formula

@@ -54,14 +54,14 @@ def motion_terms(s, b):
 def z_dot2(s, b):
     """Return z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
     h = contact.height(s.z, b)
-    drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
+    drive = b.c * (contact.pull(s.z_dot, b) * s.s2) + h * motion_terms(s, b)
     return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
 
 
 @formula
 def normal_force(s, b):
-    """Return the normal force F_z = m (g - c z'') [N]."""
-    return b.m * (b.g - b.c * z_dot2(s, b))
+    """Return the normal force F_z = m (g - c z''), g of `pull` [N]."""
+    return b.m * (contact.pull(s.z_dot, b) - b.c * z_dot2(s, b))
 
 
 @formula

@@ -29,27 +29,29 @@ from .integrals import integral
 from .rolling import spin
 
 
-ROW_UNITS = state(
-    **VELOCITY,
-    height=METRE,  # of the centre of mass
-    Fx=NEWTON,
-    Fy=NEWTON,
-    force=NEWTON,  # normal
-    radius=METRE,  # of the ball in contact, or last in contact
-    offset=METRE,
-    stem_gap=METRE,
-    phase=ONE,
-    ball=ONE,
-    jellett_taken=JELLETT,
-    drilled=WATT,
-)
+NUMBERS = {
+    "height": METRE,  # of the centre of mass
+    "Fx": NEWTON,
+    "Fy": NEWTON,
+    "force": NEWTON,  # normal
+    "radius": METRE,  # of the ball in contact, or last in contact
+    "offset": METRE,
+    "stem_gap": METRE,
+    "phase": ONE,
+    "ball": ONE,
+    "jellett_taken": JELLETT,
+    "drilled": WATT,
+}
+ROW_UNITS = state(**VELOCITY, **NUMBERS)
 Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
 
 def moving(row: Any, carried: Any) -> Moving:
     """Return the common state of a row."""
-    return Moving(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
+    velocity = Vector(row.rx_dot, row.ry_dot, row.rz_dot)
+    x = turning(row)
+    return Moving(x.u, x.L, velocity, row.height, carried)
 
 
 def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
@@ -58,6 +60,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     b is the body seen from the ball of the phase. Numbers, arrays or expressions.
     """
     x, by = phase.leave(q, b), phase.reaction(q, b)
+    b = contact.by_axis(x.u, b)
     reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
@@ -81,7 +84,7 @@ FIELDS = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
-    *Row._fields[9:],
+    *NUMBERS,
 )
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
@@ -103,7 +106,7 @@ def row_scalars(q, b):
         q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
         q.drilled - (q.Fx * v.x + q.Fy * v.y),
         q.height - q.radius + q.offset * u.z,
-        *q[9:],
+        *(getattr(q, name) for name in NUMBERS),
     )
 
 
@@ -127,6 +130,7 @@ def row_of_angles(e, s, z, b):
     """
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
+    b = contact.touching_ball(z, s * s, b)
     x = axis_and_momentum(e, s, z, b.I1, b.I3)
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
@@ -206,10 +210,11 @@ def energy(s, b):
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
-def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
+def columns(jellett: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """Return the columns of rows.
 
-    `routh`: Routh's function of a gliding body, if its system has one.
+    `jellett`: whether Jellett's integral is conserved on a ball; `routh`: Routh's function of a
+    gliding body, if its system has one.
     """
     formulas = {
         "energy": energy,
@@ -225,7 +230,7 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
         text = "height of the stem's ball"
         gap = Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
         quantities.append(gap)
-    return (*(() if planar else JELLETT_COLUMNS), *quantities, *PLACE_COLUMNS)
+    return (*(JELLETT_COLUMNS if jellett else ()), *quantities, *PLACE_COLUMNS)
 
 
 JELLETT_COLUMNS = (

@@ -8,13 +8,13 @@ import numpy as np
 THETA = np.linspace(0, np.pi, 10_001)[1:-1]
 
 
-def levers(offset: float, radius: float) -> tuple[Any, Any]:
+def levers(offset: Any, radius: Any) -> tuple[Any, Any]:
     """Return the levers of vertical and horizontal forces on a ball [m], over theta."""
     s, z = np.sin(THETA), np.cos(THETA)
     return np.abs(offset * s), np.abs(radius - offset * z)
 
 
-def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
+def painleve_bound(m: float, I1: float, offset: Any, radius: Any) -> float:
     """Return the least mu at which the normal force of slip is not defined somewhere.
 
     It is min K_zz/|K_ez| over theta, which is flat there.
@@ -25,7 +25,7 @@ def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
         Mass and transverse moment of inertia [kg, kg m^2].
     offset, radius
         Of the ball: from the centre of mass to its centre along the axis, of any sign, and its
-        radius [m].
+        radius [m]; numbers, or arrays over THETA.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
         return float(np.min((I1 / m + lever**2) / (lever * height)))
 
 
-def most_rolling(m: float, I1: float, offset: float, radius: float, mu: float) -> float:
+def most_rolling(m: float, I1: float, offset: Any, radius: Any, mu: float) -> float:
     """Return the rolling resistance that lifts a body as much as the force presses it down [m].
 
     Above it there is no normal force. The parameters are those of `painleve_bound`.

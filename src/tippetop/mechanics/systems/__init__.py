@@ -22,6 +22,7 @@ from .consistency import check
 from .cylinder import GLIDING_CYLINDER, Modified
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
+from .revolution import DISC, ROLLING_DISC, ROLLING_SPHEROID, SPHEROID
 from .rolling_cylinder import ROLLING_CYLINDER
 from .rolling_tippe_top import ROLLING_TIPPE_TOP
 from .tippe_top import TIPPE_TOP
@@ -36,6 +37,10 @@ SYSTEMS: dict[str, System] = {
         HEAVY_TOP,
         GLIDING_CYLINDER,
         ROLLING_CYLINDER,
+        SPHEROID,
+        ROLLING_SPHEROID,
+        DISC,
+        ROLLING_DISC,
     )
 }
 
@@ -95,7 +100,7 @@ def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
         return {
             name: law for name, law in laws_of(SYSTEMS[system.name]).items() if any(kind_of(law))
         }
-    has_disc = system.opening is not None and system.opening.sphere
+    has_disc = system.opening is not None and system.opening.rounded
     return {name: law for name, law in system.laws.items() if not law.regions or has_disc}
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.body import Touch, tip_inertia
+from ..contact.body import Touch, tip_inertia, touching_ball
 from ..contact.restitution import ContactLaw
 from ..friction import has_parts, is_frictionless, nowhere_vanishes
 from ..system import Outlook
@@ -44,6 +44,8 @@ PARTS_TAKE = (
     "rolling resistance or drilling takes energy and Jellett's integral: no state is "
     "known to attract"
 )
+NO_THEORY = "no theory of this body is known here"
+ROUNDED = 1e-12  # of a length or a moment of inertia
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -197,6 +199,34 @@ def _round(law: Any) -> str:
     if law.coefficient is not None and not nowhere_vanishes(law):
         return "a round cylinder: its friction vanishes somewhere, so it may glide on"
     return "a round cylinder: gliding decays to rolling"
+
+
+def spheroid(b: Touch, start: Start) -> Outlook:
+    """Predict a spheroid near its poles, where it moves as the ball by which it touches there."""
+    if has_parts(b.friction) or not nowhere_vanishes(b.friction):
+        return Outlook(NO_THEORY)
+    spins = f"the upright spin {_spins(1.0, b)}, the inverted spin {_spins(-1.0, b)}"
+    return Outlook(f"under friction {spins}", STAYS if start["at_pole"] else "")
+
+
+def _spins(z: float, b: Touch) -> str:
+    """Return which spins at a pole are stable under friction. [section 6]"""
+    ball = touching_ball(z, 0.0, b)
+    high = ball.R - z * ball.c
+    rise, lever = high - ball.R, b.I3 * high - b.I1 * ball.R
+    rises, levers = (
+        int(math.copysign(abs(x) > ROUNDED * whole, x))
+        for x, whole in ((rise, high), (lever, b.I3 * high))
+    )
+    if rises * levers <= 0:
+        return f"is {('neutral', 'stable', 'unstable')[(levers > rises) - (levers < rises)]}"
+    limit = math.sqrt(b.m * b.g * high**2 * rise / (ball.R * lever))
+    return f"is stable {'above' if rise > 0 else 'below'} {limit:.6g} rad/s"
+
+
+def disc(b: Touch, start: Start) -> Outlook:
+    """Predict nothing of a disc."""
+    return Outlook(NO_THEORY)
 
 
 def _sleeps(b: Touch, start: Start) -> bool:

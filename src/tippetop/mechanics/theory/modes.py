@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.body import Touch
+from ..contact.body import Touch, touching_ball
 from ..friction import slip_coefficient, takes_nothing
 
 
@@ -31,6 +31,7 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
         doubles.
     """
     up = -1 if inverted else 1
+    b = touching_ball(up, 0.0, b)
     with np.errstate(all="ignore"):
         matrix = _gliding(omega3, b, up, _slip(omega3, up, b.friction))
     if not np.isfinite(matrix).all():
@@ -86,6 +87,7 @@ def shows_sliding(b: Touch, z: Any) -> Any:
     law = b.friction
     if law.coefficient is None or law.set_valued:  # drilling takes without sliding; or it sticks
         return True
+    b = touching_ball(z, (1 - z) * (1 + z), b)
     strength = slip_coefficient(0.0, z, law) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12
 
@@ -129,6 +131,8 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
     takes energy.
     """
     up = -1 if inverted else 1
+    with np.errstate(all="ignore"):  # a disc has no ball at its poles
+        b = touching_ball(up, 0.0, b)
     if gliding:
         with np.errstate(all="ignore"):
             slip = _slip(omega3, up, b.friction)
@@ -172,6 +176,7 @@ def rolling_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndar
         Complex rates [1/s], (2,), fastest growth first, then fastest turning.
     """
     up = -1 if inverted else 1
+    b = touching_ball(up, 0.0, b)
     h = b.R - up * b.c
     p = np.roots(
         [b.I1 + b.m * h**2, -1j * omega3 * up * (b.I3 + b.m * h * b.R), up * b.m * b.g * b.c]

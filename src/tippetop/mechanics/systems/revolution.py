@@ -1,0 +1,191 @@
+"""Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from ..contact import body as contact
+from ..contact import gliding, outline, rolling
+from ..contact.body import Top, Touch, touching_ball
+from ..contact.outlined import in_scalars, outlined_form
+from ..event import Event
+from ..friction import LAWS
+from ..number import Number, number, reuse
+from ..system import Domain, Opening, System, of_one_phase
+from ..units import METRE
+from . import outlook
+from .tippe_top import TippeTop
+
+
+def seen_by(shape: Any, body: Any, friction: Any) -> Touch:
+    """Return the body with an outline that formulas take."""
+    return Touch(body.m, (), (), body.I1, body.I3, body.g, friction, outline=shape)
+
+
+class Spheroid(Top):
+    """A spheroid: an egg or a lentil, with half length a along its axis, and half width b.
+
+    Each number may be a text: with a unit, "60 g", or arithmetic of the others: the moments of
+    inertia of a uniform body are I1="m*(a^2 + b^2)/5" and I3="2/5*m*b^2".
+
+    >>> import tippetop as tt
+    >>> egg = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0, I1=1.56e-5, I3=9.6e-6, g=9.81)
+    """
+
+    gliding = "spheroid"
+    resting = "rolling-spheroid"
+    faults = staticmethod(contact.inertia_faults)
+
+    m: Number = reuse(TippeTop.parameters["m"])
+    a: Number = number(METRE, "half length along the axis", symbol="a", above=0)
+    b: Number = number(METRE, "half width", symbol="b", above=0)
+    c: Number = number(
+        METRE, "distance of the centre from the centre of mass along 3hat", symbol="c"
+    )
+    I1: Number = reuse(TippeTop.parameters["I1"])
+    I3: Number = reuse(TippeTop.parameters["I3"])
+    g: Number = reuse(TippeTop.parameters["g"])
+
+    def seen(self, friction: Any) -> Touch:
+        """Return the body that formulas take."""
+        return seen_by(outline.Spheroid(self.a, self.b, self.c), self, friction)
+
+
+class Disc(Top):
+    """A disc that touches with its rounded rim: a circle of radius `ring`, rounded by `tube`.
+
+    Each number may be a text: with a unit, "40 g", or arithmetic of the others: the moments of
+    inertia of a thin uniform disc are I1="m*ring^2/4" and I3="m*ring^2/2".
+
+    >>> import tippetop as tt
+    >>> coin = tt.Disc(m=0.01, ring=0.01, tube=1e-3, c=0, I1=2.5e-7, I3=5e-7, g=9.81)
+    """
+
+    gliding = "disc"
+    resting = "rolling-disc"
+    faults = staticmethod(contact.inertia_faults)
+
+    m: Number = reuse(TippeTop.parameters["m"])
+    ring: Number = number(METRE, "radius of the circle in the rim", symbol="r", above=0)
+    tube: Number = number(METRE, "radius of the rounding of the rim", symbol="t", least=0)
+    c: Number = number(
+        METRE, "distance of the centre of the circle from the centre of mass along 3hat", symbol="c"
+    )
+    I1: Number = reuse(TippeTop.parameters["I1"])
+    I3: Number = reuse(TippeTop.parameters["I3"])
+    g: Number = reuse(TippeTop.parameters["g"])
+
+    def seen(self, friction: Any) -> Touch:
+        """Return the body that formulas take."""
+        return seen_by(outline.Rim(self.ring, self.tube, self.c), self, friction)
+
+
+LEAST_SINE2 = 1e-6
+"""sin(theta)^2 of a disc that lies flat: there the contact runs round its rim ever faster."""
+
+FLAT = Event(
+    "flat",
+    "the disc lies flat: sin(theta) falls through 1e-3",
+    lambda s, b: (1 - s.z) * (1 + s.z) - LEAST_SINE2,
+    direction=-1,
+    ends="flat",
+)
+NOT_FLAT = Domain(
+    lambda s, b: s.s2 - LEAST_SINE2,
+    "a disc with sin(theta) below 1e-3 lies flat: it has no single contact point",
+)
+
+JELLETT = replace(gliding.JELLETT_QUANTITY, long_name="-L.a, which is constant for a sphere only")
+
+
+def systems(
+    body: type[Top],
+    shape: Any,
+    title: str,
+    source: str,
+    predict: Callable,
+    *,
+    events: tuple[Event, ...] = (),
+    domains: tuple[Domain, ...] = (),
+    **more: Any,
+) -> tuple[System, System]:
+    """Return the gliding and the rolling system of a body with an outline.
+
+    `predict` is their outlook; `more` are fields of both systems.
+    """
+
+    def starting(angles: Any) -> Callable:
+        start = gliding.start_of(angles)
+        return lambda data, s, z, b: start(data, s, z, touching_ball(z, s * s, b))
+
+    def forms(of_ball: dict[str, Any]) -> dict[str, Any]:
+        with_domains = {n: replace(f, domains=(*domains, *f.domains)) for n, f in of_ball.items()}
+        return {name: outlined_form(form) for name, form in with_domains.items()}
+
+    def of_phase(phase: str, of_ball: Any, quantities: tuple, **others: Any) -> System:
+        return of_one_phase(
+            phase,
+            forms=forms(of_ball.FORMS),
+            initial=of_ball.INITIAL,
+            start=starting(of_ball.ANGLES),
+            angles=of_ball.ANGLES,
+            quantities=tuple(map(in_scalars, (JELLETT, *quantities))),
+            events=tuple(map(in_scalars, (*of_ball.EVENTS, *events))),
+            undefined_at_poles=of_ball.UNDEFINED_AT_POLES,
+            parameters=body.parameters,
+            body=body.body_of,
+            body_units=lambda law: contact.body_units(law)._replace(
+                R=(), c=(), outline=shape(*(METRE,) * len(shape._fields))
+            ),
+            scales=lambda b: (b.m, b.outline.size),
+            normalised_to={"m": 1.0},
+            long_names=gliding.LONG_NAMES,
+            vectors=gliding.VECTORS,
+            checks=body.faults,
+            source=source,
+            outlook=predict,
+            **more,
+            **others,
+        )
+
+    slides = of_phase(
+        "slip",
+        gliding,
+        gliding.QUANTITIES,
+        name=body.gliding,
+        title=f"{title} that glides",
+        alternatives=gliding.ALTERNATIVES,
+        on_request=(in_scalars(gliding.MODIFIED_ENERGY_RATE),),
+        opening=Opening(outlined=True, domains=domains),
+        laws=LAWS,
+    )
+    rolls = of_phase(
+        "roll",
+        rolling,
+        (*gliding.ENERGIES, *rolling.REACTION),
+        name=body.resting,
+        title=f"{title} in pure rolling",
+        alternatives=(gliding.BY_PSI_DOT,),
+        integrals=("energy",),
+    )
+    return slides, rolls
+
+
+SPHEROID, ROLLING_SPHEROID = systems(
+    Spheroid,
+    outline.Spheroid,
+    "spheroid",
+    "Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. Nature 416, 385 (2002)",
+    outlook.spheroid,
+    classes=("tumbling", "upright", "inverted"),
+)
+DISC, ROLLING_DISC = systems(
+    Disc,
+    outline.Rim,
+    "disc with a rounded rim",
+    "Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
+    outlook.disc,
+    events=(FLAT,),
+    domains=(NOT_FLAT,),
+    classes=("tumbling",),
+)
