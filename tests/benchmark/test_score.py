@@ -332,6 +332,9 @@ def test_wrong_outcomes_and_missing_rows_fail_where_a_limit_is_given(tmp_path, c
     low = write(tmp_path, table, "bounce", "1e-4")
     assert typed(f"benchmark score {low} --fail-above 1") == 4
     assert "must be right, but is wrong: lifts off, rises as high" in capsys.readouterr().err
+    lean = write(tmp_path, result("bounce").filter(regex="t |q_"), "bounce", "2e-4")
+    assert typed(f"benchmark score {lean} --fail-above 4") == 4
+    assert "must be right, but is not judged, for lack of columns" in capsys.readouterr().err
     low.write_text("t [s]\n0\n")
     assert typed(f"benchmark score {tmp_path} --fail-above 1") == 2
 

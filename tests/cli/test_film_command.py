@@ -67,3 +67,17 @@ def test_a_missing_encoder_names_its_extra(
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     assert typed(f"film {short_run} --out {tmp_path}/x.mp4") == 2
     assert "pip install 'tippetop[film]'" in capsys.readouterr().err
+
+
+def test_too_many_frames_and_an_encoder_without_ffmpeg_are_refused(
+    short_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    assert typed(f"film {short_run} --out {tmp_path}/x.mp4 --speed 1e-9") == 2
+    assert "must have at most 100000 frames" in capsys.readouterr().err
+
+    def absent() -> None:
+        raise RuntimeError("No ffmpeg exe could be found.")
+
+    monkeypatch.setattr(encoder, "get_ffmpeg_exe", absent)
+    assert typed(f"film {short_run} --out {tmp_path}/x.mp4") == 2
+    assert "requires the encoder ffmpeg" in capsys.readouterr().err

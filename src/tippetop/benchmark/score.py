@@ -160,13 +160,14 @@ class Score:
         Returns
         -------
         list of str
-            On errors beyond a limit or unknown for lack of columns, wrong outcomes, and results
-            that end early or have no rows for a part of the case.
+            On errors beyond a limit or unknown for lack of columns, and on outcomes that are wrong
+            or cannot be judged, for lack of columns or rows.
         """
         sentences = []
         for r in self.results:
-            fails = r.wrong or r.unseen
-            faults = [f"outcome must be right, but is {r.judgement}"] if fails else []
+            faults = []
+            if r.judgement != "right":
+                faults.append(f"outcome must be right, but is {r.judgement}")
             for name, limit in limits.items():
                 size = r.compared.numbers.get(name)
                 if size is None or size["max"] > limit:

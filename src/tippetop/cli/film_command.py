@@ -59,7 +59,7 @@ def film(
         Replace an existing film.
     """
     import numpy as np
-    from imageio_ffmpeg import write_frames
+    from imageio_ffmpeg import get_ffmpeg_exe, write_frames
 
     from ..errors import InputError
     from ..figures.film import frames
@@ -76,6 +76,10 @@ def film(
         )
     if out.suffix == ".gif":
         fps = 100 / max(2, round(100 / fps))
+    try:
+        get_ffmpeg_exe()
+    except RuntimeError as error:
+        raise InputError(f"a film requires the encoder ffmpeg, but: {error}") from None
     attrs = root.attributes(store)
     run_page.refuse(attrs, str(store))
     pieces = chunks.pieces(store, "trajectory", samples.needed(attrs))
