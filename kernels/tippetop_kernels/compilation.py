@@ -141,7 +141,8 @@ def code_folder(function: Callable) -> Path | None:
     folders of other sources, except for those that were used last, are removed.
     """
     functions = function, *inspect.getclosurevars(function).nonlocals.values()
-    base, digest = cache_folder(), sources_digest()
+    base = cache_folder()
+    digest = sources_digest()
     ours = all(f.__module__.partition(".")[0] in PACKAGES for f in functions)
     if base is None or digest is None or not ours:
         return None

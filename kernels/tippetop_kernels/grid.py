@@ -22,7 +22,8 @@ STEPS, MOST_STEPS = 2, 8
 @kernel
 def scanned(prepare, slope, value, x, y, r, status, j):
     """Return F and q of a point that needs a closer look, and write status[j]."""
-    p, turns = prepare(x, y, r), np.empty(MOST_EXTREMES)
+    p = prepare(x, y, r)
+    turns = np.empty(MOST_EXTREMES)
     last = extremes(slope, p, r, turns)
     well = lowest(value, turns, 0, last, p, r)
     q = turns[2 * well]

@@ -29,7 +29,8 @@ def band_of(excess, q, maxima, well, at, allowance, r):
     minimum touches it. An end of the range (SMALLEST, LARGEST) stands for a function that stays
     below the level up to there.
     """
-    here, level = q[2 * well], at[1]
+    here = q[2 * well]
+    level = at[1]
     depth = -excess(here, at, r)
     if not np.isfinite(depth):
         return np.nan, np.nan, Level.UNDEFINED, well, well
@@ -61,19 +62,26 @@ def swing(excess, inertia, low, high, at, r, b):
     """
     if not low < high:
         return np.nan
-    y1, y2, c1, c2 = low / (1 + low), high / (1 + high), 1 / (1 + low), 1 / (1 + high)
+    y1 = low / (1 + low)
+    y2 = high / (1 + high)
+    c1 = 1 / (1 + low)
+    c2 = 1 / (1 + high)
     # the difference of y without cancellation
     across = (high - low) * c1 * c2
-    previous, n = np.inf, 16
+    previous = np.inf
+    n = 16
     while n <= 4096:
         total = 0.0
         for j in range(n):
             half = (j + 0.5) * np.pi / (2 * n)
-            s2, k2 = np.sin(half) ** 2, np.cos(half) ** 2
-            y, c = y1 * k2 + y2 * s2, c1 * k2 + c2 * s2
+            s2 = np.sin(half) ** 2
+            k2 = np.cos(half) ** 2
+            y = y1 * k2 + y2 * s2
+            c = c1 * k2 + c2 * s2
             total += np.sqrt(inertia(c - y, b) * s2 * k2 / (-y * c * excess(y / c, at, r)))
         total *= 2 * across * np.pi / n
         if abs(total - previous) <= 1e-11 * total:
             return total
-        previous, n = total, 2 * n
+        previous = total
+        n = 2 * n
     return np.nan

@@ -18,7 +18,8 @@ import numpy as np
 from .compilation import inlined, kernel
 
 
-SMALLEST, LARGEST = 1e-30, 1e30
+SMALLEST = 1e-30
+LARGEST = 1e30
 MOST_EXTREMES = 280  # one in every step of the scan of `extremes`; two minima are the most seen
 
 # a step in ln(q) after which none is needed: the next one would be of the order of its cube
@@ -43,7 +44,8 @@ def stepped(slopes, q, p, r):
     The Pade form of exp keeps its third order. The factor on q is between 1/8 and 8.
     """
     g1, g2, g3 = slopes(q, p, r)
-    n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
+    n = g1 * g2
+    m = 2 * g2 * g2 - g1 * g3
     f = (m - n) / (m + n)
     f = f if f > 0.125 else 0.125
     f = f if f < 8.0 else 8.0
@@ -83,13 +85,18 @@ def extremes(slope, p, r, q):
     can escape the count; it is shallow, hence never the lowest. An end of the range counts as a
     minimum where the function falls towards it.
     """
-    count, falling, low, high = 0, True, SMALLEST, SMALLEST
+    count = 0
+    falling = True
+    low = SMALLEST
+    high = SMALLEST
     while low < LARGEST:
         if (high < LARGEST and slope(high, p, r) < 0) != falling:
             inside, outside = (low, high) if falling else (high, low)
             q[count] = crossing(slope, inside, outside, p, r)
-            count, falling = count + 1, not falling
-        low, high = high, clipped(high * 1.6487212707001282)
+            count = count + 1
+            falling = not falling
+        low = high
+        high = clipped(high * 1.6487212707001282)
     return count // 2
 
 
@@ -99,9 +106,11 @@ def lowest(value, q, first, last, p, r):
 
     q contains minima and maxima in turn.
     """
-    best, least = first, np.inf
+    best = first
+    least = np.inf
     for k in range(first, last + 1):
         V = value(q[2 * k], p, r)
         if least > V:
-            best, least = k, V
+            best = k
+            least = V
     return best

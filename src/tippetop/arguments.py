@@ -159,7 +159,8 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
     Raises InputError for a name that several tables have, and for two names of one number.
     """
     given: dict[str, list[str]] = {}
-    sentences, known = [], list(known)
+    sentences = []
+    known = list(known)
     for name in names:
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:

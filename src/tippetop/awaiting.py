@@ -44,7 +44,8 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
         return work()
     from concurrent.futures import Future, wait  # imports logging: late
 
-    context, result = contextvars.copy_context(), Future[Result]()
+    context = contextvars.copy_context()
+    result = Future[Result]()
 
     def done() -> None:
         try:

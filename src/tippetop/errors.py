@@ -204,7 +204,8 @@ class NamedFormula:
 
     def __init__(self, formula: Callable, of: str):
         functools.update_wrapper(self, formula)
-        self.formula, self.of = formula, of
+        self.formula = formula
+        self.of = of
 
     def __call__(self, *arguments: Any) -> Any:
         try:

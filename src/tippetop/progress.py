@@ -15,8 +15,10 @@ from .arguments import instance
 Report = Callable[[int, int], None]
 """A progress callback: the number of things that are done, and of all."""
 
-# Times [s]: before the first drawing, and between two.
-FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1
+# Time before the first drawing [s].
+FIRST_AFTER = 0.4
+# Time between two drawings [s].
+AGAIN_AFTER = 0.1
 
 
 class Bar:
@@ -34,7 +36,8 @@ class Bar:
     """
 
     def __init__(self, things: str, count: str = "{done}/{of} {things}"):
-        self.things, self.count = things, count
+        self.things = things
+        self.count = count
         self.bar: Any = None
         self.notebook = _notebook()
         seen = self.notebook is not None or sys.stderr.isatty()

@@ -37,7 +37,8 @@ def prepare() -> None:
 @contextlib.contextmanager
 def stopping() -> Iterator[tuple[threading.Event, list[int]]]:
     """Provide an event that SIGINT and SIGTERM set in this block, and the numbers that came."""
-    event, numbers = threading.Event(), list[int]()
+    event = threading.Event()
+    numbers = list[int]()
 
     def ask(number: int, _: object) -> None:
         numbers.append(number)

@@ -213,7 +213,8 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     """Draw a potential with its minimum."""
     from ..figures import drawing, well
 
-    D, lam = float(least["D"]), float(least["lambda"])
+    D = float(least["D"])
+    lam = float(least["lambda"])
     title = (
         f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} "
         "× 10⁻⁶ kg m³ s⁻¹"

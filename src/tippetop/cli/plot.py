@@ -58,7 +58,8 @@ def plot(
     check_picture(out, overwrite)
     look = Look(title, sides(size, "8x5") if size else None, dpi, dark)
     catalogue.check_look(look)
-    names, kind = [str(store), *words], None
+    names = [str(store), *words]
+    kind = None
     last = names[-1]
     if words and not last.rstrip("/").endswith(".zarr") and not os.path.lexists(last):
         kind = names.pop()

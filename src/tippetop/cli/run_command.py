@@ -70,7 +70,8 @@ def run(
     with bar_of_run() as progress:
         if out is None:
             done = solve(problem, progress, keep=figure is not None)
-            attrs, seconds = finite(attributes.attributes(done.progress)), done.seconds
+            attrs = finite(attributes.attributes(done.progress))
+            seconds = done.seconds
         else:
             attrs, seconds = _interruptible(
                 lambda stop: record(

@@ -17,7 +17,8 @@ def sentences(error: CycloptsError) -> list[str]:
     """Return the sentences on an error that cyclopts found."""
     if isinstance(error, CoercionError) and isinstance(error.__cause__, InputError):
         return error.__cause__.sentences
-    command, found = " ".join(["tippetop", *(error.command_chain or ())]), str(error)
+    command = " ".join(["tippetop", *(error.command_chain or ())])
+    found = str(error)
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         name = error.argument.name
         if error.argument.index is None:

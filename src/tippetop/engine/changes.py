@@ -77,7 +77,8 @@ class Changes:
 
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
-        self.events, self.known = len(run.numbers), dict[int, Written]()
+        self.events = len(run.numbers)
+        self.known = dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((PER_SLICE, 3 + NUMBERS))
@@ -97,7 +98,9 @@ class Changes:
 
     def take_up(self, track: Any, jump: Any) -> None:
         """Let the loop make the change of a phase by a jump, if it has a program."""
-        run, event, program = self.run, self.run.numbers.get(jump.exit.event), jump.program
+        run = self.run
+        event = self.run.numbers.get(jump.exit.event)
+        program = jump.program
         if event is None or not program:
             return
         run.track_of(program.phase)  # compiles it, so that the loop can enter it
@@ -111,7 +114,8 @@ class Changes:
 
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
-        run, motions = self.run, list[tuple[int, str]]()
+        run = self.run
+        motions = list[tuple[int, str]]()
         state = state[: len(run.state)]
         signs = tuple(run.functions["sign"].tolist())
         program = Program(world.body, (world.left,), signs, state)
@@ -135,7 +139,8 @@ class Changes:
             return None
         pad = [0.0] * (len(to.place.motion.state) - len(state))
         first = program.joined([*sides, *zeros, *state, *pad, n.lasts, *numbers])
-        lines, constants = program.code(), [*program.constants.values()]
+        lines = program.code()
+        constants = [*program.constants.values()]
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS)
         registers[program.count : result] = constants
@@ -155,11 +160,14 @@ class Changes:
         for track in run.tracks.values():
             track.place.loop.fill(run.wanted)
             self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
-        record.present, record.began = run.track.at, run.began
-        record.length, record.most = 0, changes
+        record.present = run.track.at
+        record.began = run.began
+        record.length = 0
+        record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)
         for time, number, lasts, *numbers in self.made[: record.length].tolist():
-            program, rest = self.known[int(number)], iter(numbers)
+            program = self.known[int(number)]
+            rest = iter(numbers)
             track = run.tracks[program.phase]
             run.tables.begin(time, track, program.cause)
             for name, size in program.tables:
@@ -167,7 +175,8 @@ class Changes:
             run.until = time + lasts
         if record.length:
             run.follow(track, time)
-            run.short, run.series = 0, None
+            run.short = 0
+            run.series = None
             run.changes += record.length
             run.end_next()
         return steps

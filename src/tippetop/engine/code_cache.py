@@ -55,7 +55,8 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     file = folder and folder / f"{kind.__name__}-{key}.z"
     if file:
         with suppress(OSError), file.open("rb") as stored:
-            digest, code = stored.read(DIGEST), stored.read()
+            digest = stored.read(DIGEST)
+            code = stored.read()
             if is_private(os.fstat(stored.fileno())) and digest == _digest(key, code):
                 os.utime(file)
                 return pickle.loads(zlib.decompress(code))

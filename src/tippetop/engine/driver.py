@@ -101,7 +101,8 @@ class Place:
 
     def __init__(self, run: "Driver", compiled: Compiled, rows: EventRows):
         made = compiled.integrator
-        self.compiled, self.rows = compiled, rows
+        self.compiled = compiled
+        self.rows = rows
         self.stepper: Any = run.stepper_of(compiled)
         self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, 1)
         found = run.tallies, run.log, run.samples
@@ -139,8 +140,10 @@ class Driver:
         functions: np.ndarray,
         end: Any,
     ):
-        self.at_start, self.end = functions, end
-        self.variables, self.number = len(start), start.dtype.type
+        self.at_start = functions
+        self.end = end
+        self.variables = len(start)
+        self.number = start.dtype.type
         self.share(rows, functions[:, None], len(compiled.integrator.state))
         self.work_in(Place(self, compiled, rows))
         self.first = start[None, :].copy()
@@ -156,9 +159,11 @@ class Driver:
         """Make the arrays of all phases of a run that starts with these event functions,
         (events, 1), and has at most `width` variables.
         """
-        room, number = PASSAGES + len(rows.events) * MOST_COEFFICIENTS, self.number
+        room = PASSAGES + len(rows.events) * MOST_COEFFICIENTS
+        number = self.number
         self.all_events = rows
-        self.tallies, self.log = new_tallies(rows, functions), new_log(room, width, number)
+        self.tallies = new_tallies(rows, functions)
+        self.log = new_log(room, width, number)
         self.samples = new_samples(STEPS_PER_SLICE + 2, width, number)
         is_double = number in (float, np.float64)
         # of passages, in the working precision
@@ -172,12 +177,17 @@ class Driver:
 
     def want(self, rows: Rows) -> None:
         """Make these rows from now on."""
-        self.wanted, self.made, self.given = rows, view(rows.filled), 0
+        self.wanted = rows
+        self.made = view(rows.filled)
+        self.given = 0
 
     def work_in(self, place: Place) -> None:
         """Make the next steps in a place."""
-        self.place, self.compiled = place, place.compiled
-        self.motion, self.loop, self.stepper = place.motion, place.loop, place.stepper
+        self.place = place
+        self.compiled = place.compiled
+        self.motion = place.motion
+        self.loop = place.loop
+        self.stepper = place.stepper
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
         """Take the parameters of an integrator, perhaps with others behind."""
@@ -190,7 +200,8 @@ class Driver:
         """Make at most `most` steps; rows go to the request."""
         self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
         steps, when, last, ended = self.run(most)
-        logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
+        logged = slice(self.logged[0])
+        sampled = slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
         self.give()
         phases = events["phase"], self.samples.top[sampled], self.motion.in_lane
@@ -212,7 +223,8 @@ class Driver:
         """
         before = self.steps[0]
         self.drive(most)
-        code, steps = self.status[0], self.steps[0] - before
+        code = self.status[0]
+        steps = self.steps[0] - before
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def begin(self) -> None:
@@ -239,13 +251,16 @@ class Driver:
         """
         self.give()
         times = self.request.wanted()
-        n, filled = len(times), np.zeros(1, np.int64)
-        states, phases = np.empty((n, self.width), self.number), np.empty(n, np.int64)
+        n = len(times)
+        filled = np.zeros(1, np.int64)
+        states = np.empty((n, self.width), self.number)
+        phases = np.empty(n, np.int64)
         self.want(Rows(times, states, phases, filled, self.request.steps, n))
 
     def give(self) -> None:
         """Give the rows that were made since the last time."""
-        wanted, made = self.wanted, slice(self.given, self.made[0])
+        wanted = self.wanted
+        made = slice(self.given, self.made[0])
         rows = self.rows_of(wanted.phases[made], wanted.states[made])
         self.given = made.stop
         if len(rows):
@@ -262,7 +277,8 @@ class Driver:
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Add rows that no step makes: times, and states of the present phase (k, variables)."""
-        rows, made = self.wanted, self.made
+        rows = self.wanted
+        made = self.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.motion.in_lane, part.stop
         rows.states[part, : states.shape[1]] = states
@@ -322,7 +338,8 @@ class Driver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
-        records, functions = self.all_events.events, self.tallies.functions[:, 0]
+        records = self.all_events.events
+        functions = self.tallies.functions[:, 0]
         kept = records["extremes"]
         values = functions["extremes"][kept] / records["scale"][kept, None]
         pairs = np.stack([values, functions["times"][kept]], axis=-1)

@@ -121,14 +121,16 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     """Return angles, vectors and quantities of a row by name, internal units; arrays or
     expressions.
     """
-    whole, angles = moment(form, q, carried, body), form.to_angles(q, carried, body)
+    whole = moment(form, q, carried, body)
+    angles = form.to_angles(q, carried, body)
     values = {
         "theta": math.nan,
         "theta_dot": 0.0,
         **angles._asdict(),
     }  # a hybrid system may have no theta
     if system.vectors:
-        vector, direct = system.forms["vector"], form.name == "vector"
+        vector = system.forms["vector"]
+        direct = form.name == "vector"
         if direct:
             state = q
         elif form.vectors:

@@ -190,7 +190,8 @@ class Jump:
                 n.cause = self.exit.event
             if n.phase not in run.phases:
                 return n, None, (), ()
-            to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
+            to = run.track_of(n.phase)
+            carried = getattr(n.x, "carried", carried)
             b = to.phase.parameters(world.body)
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
             values = to.formulas.functions(q, carried, b)
@@ -228,7 +229,8 @@ def wrong_time(n: Next, to: "Track") -> str:
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
     if n.series:
-        values, names = to.variables.join(*n.series(np.zeros(2))), to.variables.names
+        values = to.variables.join(*n.series(np.zeros(2)))
+        names = to.variables.names
         if [np.shape(value) for value in values] != [(2,)] * len(names):
             must = f"return arrays of {', '.join(names)} at the given times from `series`"
             return f"{must}, but returns {values!r:.60}"
@@ -271,9 +273,13 @@ class Track:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
-        problem, phase = run.problem, run.phases[name]
-        self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
-        self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
+        problem = run.problem
+        phase = run.phases[name]
+        self.name = name
+        self.phase = phase
+        self.at = [*run.phases].index(name)
+        self.b = phase.parameters(run.world.body)
+        self.variables = variables_of(phase.form)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
             run.numbers.get(exit.event, exit.event): run.jump(name, phase, exit)
@@ -294,10 +300,12 @@ class Track:
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
-        known, records = run.all_events.events, np.zeros_like(run.all_events.events)
+        known = run.all_events.events
+        records = np.zeros_like(run.all_events.events)
         for (number, event), record in zip(self.events.items(), mine, strict=True):
             records[number] = record
-            whole, new = known[number], records[number]
+            whole = known[number]
+            new = records[number]
             whole["scale"] = record["scale"]
             whole["extremes"] |= bool(event.extremes)
             new["watched"] = not event.sense or event.name in run.problem.events
@@ -332,7 +340,9 @@ class Track:
             the number of roots of those that end the phase; numbers of the events that have
             happened in the jump.
         """
-        sides, zeros, passed = [0.0] * len(signs), [0.0] * len(signs), []
+        sides = [0.0] * len(signs)
+        zeros = [0.0] * len(signs)
+        passed = []
         for (k, event), value in zip(self.events.items(), values, strict=True):
             if k in self.exits:
                 sides[k] = n.sides.get(event.name, -event.direction)
@@ -367,14 +377,16 @@ class HybridDriver(Driver):
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
-        system, number = problem.system, float if problem.precision == "double" else problem.number
+        system = problem.system
+        number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
 
         def internal(value: float, unit: Any) -> Any:
             return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
 
-        body, phases = problem.internal_body, system.phases
+        body = problem.internal_body
+        phases = system.phases
         if system.assembled is not None:
             body, phases = system.assembled(body, problem.contact, internal)
         body = refill(body, map(number, leaves(body)))
@@ -394,7 +406,9 @@ class HybridDriver(Driver):
         self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known
         self.tables = PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
-        contact, kind, struck = problem.contact, None, None
+        contact = problem.contact
+        kind = None
+        struck = None
         if contact is not None:
             kind = type(body[0].friction), contact.restitution, problem.precision
             self.impacts = ImpactMotions(*kind, stop)
@@ -417,8 +431,10 @@ class HybridDriver(Driver):
 
     def _start(self, state: tuple) -> None:
         """Enter the first phase."""
-        system, world = self.problem.system, self.world._replace(left=self.end)
-        phase, joint = completed(system.phase, self.problem.variables), self.problem.joint
+        system = self.problem.system
+        world = self.world._replace(left=self.end)
+        phase = completed(system.phase, self.problem.variables)
+        joint = self.problem.joint
         begins = [system.begin or begin_in_first, begin_in_first]
         if "next" in joint:  # it continues in the phase of another run
             begins.insert(0, lambda x, world: Next(x=x, **joint["next"]))
@@ -426,7 +442,8 @@ class HybridDriver(Driver):
             start = Exit("start", tuple(self.phases), begin)
             begun = n, *_ = self.jump("", phase, start)(self, state, world)
             if n.ends:
-                self.ended, self.sentence = Status.of_event(n.ends), n.message
+                self.ended = Status.of_event(n.ends)
+                self.sentence = n.message
             if n.phase:
                 break
         self._enter(begun, self.number(0), None)
@@ -451,7 +468,8 @@ class HybridDriver(Driver):
 
     def follow(self, track: Track, began: float) -> None:
         """Make the next steps in a phase that begins at an internal time."""
-        self.track, self.began = track, began
+        self.track = track
+        self.began = began
         self.work_in(track.place)
 
     def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
@@ -486,7 +504,8 @@ class HybridDriver(Driver):
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.changes, steps = 0, 0
+        self.changes = 0
+        steps = 0
         while True:
             self.end_next()
             is_full = self.logged[0] > PASSAGES - MOST_LOGGED
@@ -502,7 +521,9 @@ class HybridDriver(Driver):
                 ending = self.log.rows["event"][self.logged[0] - 1]
             jump = self.track.exits.get(ending)
             if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
-                jump, when, status = None, self.end, Status.FINISHED
+                jump = None
+                when = self.end
+                status = Status.FINISHED
                 if self.upto[0] < 1.0:
                     self.logged[0] -= 1
                     self.functions["sign"][ending] *= -1
@@ -539,7 +560,9 @@ class HybridDriver(Driver):
         shortest = CHATTER * max(self.began, 1.0)
         if float(self.until) > self.began:  # it was to last some time
             self.short = self.short + 1 if float(when) - self.began < shortest else 0
-        now, track, last = self.number(when), self.track, self.last
+        now = self.number(when)
+        track = self.track
+        last = self.last
         if self.upto[0] < 1.0:
             self.logged[0] -= 1  # the jump logs it
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
@@ -582,7 +605,9 @@ class HybridDriver(Driver):
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase, given by its number."""
-        at, when, event = self.logged[0], float(time), self.all_events.events[number]
+        at = self.logged[0]
+        when = float(time)
+        event = self.all_events.events[number]
         self.log.rows[at] = when, number, sign, phase, 0, False
         self.times[at], self.log.states[at, : len(state)] = time, state
         self.logged[0] += 1
@@ -599,13 +624,15 @@ class HybridDriver(Driver):
         """Take in the extremes of event functions during a jump; return the functions at its
         start.
         """
-        track, every = self.track, []
+        track = self.track
+        every = []
         for time in (began + (end - began) * k / NODES for k in range(NODES + 1)):
             state = self.series(time)[0]
             values = track.formulas.functions(*track.variables.split(state), track.b)
             every.append(values)
             for number, value in zip(track.events, values, strict=True):
-                event, known = self.all_events.events[number], self.functions[number]
+                event = self.all_events.events[number]
+                known = self.functions[number]
                 scaled = float(value) * event["scale"]
                 for side, is_beyond in enumerate((np.less, np.greater)):
                     if event["extremes"] and is_beyond(scaled, known["extremes"][side]):
@@ -614,17 +641,20 @@ class HybridDriver(Driver):
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log an event that happens in a jump from a phase."""
-        track, during = self.track, self.series
+        track = self.track
+        during = self.series
         if during:
             now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
             self._note(number, now, sign, track.at, during(now)[0])
             return
-        event, state = track.events[number], self.last
+        event = track.events[number]
+        state = self.last
         if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
             self._note(number, now, sign, before.at, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        system, variables = self.problem.system, self.problem.variables
+        system = self.problem.system
+        variables = self.problem.variables
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
         rows[:, : as_rows.shape[1]] = as_rows
@@ -648,7 +678,8 @@ class HybridDriver(Driver):
         return self.tables.take()
 
     def joint(self, names: Iterable[str]) -> dict[str, Any]:
-        joint, lasts = super().joint(self.numbers), float(self.until - self.now)
+        joint = super().joint(self.numbers)
+        lasts = float(self.until - self.now)
         sides = {name: sign for name, sign in joint["signs"].items() if sign}
         follows: dict[str, Any] = {"phase": self.track.name, "sides": sides}
         if lasts < math.inf:

@@ -30,7 +30,9 @@ MOST_STEPS = 200_000
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
 STIFF = "friction within an impact is too stiff to be followed"
 ENDLESS = "the impact of a disc did not end: a disc that hardly turns takes too many steps"
-ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
+ENDED = Status.ENDED.code
+NON_FINITE = Status.NON_FINITE.code
+STALLED = Status.STALLED.code
 
 
 STOPS = {name: math.log(1e-3 * rounding) for name, rounding in ROUNDING.items()}
@@ -96,8 +98,11 @@ class ImpactMotions:
         precision: str = "double",
         stop: threading.Event | None = None,
     ):
-        self.law, self.restitution, self.precision = law, restitution, precision
-        self.stop, self.stages = stop, motion.stages(law)
+        self.law = law
+        self.restitution = restitution
+        self.precision = precision
+        self.stop = stop
+        self.stages = motion.stages(law)
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
@@ -106,7 +111,8 @@ class ImpactMotions:
             formulas = formulas_of_impact(self.law, region)
             code = compiled_when((formulas, self.precision, 0.0, 0, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[self.precision])
-            pars, functions = [1.0] * len(code.integrator.pars), np.ones(len(formulas.events))
+            pars = [1.0] * len(code.integrator.pars)
+            functions = np.ones(len(formulas.events))
             kind = Driver if self.precision == "double" else WideDriver
             self.drivers[region] = kind(code, code.rows, pars, start, functions, 0.0)
         return self.drivers[region]
@@ -127,14 +133,16 @@ class ImpactMotions:
         state.
         """
         driver = self.driver(region)
-        known, none = driver.tallies.functions, driver.number(0)
+        known = driver.tallies.functions
+        none = driver.number(0)
         known["sign"][:, 0], known["on_zero"][:, 0] = signs, zeros
         driver.take(driver.place, pars)
         driver.begin()
         driver.put(state, (none, none))
         driver.end_at(end)
         driver.forget()
-        steps, code = driver.make(int(most)), driver.status[0]
+        steps = driver.make(int(most))
+        code = driver.status[0]
         event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1
         return [code, steps, event, *driver.reached()[1].tolist()]
 
@@ -148,15 +156,21 @@ class ImpactMotions:
         ArithmeticError
             If friction jams the contact, or is too stiff.
         """
-        self.follow, self.left, self.mode = piece or self.piece, MOST_STEPS, "slip"
+        self.follow = piece or self.piece
+        self.left = MOST_STEPS
+        self.mode = "slip"
         b = as_ball(b)  # which stays within an impact
         (v, omega), none = velocities(x, b), 0 * x.height
         slip = v._replace(z=b.friction.patch * omega.z if self.law.regions else none)
-        speed, unit, stops = unit_of(*v, slip.z), unit_of(v.z), STOPS[self.precision]
-        slip, grown = times(1 / speed, slip), none
+        speed = unit_of(*v, slip.z)
+        unit = unit_of(v.z)
+        stops = STOPS[self.precision]
+        slip = times(1 / speed, slip)
+        grown = none
         if motion.can_rest(self.law):
             w = sqrt(dot(slip, slip)) + math.exp(stops - 1)
-            slip, grown = times(1 / w, slip), log(w)
+            slip = times(1 / w, slip)
+            grown = log(w)
         blow = motion.Blow(motion.ENDS["newton"], 0.0, speed, unit / speed, stops, x.u, x.L, b)
         q = motion.Motion(*slip, grown, v.z / unit, *(none,) * 7)
         self.region = motion.region_at(q, blow)
@@ -174,17 +188,22 @@ class ImpactMotions:
 
     def _followed(self, q: Any, b: Any) -> Any:
         """Return the motion at the end of compression or restitution."""
-        span, passed = REST_SPAN, "" if q.grown > b.stops else "stops"
+        span = REST_SPAN
+        passed = "" if q.grown > b.stops else "stops"
         while self.left > 0:
             if passed == "stops":
                 q = q._replace(**dict.fromkeys(("v_x", "v_y", "turn", "grown"), 0 * q.v_n))
-                self.region, self.mode, passed = motion.REST, "stick", ""
+                self.region = motion.REST
+                self.mode = "stick"
+                passed = ""
             if self.region not in self.stages:  # the slip is not finite
                 raise ArithmeticError(UNSOLVED)
-            stage, rests = self.stages[self.region], self.region == motion.REST
+            stage = self.stages[self.region]
+            rests = self.region == motion.REST
             acts = stage.acts(q, b)
             if rests and not motion.left(acts, b) > 0:
-                q, span = motion.slide(q, acts, b), REST_SPAN
+                q = motion.slide(q, acts, b)
+                span = REST_SPAN
                 self.region = motion.region_at(q, b)
                 self.mode = "reverse" if self.law.set_valued else "slip"
                 continue
@@ -193,7 +212,8 @@ class ImpactMotions:
             signs = tuple(-event.direction for event in stage.events)
             zeros = tuple(-float(event.name == passed) for event in stage.events)
             pad = self.driver(self.region).width - len(q)
-            state, pars = (*q, *(0.0,) * pad), tuple(leaves(b))
+            state = (*q, *(0.0,) * pad)
+            pars = tuple(leaves(b))
             end = CLOCK_RATE * (span if rests else LONGEST)
             given = end, self.left, signs, zeros, state, pars
             status, steps, k, *after = self.follow(self.region, *given)
@@ -202,14 +222,16 @@ class ImpactMotions:
             if rests and span > SHORTEST and motion.left(stage.acts(after, b), b) < 0:
                 span /= 2
                 continue
-            q, passed = after, ""
+            q = after
+            passed = ""
             if status == ENDED:
                 passed = next(event.name for e, event in enumerate(stage.events) if e == k)
                 if passed == "reached":
                     return q
                 if passed in stage.follows:
                     way = stage.follows[passed]
-                    self.region, passed = way.follows, way.back
+                    self.region = way.follows
+                    passed = way.back
             elif status == NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
             elif status == STALLED:

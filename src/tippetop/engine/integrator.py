@@ -121,10 +121,12 @@ def compiled_from(
     neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
     takes three times the integration.
     """
-    number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
+    number = PRECISIONS[precision]
+    variables = Variables(formulas.form, orientation)
     compact = precision != "double"
     q, carried, body, equations = equations_of_motion(formulas, variables)
-    sources, of_integrals = [], [integral.of or None for integral in variables.integrals]
+    sources = []
+    of_integrals = [integral.of or None for integral in variables.integrals]
     for e, (event, formula) in enumerate(
         zip(formulas.events, formulas.functions(q, carried, body), strict=True)
     ):

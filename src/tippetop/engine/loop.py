@@ -90,7 +90,9 @@ class _Loop(NamedTuple):
 @cache
 def structure(record: type) -> type[ctypes.Structure]:
     """Return the structure of C whose fields are those of a named tuple: arrays are pointers."""
-    whole, number, pointer = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
+    whole = ctypes.c_int64
+    number = ctypes.c_double
+    pointer = ctypes.c_void_p
     kinds: dict[type, Any] = {int: whole, bool: whole, float: number, np.ndarray: pointer}
     fields = [
         (name, kinds.get(kind) or structure(kind)) for name, kind in record.__annotations__.items()
@@ -122,23 +124,28 @@ def library() -> ctypes.CDLL:
     Raises BuildError if it is missing, or was compiled from another source.
     """
     folder = Path(tippetop_kernels.__file__).parent
-    built, source = folder / "loop.so", folder / "loop.c"
+    built = folder / "loop.so"
+    source = folder / "loop.c"
     try:
-        loaded, text = ctypes.CDLL(str(built)), source.read_bytes()
+        loaded = ctypes.CDLL(str(built))
+        text = source.read_bytes()
     except OSError as error:
         raise BuildError(f"{error}: install tippetop again (pip install -e .).") from None
-    loaded.loop_digest.restype, expected = ctypes.c_char_p, hashlib.sha256(text).hexdigest()
+    loaded.loop_digest.restype = ctypes.c_char_p
+    expected = hashlib.sha256(text).hexdigest()
     if loaded.loop_digest().decode() != expected:
         raise BuildError(
             f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: "
             "install tippetop again "
             "(pip install -e .)."
         )
-    whole, array = ctypes.c_int64, ctypes.c_void_p
+    whole = ctypes.c_int64
+    array = ctypes.c_void_p
     loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
     loaded.loop_end.argtypes = [array, whole]
     for function in (loaded.loop_drive, loaded.loop_run):
-        function.restype, function.argtypes = whole, [array, whole]
+        function.restype = whole
+        function.argtypes = [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
     return loaded
 
@@ -146,8 +153,10 @@ def library() -> ctypes.CDLL:
 def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion:
     """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
     state, before = np.zeros((2, variables, lanes))
-    pars, tc = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
-    in_lane, times = np.zeros(lanes, np.int64), (np.zeros(lanes) for _ in range(7))
+    pars = np.zeros((parameters, lanes))
+    tc = np.zeros((variables, size, lanes))
+    in_lane = np.zeros(lanes, np.int64)
+    times = (np.zeros(lanes) for _ in range(7))
     return Motion(state, before, pars, tc, in_lane, *times)
 
 
@@ -185,20 +194,23 @@ class Loop:
             self.callbacks = _callbacks(stepper, motion, self.failures)
             code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
             width = 0  # the stepper keeps states: the loop writes all of them to one place
-            log, samples = log._replace(states=self.out), samples._replace(states=self.out)
+            log = log._replace(states=self.out)
+            samples = samples._replace(states=self.out)
         lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
         sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
         arrays = np.empty((2, size, lanes)), self.out
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)
-        self.place, self.output = ctypes.byref(self.structure), NO_ROWS
+        self.place = ctypes.byref(self.structure)
+        self.output = NO_ROWS
 
     def fill(self, rows: Rows) -> None:
         """Write these rows from now on."""
         if rows is not self.output:
             states = rows.states if self.record.sizes.width else self.out
-            self.structure.output, self.output = filled(rows._replace(states=states)), rows
+            self.structure.output = filled(rows._replace(states=states))
+            self.output = rows
 
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
@@ -262,7 +274,8 @@ def count_turnings(
     confirmed, waits
         (k,) whether the turning that waited counts; whether this one waits from now on.
     """
-    signs, theta = np.ascontiguousarray(signs, np.int64), np.ascontiguousarray(theta, float)
+    signs = np.ascontiguousarray(signs, np.int64)
+    theta = np.ascontiguousarray(theta, float)
     effects = np.empty(len(signs), np.int64)
     arrays = (array.ctypes.data for array in (signs, theta, effects))
     library().loop_count_turnings(tallies.lane.ctypes.data, float(NOISE_FLOOR), len(signs), *arrays)

@@ -56,14 +56,17 @@ class Observables:
 
     def domains(self, rows: np.ndarray) -> dict[str, float]:
         """Return the least value of each function that must stay positive, by its meaning."""
-        state, body, domains = self.moment(rows), self.body, self.problem.form.domains
+        state = self.moment(rows)
+        body = self.body
+        domains = self.problem.form.domains
         return {h.meaning: float(np.min(h.formula(state, body))) for h in domains}
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
         """Return the rows as columns of the store's group `trajectory`, SI; times [s] as they were
         asked for.
         """
-        problem, values = self.problem, self.evaluate(rows)
+        problem = self.problem
+        values = self.evaluate(rows)
         if not set(TURN).isdisjoint(problem.kept_columns):
             values |= orientations_of(problem.alone, rows.T, ALONE)
         columns = {"time": column(times, SECOND, "time")}
@@ -88,7 +91,8 @@ class Observables:
 
     def _split(self, name: str, values: np.ndarray, source: "Source") -> dict[str, Column]:
         """Return a column of doubles; in wider precisions a second one, `name_lo`, to be added."""
-        high, dims = values.astype(np.float64), ("time", *source.dims)
+        high = values.astype(np.float64)
+        dims = ("time", *source.dims)
         columns = {name: column(high, source.unit, source.long_name, dims, **source.attributes)}
         if self.problem.precision != "double":
             low = (values - high).astype(np.float64)
@@ -128,7 +132,8 @@ QUATERNION = tuple(f"orientation_{part}" for part in "wxyz")
 
 def sources(problem: Problem) -> dict[str, Source]:
     """Return the sources of the columns of a run by name, apart from the time and the low parts."""
-    system, names = problem.system, problem.system.long_names
+    system = problem.system
+    names = problem.system.long_names
     found = {
         name: Source((name,), unit, names[name]) for name, unit in system.angles._asdict().items()
     }
@@ -162,9 +167,11 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     dict
         Quantities and angles by name, (k,) each.
     """
-    system, values = problems.base.system, _computed(observed, problems, states, which)
+    system = problems.base.system
+    values = _computed(observed, problems, states, which)
     if SINE2 in values:  # a pole is left at full speed, along no azimuth
-        pole, speed2 = values.pop(SINE2) == 0, values.pop(SPEED2)
+        pole = values.pop(SINE2) == 0
+        speed2 = values.pop(SPEED2)
         values["theta_dot"][pole] = np.sqrt(speed2[pole])
         for name in system.undefined_at_poles:
             values[name][pole] = np.nan
@@ -211,14 +218,16 @@ def _computed(
     """Return the values of formulas by name: doubles by their compiled function, wider numbers by
     numpy in 80 bits.
     """
-    base, k = problems.base, states.shape[1]
+    base = problems.base
+    k = states.shape[1]
     if base.precision != "double":
         view = Observables(base)
         with np.errstate(invalid="ignore", divide="ignore"):
             values = formulas(base.system, base.form, *view.state(states.T), view.body)
         return {name: np.broadcast_to(value, k).copy() for name, value in values.items()}
     names, function = compile_observables(formulas, base.system, problems.variables, base.law)
-    pars, outputs = problems.pars[: function.nparams, which], []
+    pars = problems.pars[: function.nparams, which]
+    outputs = []
     tables = states, np.broadcast_to(pars, (len(pars), k))
     for first in range(0, k or 1, BLOCK):
         some = [table[:, first : first + BLOCK] for table in tables]
@@ -243,7 +252,8 @@ def _widened(values: np.ndarray, problem: Problem) -> np.ndarray:
 def event_functions(problems: Problems) -> np.ndarray:
     """Return the event functions of every run at its start, (n, events), internal units."""
     body = problems.body_of_pars(problems.pars.astype(float))
-    state, events = problems.moment(problems.start.astype(float), body), problems.base.system.events
+    state = problems.moment(problems.start.astype(float), body)
+    events = problems.base.system.events
     functions = np.ones((problems.n, len(events)))
     for e, event in enumerate(events):
         if event.formula is not None:

@@ -23,7 +23,8 @@ class PhaseTables:
     """
 
     def __init__(self, problem: Problem):
-        self.tables, self.scales = problem.system.tables, problem.scales
+        self.tables = problem.system.tables
+        self.scales = problem.scales
         self.under_way: list[float] = []
         self.rows = defaultdict[str, list[Sequence]](list)
         self.numbers = dict[tuple, list]()  # of the words of a phase that begins
@@ -31,7 +32,8 @@ class PhaseTables:
     def begin(self, time: float, track: Any, cause: str) -> None:
         """Begin a phase at an internal time."""
         self.end(time)
-        name, phase = track.name, track.phase
+        name = track.name
+        phase = track.phase
         if (name, cause) not in self.numbers:
             row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
             kinds = self.tables["phases"].items()
@@ -52,7 +54,8 @@ class PhaseTables:
 
     def take(self) -> dict[str, Table]:
         """Return the rows that came since the last call, by table."""
-        rows, self.rows = self.rows, defaultdict(list)
+        rows = self.rows
+        self.rows = defaultdict(list)
         return {
             name: as_table(name, kinds, rows[name], self.scales)
             for name, kinds in self.tables.items()
@@ -68,7 +71,8 @@ def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
     """Return rows, in internal units, as columns in SI; words as their places."""
-    table, times = Table(), ("start", "end") if name == "phases" else ("time",)
+    table = Table()
+    times = ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
         is_word = isinstance(kind, tuple)
         unit = float(scales.of(kind)) if rows and not is_word else 1

@@ -116,7 +116,8 @@ def classes_of(
     rates = {name: np.nan_to_num(values[name].astype(float)) for name in RATES if name in values}
     still = np.abs([*rates.values()]).max(axis=0, initial=0.0) < STILL
     away = np.minimum(theta, np.pi - theta) >= LINEAR
-    known, gliding = isinstance(body, Touch), system.frictional
+    known = isinstance(body, Touch)
+    gliding = system.frictional
     law: Any = body.friction if known else None
     free = False
     parts = known and (has_parts(law) or (bool(law.regions) and np.any(law.mu)))
@@ -130,7 +131,8 @@ def classes_of(
             ends["tumbling"] &= shows_sliding(body, np.cos(theta))
             free = takes_nothing(law)
     swings = (np.sin(theta) >= STILL) | (np.abs(rates.get("theta_dot", 0.0)) >= STILL)
-    phase, ball = values.get("phase", -1), values.get("ball", -1)
+    phase = values.get("phase", -1)
+    ball = values.get("ball", -1)
     rolls = (phase == PHASES.index("roll")) | (phase == PHASES.index("rest"))
     rules = [
         ("bouncing", phase == PHASES.index("flight")),

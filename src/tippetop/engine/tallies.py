@@ -98,7 +98,8 @@ def event_rows(
     records: list[tuple] = []
     numbers: list[tuple[int, int]] = []
     for event, (variable, shift, scale, offset) in zip(events, sources, strict=True):
-        first, ranged = len(numbers), bool(event.extremes)
+        first = len(numbers)
+        ranged = bool(event.extremes)
         numbers += [(WHAT[kept.what], kept.direction) for kept in event.kept]
         ends = Status.of_event(event.ends).code if event.ends else 0
         place = variable, shift, event.direction, ends, event.sense, first, len(numbers)
@@ -131,7 +132,8 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     """Return the tallies of runs that start with these event functions, (events, lanes)."""
     lanes = functions.shape[1]
-    lane, known = np.empty(lanes, LANE_RECORD), np.zeros(functions.shape, FUNCTION_RECORD)
+    lane = np.empty(lanes, LANE_RECORD)
+    known = np.zeros(functions.shape, FUNCTION_RECORD)
     lane[:] = tuple(_LANE.values())
     known["sign"], known["on_zero"] = signs_of(functions)
     known["extremes"], known["times"] = (np.inf, -np.inf), np.nan
@@ -171,7 +173,8 @@ PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
     """Return an empty log with room for `length` passages, with states of type `number`."""
-    rows, states = np.empty(length, PASSAGE_RECORD), np.empty((length, variables), number)
+    rows = np.empty(length, PASSAGE_RECORD)
+    states = np.empty((length, variables), number)
     return PassageLog(np.zeros(1, np.int64), rows, states)
 
 

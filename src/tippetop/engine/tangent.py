@@ -47,7 +47,8 @@ class Tangents:
 
     def __init__(self, problem: Problem, wrt: Sequence[str], most: float = 0.0):
         refuse(problem, wrt)
-        self.problem, self.most = problem, most
+        self.problem = problem
+        self.most = most
         given = dict.fromkeys(sorted(wrt), 0.0)
         for table in ("parameters", "friction", "initial"):
             given |= {f"{table}.{name}": value for name, value in problem.tables[table].items()}
@@ -81,7 +82,8 @@ class Tangents:
 
     def _kind(self, order: int) -> Kind:
         """Key of the compiled functions."""
-        problem, names = self.problem, tuple(self.values)
+        problem = self.problem
+        names = tuple(self.values)
         return Kind(problem.system, problem.variables, problem.law, names, self.flags, order)
 
     def states(self, order: int, pars: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -102,7 +104,8 @@ class Tangents:
             (order + 1, variables, rows, lanes); NaN from where a motion cannot be integrated
             further.
         """
-        kind, total = self._kind(order), pars.shape[1]
+        kind = self._kind(order)
+        total = pars.shape[1]
         internal = np.broadcast_to(times, (len(times), total)) / self.second
         width = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         key = kind, width, self.problem.tolerance

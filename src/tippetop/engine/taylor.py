@@ -49,13 +49,15 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
 
         wide = problem.precision != "double"
         return (hybrid.WideHybridDriver if wide else hybrid.HybridDriver)(problem, stop)
-    system, body = problem.system, problem.internal_body
+    system = problem.system
+    body = problem.internal_body
     code = code_for(problem, formulas_of(system, problem.form.name, body.friction.__class__), stop)
     watched = (
         not event.sense or event.name in problem.events for event in system.events
     )  # turnings are many
     rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
-    functions, signs = event_functions(problem.alone)[0], problem.joint.get("signs", {})
+    functions = event_functions(problem.alone)[0]
+    signs = problem.joint.get("signs", {})
     for k, event in enumerate(system.events):
         if signs.get(event.name) and abs(functions[k]) < ON_ZERO:
             functions[k] = signs[event.name] * ON_ZERO

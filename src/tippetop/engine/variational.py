@@ -58,7 +58,8 @@ class Kind(NamedTuple):
     @property
     def symbols(self) -> list[Any]:
         """The variables as symbols, then their first derivatives, then their second ones."""
-        names, orders = self.variables.names, range(self.order + 1)
+        names = self.variables.names
+        orders = range(self.order + 1)
         return [hy.expression("d_" * k + name) for k in orders for name in names]
 
     def numbers(self) -> tuple[Any, dict[str, Any]]:
@@ -79,7 +80,8 @@ class Kind(NamedTuple):
 
     def with_derivatives(self, values: Iterable) -> list[Any]:
         """Return expressions, their first derivatives along a direction, then their second ones."""
-        n, symbols = len(self.names), self.symbols
+        n = len(self.names)
+        symbols = self.symbols
         moves = {hy.par[i]: hy.par[n + i] for i in range(n)}
         moves |= zip(symbols, symbols[len(self.variables.names) :], strict=False)
         rows = [[ZERO + value for value in values]]
@@ -108,7 +110,8 @@ def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> tuple[Any, Any]
     """
     body, data = kind.numbers()
     theta = ZERO + data.get("theta", 0.0)
-    s, z = sin(theta), cos(theta)
+    s = sin(theta)
+    z = cos(theta)
     angles = kind.system.start(data, s, z, body)
     start = kind.variables.join(*kind.variables.start(data, angles, s, z, body))
     starts = compiled_once(hy.cfunc, kind.with_derivatives(start), vars=[])

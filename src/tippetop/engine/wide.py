@@ -48,12 +48,15 @@ class WideSteps(Called):
     refined = 0
 
     def __init__(self, integrator: Any, run: Driver):
-        self.integrator, self.run = copy.deepcopy(integrator), run
+        self.integrator = copy.deepcopy(integrator)
+        self.run = run
 
     def step(self, motion: Motion) -> None:
         """Make a step, at most to the end of the run."""
-        ta, run = self.integrator, self.run
-        self.before, self.refined = (ta.state.copy(), ta.dtime), run.logged[0]
+        ta = self.integrator
+        run = self.run
+        self.before = (ta.state.copy(), ta.dtime)
+        self.refined = run.logged[0]
         high, low = ta.dtime
         motion.high[0] = motion.start_high[0] = start = float(high)
         motion.low[0] = motion.start_low[0] = 0.0
@@ -69,16 +72,21 @@ class WideSteps(Called):
             motion.h[0] = np.nan
             ta.state[:], ta.dtime = self.before
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
-        n, rows, row = len(ta.state), run.wanted.states, run.made[0]
+        n = len(ta.state)
+        rows = run.wanted.states
+        row = run.made[0]
         run.samples.states[run.sampled_so_far[0], :n] = ta.state
         if row < len(rows):
             rows[row, :n] = ta.state
 
     def keep(self) -> None:
         """Keep the next zero of the log, which is refined, or else the next row."""
-        ta, run, n = self.integrator, self.run, len(self.integrator.state)
+        ta = self.integrator
+        run = self.run
+        n = len(self.integrator.state)
         if self.refined < run.logged[0]:
-            k, start = self.refined, self.before[1][0]
+            k = self.refined
+            start = self.before[1][0]
             when, event, *_ = run.log.rows[k]
             on_zero = int(run.tallies.functions["on_zero"][event, 0])
             roots = -min(0, on_zero) if run.steps[0] == 1 else 0
@@ -87,7 +95,8 @@ class WideSteps(Called):
             run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
         else:
-            rows, row = run.wanted, run.made[0]
+            rows = run.wanted
+            row = run.made[0]
             rows.states[row, :n] = ta.update_d_output(run.number(rows.times[row]))
 
 

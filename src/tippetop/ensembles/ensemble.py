@@ -62,9 +62,13 @@ def measure(
     Outcomes
         A row per top; invalid ones have the status `invalid`.
     """
-    clock, processor = time.perf_counter(), time.process_time()
-    measured, functions = Outcomes(tops, lyapunov), event_functions(tops)
-    lock, counted, total = threading.Lock(), itertools.count(1), int(tops.valid.sum())
+    clock = time.perf_counter()
+    processor = time.process_time()
+    measured = Outcomes(tops, lyapunov)
+    functions = event_functions(tops)
+    lock = threading.Lock()
+    counted = itertools.count(1)
+    total = int(tops.valid.sum())
 
     def ended() -> None:
         if progress is not None:
@@ -119,14 +123,17 @@ def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:
 
 def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: EventRows) -> None:
     """Write the rows of tops that ran in lanes."""
-    columns, lane, kept = measured.columns, tallies.lane[numbers], iter(tallies.kept[:, numbers])
+    columns = measured.columns
+    lane = tallies.lane[numbers]
+    kept = iter(tallies.kept[:, numbers])
     functions = tallies.functions[:, numbers]
     measured.status[numbers] = lane["status"]
     columns["t_end"][numbers] = lane["t"]
     for name in ("steps", *SWINGS):
         columns[name][numbers] = lane[name]
     settled = ~slides(measured.tops, measured.final[:, numbers], numbers)
-    events, scales = measured.tops.base.system.events, rows.events["scale"]
+    events = measured.tops.base.system.events
+    scales = rows.events["scale"]
     for event, function, scale in zip(events, functions, scales, strict=True):
         if event.lasting:
             settled &= event.direction * function["sign"] > 0

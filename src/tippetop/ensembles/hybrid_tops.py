@@ -28,7 +28,9 @@ def problem_of(tops: Problems, top: int) -> Problem:
 
     base = tops.base
     tables = {table: numbers(table) for table in base.tables}
-    parameters, initial, until = tables["parameters"], tables["initial"], tables["run"]["until"]
+    parameters = tables["parameters"]
+    initial = tables["initial"]
+    until = tables["run"]["until"]
     rules = base.contact
     if rules is not None:
         rules = rules._replace(**tables["contact"], **tables.get("stem", {}))
@@ -96,7 +98,8 @@ def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     if logs:
         outcomes.events[top] = memory.table()
     end = integration.progress()
-    events, kept = end.events, (name for name, _ in end.events.known.kept)
+    events = end.events
+    kept = (name for name, _ in end.events.known.kept)
     values = {
         "t_end": end.t_end / events.second,
         "steps": end.steps,

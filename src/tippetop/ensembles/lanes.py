@@ -70,8 +70,11 @@ class Lanes:
         def reads(*names: str) -> bool:
             return wanted is None or any(name.startswith(names) for name in wanted)
 
-        self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, reads)
-        n, order = len(code.integrator.state), code.integrator.order
+        self.problems = tops
+        self.lanes = lanes
+        self.rows = watched(code.rows, base, reads)
+        n = len(code.integrator.state)
+        order = code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
         self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n)
@@ -106,7 +109,9 @@ class Lanes:
         ended
             Called whenever a top has ended.
         """
-        samples, status, final = self.samples, self.tallies.lane["status"], outcomes.final
+        samples = self.samples
+        status = self.tallies.lane["status"]
+        final = outcomes.final
         while True:
             for lane in np.flatnonzero(status != Status.RUNNING.code).tolist():
                 top, self.top[lane] = int(self.top[lane]), next(queue, -1)
@@ -117,7 +122,8 @@ class Lanes:
                     ended()
                 if self.top[lane] >= 0:
                     self._take(tallies, lane)
-            idle, count = bool((self.top < 0).all()), int(samples.filled[0])
+            idle = bool((self.top < 0).all())
+            count = int(samples.filled[0])
             if count and (idle or count + self.lanes > len(samples.top)):
                 outcomes.look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
@@ -139,7 +145,9 @@ class Lanes:
         """Put a top into a lane. Integrals of event functions, which its start does not contain,
         begin at zero.
         """
-        every, motion, top = self.problems, self.motion, int(self.top[lane])
+        every = self.problems
+        motion = self.motion
+        top = int(self.top[lane])
         variables = len(every.start)
         motion.state[:variables, lane] = every.start[:, top]
         motion.state[variables:, lane] = 0.0
@@ -151,7 +159,8 @@ class Lanes:
 
     def _stays(self, lane: int) -> bool:
         """Return whether a top that has settled stays as it is."""
-        tops, top = self.problems, self.top[[lane]]
+        tops = self.problems
+        top = self.top[[lane]]
         state = self.motion.state[: len(tops.start), [lane]]
         alone = problem_of(tops, int(top[0]))
         return not slides(tops, state, top).any() and stays(alone, values_of(tops, state, top))
@@ -175,7 +184,8 @@ def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> Event
     EventRows
         These events are found with the same bits.
     """
-    watches, ranges = [], []
+    watches = []
+    ranges = []
     for event in base.system.events:
         names = [event.name, *(kept.name for kept in event.kept)]
         names += SWINGS if event.sense else ()

@@ -49,7 +49,8 @@ def columns_of(system: System) -> dict[str, Form]:
 
     Those of a gliding body are always among them, whether it has these events or not.
     """
-    count, time = (np.int32(0), ONE), (np.nan, SECOND)
+    count = (np.int32(0), ONE)
+    time = (np.nan, SECOND)
     kept = [kept for event in (*EVENTS, *system.events) for kept in event.kept]
     watched = {event.extremes for event in system.events} - {"", "normal_force"}
     return {
@@ -79,7 +80,8 @@ class Outcomes:
     """One row per top, as arrays (n,); and the cost of the computation."""
 
     def __init__(self, tops: Problems, lyapunov: bool = False):
-        self.tops, n = tops, tops.n
+        self.tops = tops
+        n = tops.n
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
         if lyapunov:
             text = "finite-time Lyapunov exponent of the run"
@@ -90,7 +92,8 @@ class Outcomes:
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         values = values_of(tops, tops.start, np.arange(n))
-        self._start, self._sizes = invariants(tops.base, values), sizes(tops.base, values)
+        self._start = invariants(tops.base, values)
+        self._sizes = sizes(tops.base, values)
         self.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in self._start}
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
@@ -117,13 +120,15 @@ class Outcomes:
 
 def _conclude(outcomes: Outcomes) -> None:
     """Compute SI units, theta at the end and the class of each top from its end."""
-    tops, columns = outcomes.tops, outcomes.columns
+    tops = outcomes.tops
+    columns = outcomes.columns
     for name, (empty, unit, _) in outcomes.forms.items():
         if np.isnan(empty):
             columns[name] *= tops.unit(unit)
             columns[name][~np.isfinite(columns[name])] = np.nan
     ended = np.flatnonzero(np.isfinite(outcomes.final).all(axis=0))
-    final, kind = outcomes.final[:, ended], np.full(tops.n, CLASSES.index("under-way"))
+    final = outcomes.final[:, ended]
+    kind = np.full(tops.n, CLASSES.index("under-way"))
     if tops.orientation:
         for name, value in orientations_of(tops, final, ended).items():
             columns[f"{name}_end"][ended] = value
@@ -132,7 +137,8 @@ def _conclude(outcomes: Outcomes) -> None:
     for q in own_quantities(tops.base.system):
         columns[f"{q.name}_end"][ended] = values[q.name] * tops.unit(q.unit)[ended]
     body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-    second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
+    second = tops.unit(SECOND)[ended]
+    settled = outcomes.settled[ended]
     kind[ended] = classes_of(tops.base.system, values, second, settled, body)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
@@ -147,7 +153,8 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
     """Return the rows as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
-    columns, tops = table(outcomes), outcomes.tops
+    columns = table(outcomes)
+    tops = outcomes.tops
     faults = [*tops.checked[1], *outcomes.faults]
     rules = tops.base.rules
     coords = {

@@ -36,7 +36,8 @@ def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray
     order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend
     some, first = np.unique(rows["phase"][order], return_index=True)
     for top, numbers in zip(some.tolist(), np.split(order, first[1:]), strict=True):
-        log, its = log_of(tops, top), rows[numbers]
+        log = log_of(tops, top)
+        its = rows[numbers]
         log.tallies.lane["lasts_since"] = lasts_since[top]
         columns = [its[name] for name in ("time", "event", "sign", "at_pole")]
         zeros = Passages._make([*columns, states[numbers, : len(tops.start)]])

@@ -60,7 +60,8 @@ def _draw(ax: Axes, curves: list[Curve], attrs: Attributes, **style: Any) -> Axe
 
 def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
     """Return the relative changes since the start of the conserved quantities."""
-    t, first = trajectory["time"].values, attrs.get("first_row", {})
+    t = trajectory["time"].values
+    first = attrs.get("first_row", {})
     # Where another ball is in contact
     rows = np.unique(np.searchsorted(t, attrs.get("handed_over", ())))
     rows = rows[(rows > 0) & (rows < len(t))]
@@ -68,11 +69,13 @@ def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
     for name, words in INTEGRALS.items():
         if name not in attrs["report"]["drift"] or name not in trajectory:
             continue
-        values, handed = trajectory[name].values, rows[:0]
+        values = trajectory[name].values
+        handed = rows[:0]
         if name == "jellett":  # it is that of the ball in contact
             handed = rows
             if "jellett_lost" in trajectory and (lost := trajectory["jellett_lost"].values).any():
-                values, words = values + lost, "λ + lost to torques"
+                values = values + lost
+                words = "λ + lost to torques"
             if len(handed):
                 words += ", since its ball touched first"
         piece, *others = np.split(values, handed)

@@ -92,7 +92,8 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
     from ..mechanics.systems import find
     from ..runs.shape import columns_of
 
-    chosen, system = FIGURES[kind], find(attrs["system"])
+    chosen = FIGURES[kind]
+    system = find(attrs["system"])
     if "columns" in attrs["run"] and system is not None:
         uses = {chosen.needs, *chosen.uses}
         if "integrals" in uses:
@@ -143,7 +144,8 @@ def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
     from ..mechanics.friction import PARTS
     from ..mechanics.systems import find
 
-    system, friction = find(attrs["system"]), attrs.get("friction", {})
+    system = find(attrs["system"])
+    friction = attrs.get("friction", {})
     if system is None:
         return attrs
     rules = {**ABOVE, **CONTACT, **system.initial, **system.parameters}
@@ -182,7 +184,8 @@ def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fal
     """
     from .style import styled
 
-    figure, ending = picture.get_figure(root=True), path.suffix.removeprefix(".").lower()
+    figure = picture.get_figure(root=True)
+    ending = path.suffix.removeprefix(".").lower()
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
     with (
         styled(dark=look.dark),

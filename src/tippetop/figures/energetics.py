@@ -32,16 +32,19 @@ def normal_force(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     """Draw g_n(t) in units of the weight m g."""
     ax = panel(10, 4.4)
     colours = ink()
-    t, mg = trajectory["time"].values, weight(attrs)
+    t = trajectory["time"].values
+    mg = weight(attrs)
     force = trajectory["normal_force"].values / mg
     ax.axhline(1.0, color=colours.quiet, lw=0.8, label="weight")
     ax.axhline(0.0, color=colours.alarm, lw=1.0, ls="--", label="no force")
     ax.plot(*thinned(t, force), color=colours.run, lw=0.8)
     limits = span(t)
-    low, high = min(0.0, float(force.min())), max(1.0, float(force.max()))
+    low = min(0.0, float(force.min()))
+    high = max(1.0, float(force.max()))
     extremes = attrs.get("report", {}).get("normal_force") or {}
     for key, color in (("min", colours.lower), ("max", colours.upper)) if extremes else ():
-        value, when = extremes[key] / mg, extremes[f"t_{key}"]
+        value = extremes[key] / mg
+        when = extremes[f"t_{key}"]
         if limits[0] <= when <= limits[1] and np.ptp(force) > CONSTANT and value > CONSTANT:
             words = f"{key} {number(value, 4)} at t = {number(when, 5)} s"
             ax.scatter([when], [value], s=22, color=color, zorder=3, label=words)

@@ -47,7 +47,8 @@ def film(
     `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the
     body as `runs.shape.shape` returns it, `rotation` returns the matrix of an orientation.
     """
-    t, theta = trajectory["time"].values, trajectory["theta"].values
+    t = trajectory["time"].values
+    theta = trajectory["theta"].values
     rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))
     rows = np.unique(np.clip(rows, 0, len(t) - 1))
     poses = [pose(trajectory.isel(time=row), shape, rotation) for row in rows]
@@ -139,7 +140,8 @@ def pose(
     Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
     """
     axes = rotation(np.asarray(row["orientation"]))
-    unit, third = shape["unit"], axes[:, 2]
+    unit = shape["unit"]
+    third = axes[:, 2]
     balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
     (offset, radius), stems = balls[0], balls[1:]
     if "z" in row:

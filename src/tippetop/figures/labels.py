@@ -28,7 +28,9 @@ def quantity(value: float, unit: str) -> str:
 
 def entries(table: dict[str, Any], attrs: Attributes, at_start: bool = False) -> list[str]:
     """Return the entries of a table of a run, each as symbol = value unit."""
-    words, units, symbols = [], attrs.get("units", {}), attrs.get("symbols", {})
+    words = []
+    units = attrs.get("units", {})
+    symbols = attrs.get("symbols", {})
     for key, value in table.items():
         symbol = symbols.get(key, key.replace("_", " "))
         if key == "centre_at_rest":

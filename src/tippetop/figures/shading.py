@@ -33,10 +33,12 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
     phases, impacts
         The groups of the run's store, as Datasets; without impacts None.
     """
-    begun, ended = phases["start"].values, phases["end"].values
+    begun = phases["start"].values
+    ended = phases["end"].values
     if not len(begun):
         return
-    colours, lengths = ink(), ended - begun
+    colours = ink()
+    lengths = ended - begun
     known = phases["phase"].attrs["flag_meanings"].split()
     spare = [pair for name, pair in colours.shades.items() if name not in known]
     others = itertools.cycle(spare or colours.shades.values())

@@ -31,9 +31,11 @@ def sphere(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
 
     A panel of the user's and a small figure have one view.
     """
-    path, t = trajectory["axis"].values, trajectory["time"].values
+    path = trajectory["axis"].values
+    t = trajectory["time"].values
     limits = busy(np.arccos(np.clip(path[:, 2], -1, 1)), t)
-    path, t = path[every(len(t))], t[every(len(t))]
+    path = path[every(len(t))]
+    t = t[every(len(t))]
     views = [name for name, (frame, *_) in VIEWS.items() if (path @ frame[2] > 0).any()]
     ax = users_panel()
     if ax is not None or compact():
@@ -60,7 +62,8 @@ def _view(axes: Axes, view: str, path: np.ndarray, t: np.ndarray) -> Any:
     """Draw one view; return its lines, coloured by the time."""
     colours, (frame, along, up) = ink(), VIEWS[view]
     seen = path @ frame.T
-    plane, near = seen[:, :2], seen[:, 2] >= 0
+    plane = seen[:, :2]
+    near = seen[:, 2] >= 0
     both = near[1:] & near[:-1]
     segments = np.stack([plane[:-1], plane[1:]], axis=1)[both]
     lines = LineCollection(list(segments), array=t[1:][both], cmap="viridis", lw=0.6)

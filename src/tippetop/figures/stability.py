@@ -45,7 +45,8 @@ def states(
             ha="center",
         )
     if path is not None:
-        z, lam = path[0], np.abs(path[1]) * LARGEST
+        z = path[0]
+        lam = np.abs(path[1]) * LARGEST
         ax.plot(
             lam, z, color=colours.quiet, lw=4, alpha=0.4, label="this run", solid_capstyle="butt"
         )

@@ -171,7 +171,8 @@ def ticks_in_joules(axis: Any) -> None:
 
 def mark_ends(axes: Any, *path: np.ndarray) -> None:
     """Draw the first and the last finite point of a path: a full circle, an open diamond."""
-    colours, known = ink(), np.flatnonzero(np.isfinite(sum(path)))
+    colours = ink()
+    known = np.flatnonzero(np.isfinite(sum(path)))
     last = "its end" if known.max(initial=0) == len(path[0]) - 1 else "last on its sphere"
     ends = (known[:1], "o", "its start", colours.mark), (known[-1:], "D", last, colours.paper)
     for at, style, words, face in ends:

@@ -84,7 +84,8 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     axes.grid(visible=False)
     x, y = sweep_map.axes
     axes.set(ylabel=y.label, yscale="log" if y.log else "linear", ylim=y.edges[[0, -1]])
-    kind, field = sweep_map.kind, next(iter(sweep_map.fields.values())).T
+    kind = sweep_map.kind
+    field = next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
     if kind == "class":
         entries += _cells(axes, sweep_map, field, _of_classes(sweep_map))

@@ -32,5 +32,6 @@ def worst(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def span(times: np.ndarray) -> tuple[float, float]:
     """Return the limits of an axis over these times, at least one."""
-    first, last = float(times.min()), float(times.max())
+    first = float(times.min())
+    last = float(times.max())
     return (first, last) if first < last else (-1.0, 1.0)

@@ -40,8 +40,11 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "") -> Axes:
 
 def _well(axes: Axes, title: str, V: Any, at: Any) -> None:
     """Draw one potential with its level; the title has the numbers."""
-    colours, joules = ink(), EngFormatter("J")
-    z, values, least = V["z"].values, V["V"].values.ravel(), float(at["F"])
+    colours = ink()
+    joules = EngFormatter("J")
+    z = V["z"].values
+    values = V["V"].values.ravel()
+    least = float(at["F"])
     axes.plot(z, values, color=colours.run, lw=1.4, label="V(z)")
     star = float(at["theta_star"])
     dots = [(star, least, colours.quiet, "least V, which is F")]

@@ -16,13 +16,15 @@ def in_window(
     """
     if start is None and until is None:
         return groups, attrs
-    low, high = -np.inf if start is None else start, np.inf if until is None else until
+    low = -np.inf if start is None else start
+    high = np.inf if until is None else until
     if not low < high:
         raise InputError(
             "the part that is shown must begin before it ends, but goes from "
             f"{low:g} to {high:g} s."
         )
-    whole, cut = groups["trajectory"], dict(groups)
+    whole = groups["trajectory"]
+    cut = dict(groups)
     for name in groups.keys() & {"trajectory", "events", "impacts"}:
         time = groups[name]["time"]
         cut[name] = groups[name].isel({time.dims[0]: ((time >= low) & (time <= high)).values})

@@ -35,7 +35,8 @@ class Point(NamedTuple):
 @formula
 def at_momenta(first, second, c):
     """Return the point (D, lambda), or (L3, Lz), to one rounding also where a or b cancels."""
-    spin, other = scaled(first, c.spin1), scaled(second, c.spin2)
+    spin = scaled(first, c.spin1)
+    other = scaled(second, c.spin2)
     return Point(
         tidy(plus(scaled(first, c.a1), scaled(second, c.a2))),
         tidy(plus(scaled(first, c.b1), scaled(second, c.b2))),
@@ -105,14 +106,18 @@ class MomentumSlopes(NamedTuple):
 @formula
 def momentum_slopes(q, p, c):
     """Return the slopes in double-doubles: where the minimum has X ~ 0, no double q has its X."""
-    root, t = psi(q, p, c), plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0))
-    h, bq = plus(c.sqrt_d0, scaled(q, c.sqrt_d1)), scaled(q, p.b)
-    Y, e = plus(plus(p.a, bq), times(p.k, root)), plus(root, h)
+    root = psi(q, p, c)
+    t = plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0))
+    h = plus(c.sqrt_d0, scaled(q, c.sqrt_d1))
+    bq = scaled(q, p.b)
+    Y = plus(plus(p.a, bq), times(p.k, root))
+    e = plus(root, h)
     turn = quotient(minus(scaled(q, c.sqrt_d1), c.sqrt_d0), e, 1 / e.head)  # -2 psi'/psi
     Y1 = minus(minus(bq, p.a), times(turn, times(p.k, root)))  # 2 Y', as first1 and second1 below
     part = quotient(DoubleDouble(q, 0.0), t, 1 / t.head)
     slope = plus(times(times(c.gamma, c.height_gain), times(part, part)), times(Y, Y1))
-    first, second = plus(c.a1, scaled(q, c.b1)), plus(plus(c.a2, scaled(q, c.b2)), times(c.k, root))
+    first = plus(c.a1, scaled(q, c.b1))
+    second = plus(plus(c.a2, scaled(q, c.b2)), times(c.k, root))
     first1 = c.b1.head * q - c.a1.head
     second1 = c.b2.head * q - c.a2.head - turn.head * c.k.head * root.head
     return MomentumSlopes(
@@ -130,7 +135,8 @@ NEXT_TO = 1e-8  # of ln(q) from a minimum: one that has settled is nearer
 @formula
 def surface_gradient(q, p, c):
     """Return dF/dD, dF/dlambda of the minimal surface: V at its minimum next to the double q."""
-    s, per = momentum_slopes(q, p, c), 2 / (q * c.gamma.head)
+    s = momentum_slopes(q, p, c)
+    per = 2 / (q * c.gamma.head)
     away = s.away if abs(s.away) < NEXT_TO else 0.0
     return (
         per * ((s.first.head + away * s.first_rate) + s.first.tail),
@@ -144,10 +150,13 @@ def slopes(q, p, c):
 
     The first is -N(z)/(1 - z^2) but for a factor.
     """
-    K, d0, d1q = c.K.head, c.sqrt_d0.head, c.sqrt_d1.head * q
+    K = c.K.head
+    d0 = c.sqrt_d0.head
+    d1q = c.sqrt_d1.head * q
     h = (d0 + d1q) / 2
     e = sqrt(h * h + K * q)
-    he, t = h + e, 1 + q
+    he = h + e
+    t = 1 + q
     per = 1 / (e * he * t)  # the only division
     per_e = he * t * per
     k_psi = 2 * p.k.head * K * q * (e * t * per)  # in Y [sqrt(J)]
@@ -155,8 +164,10 @@ def slopes(q, p, c):
     cos2 = e * he * per  # cos(theta/2)^2 = (1 + z)/2
     turn = n * (0.25 - s * s)  # s'
     turn2 = s * ((1 - n * n) * (0.25 - s * s) - 2 * n * turn)
-    a, bq = p.a.head, p.b.head * q
-    Y, Y1 = (a + bq) + k_psi, (bq - a) / 2 - s * k_psi
+    a = p.a.head
+    bq = p.b.head * q
+    Y = (a + bq) + k_psi
+    Y1 = (bq - a) / 2 - s * k_psi
     Y2 = (a + bq) / 4 + k_psi * (s * s - turn)
     Y3 = (bq - a) / 8 + k_psi * (s * (3 * turn - s * s) - turn2)
     y = q * cos2
@@ -190,7 +201,8 @@ def pole_values(p, c):
 
     There they are X(+-1)' in place of X(-+1).
     """
-    a, b = abs(p.a.head), abs(p.b.head)
+    a = abs(p.a.head)
+    b = abs(p.b.head)
     psi = 2 * p.k.head * c.K.head / ((c.sqrt_d0.head * b + c.sqrt_d1.head * a) * (a + b))
     return abs(p.a.head + psi * a * a), abs(p.b.head + psi * b * b)
 
@@ -220,10 +232,15 @@ def sharper(k, c):
     It is the root of (b q)^2 + (g q/(1 + q))^2 = a^2.
     """
     t = 1 + k.q  # the function times t^2, its derivatives times t^3, t^4
-    bq, gq = k.b * k.q * t, c.root_gamma_gain * k.q
-    B, G = bq * bq, gq * gq
-    f0, f1, f2 = (B - (k.a * t) ** 2) + G, 2 * (B * t + G), 4 * (B * t * t + G) - 2 * G * k.q
-    n, m = f0 * f1 * t, 2 * f1 * f1 - f0 * f2
+    bq = k.b * k.q * t
+    gq = c.root_gamma_gain * k.q
+    B = bq * bq
+    G = gq * gq
+    f0 = (B - (k.a * t) ** 2) + G
+    f1 = 2 * (B * t + G)
+    f2 = 4 * (B * t * t + G) - 2 * G * k.q
+    n = f0 * f1 * t
+    m = 2 * f1 * f1 - f0 * f2
     return Sketch(k.q * ((m - n) / (m + n)), k.a, k.b)
 
 

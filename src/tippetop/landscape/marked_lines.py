@@ -37,10 +37,13 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
         ascend.
     """
     t = top(parameters)
-    lam, dims = axis("lambda", lam), ("end", "lambda")
+    lam = axis("lambda", lam)
+    dims = ("end", "lambda")
     lam_pi = float(spinning.lambda_pi(t.body))
-    Z, Lam = np.array([[1.0], [-1.0]]), lam[None, :]
-    D, energy = spinning.momentum(Z, Lam, t.body), spinning.energy(Z, Lam, t.body)
+    Z = np.array([[1.0], [-1.0]])
+    Lam = lam[None, :]
+    D = spinning.momentum(Z, Lam, t.body)
+    energy = spinning.energy(Z, Lam, t.body)
     on_surface = (t.upright == Z) | (np.abs(Lam) >= lam_pi)
     return xr.Dataset(
         {

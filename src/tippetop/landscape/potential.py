@@ -53,7 +53,8 @@ def potential(
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         cosine = np.where(np.abs(z) < 1, t.upright * z, np.nan)[:, None]
-        q, w = (1 - cosine) / (1 + cosine), (1 - cosine) * (1 + cosine)
+        q = (1 - cosine) / (1 + cosine)
+        w = (1 - cosine) * (1 + cosine)
         for i, one in enumerate(x):  # not all at a time: formulas need much memory
             p = at_momenta(one, y, t.coefficients)
             V[:, i] = value(q, p, t.coefficients)

@@ -41,13 +41,15 @@ def band(
     turning = significant_turnings(events)
     times = trajectory["time"].values
     turning &= times.size >= 4
-    when, theta = events["time"].values[turning], events["theta"].values[turning]
+    when = events["time"].values[turning]
+    theta = events["theta"].values[turning]
     x, y, E = (
         CubicSpline(times, trajectory[name].values)(when) if when.size else when
         for name in landscape.columns
     )
     edges = turning_angles(parameters, x, y, E, system, theta=theta)
-    low, high = edges["theta_min"].values, edges["theta_max"].values
+    low = edges["theta_min"].values
+    high = edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
     return (
@@ -60,11 +62,13 @@ def band(
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
     """Return the surface around a run, the marked lines, the run on its sphere, and a title."""
     refuse_parts(attrs.get("friction", {}))
-    parameters, lam = attrs["parameters"], float(trajectory["jellett"][0])
+    parameters = attrs["parameters"]
+    lam = float(trajectory["jellett"][0])
     if lam == 0:
         raise InputError("the surface is drawn around a run with lambda other than 0, but it is 0.")
     lambdas = np.sort(np.linspace(0, 1.25 * lam, 201))
-    lines, seen = marked_lines(parameters, lambdas), _on_sphere(trajectory)
+    lines = marked_lines(parameters, lambdas)
+    seen = _on_sphere(trajectory)
     ends = np.append(lines["D"].values, seen["routh"].values)
     grid = minimal_surface(parameters, np.linspace(np.nanmin(ends), np.nanmax(ends), 201), lambdas)
     return grid, lines, seen, capitalised(attrs["title"])

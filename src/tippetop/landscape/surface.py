@@ -19,8 +19,10 @@ def variables(t: Top, F: np.ndarray, q: np.ndarray, status: np.ndarray) -> dict[
     from tippetop_kernels.minimise import Status
 
     at_ends = [status == Status.AT_LOWER_END, status == Status.AT_UPPER_END]
-    q, least = np.select(at_ends, [0.0, np.inf], q), "where V is least"
-    z, theta = cosine(q, t.upright), inclination(q, t.upright)
+    q = np.select(at_ends, [0.0, np.inf], q)
+    least = "where V is least"
+    z = cosine(q, t.upright)
+    theta = inclination(q, t.upright)
     return {
         "F": labelled(t.momenta, F, "J", "minimal surface F, infimum of V over z"),
         "z": labelled(t.momenta, z, "1", f"z = cos(theta) {least}"),
@@ -47,7 +49,8 @@ def minima(
 
     from . import kernels
 
-    c, two = t.coefficients, t.two_wells
+    c = t.coefficients
+    two = t.two_wells
     F, q = np.empty((2, x.size, y.size))
     status = np.empty((x.size, y.size), np.int8)
     on_threads(lambda s: kernels.minima(two, x[s], y, c, F[s], q[s], status[s]), x.size, threads)

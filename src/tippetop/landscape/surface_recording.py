@@ -22,7 +22,8 @@ CHUNK = 1024  # rows and columns: 8 MB a variable
 GROUP = "surface"
 AXES = "axes/0"  # the chunk of the axes in the ledger
 SAME = ("system", "parameters", "axes", "chunk", "versions", "cpu")
-RUNNING, FINISHED = {"status": "running"}, {"status": "finished"}
+RUNNING = {"status": "running"}
+FINISHED = {"status": "finished"}
 
 
 class Surface:
@@ -40,7 +41,8 @@ class Surface:
         *,
         chunk: int = CHUNK,
     ):
-        self.top, self.chunk = bodies.top(parameters, system), chunk
+        self.top = bodies.top(parameters, system)
+        self.chunk = chunk
         self.x, self.y = map(landscape_labels.axis, self.top.momenta, (x, y))
 
     def axes(self) -> dict[str, Column]:
@@ -132,7 +134,8 @@ def write(
         for done, (i, j) in enumerate(blocks, 1):
             key = f"{GROUP}/{i // wanted.chunk}.{j // wanted.chunk}"
             if key not in store.state.chunks:
-                x, y = wanted.x[i : i + wanted.chunk], wanted.y[j : j + wanted.chunk]
+                x = wanted.x[i : i + wanted.chunk]
+                y = wanted.y[j : j + wanted.chunk]
                 values = surface.variables(wanted.top, *surface.minima(wanted.top, x, y, threads))
                 store.put(key, {name: variable[1] for name, variable in values.items()})
                 store.commit()

@@ -73,17 +73,21 @@ def turning_angles(
     aligned = _aligned(**given, theta=np.nan if theta is None else theta)
     x, y, E, at = (np.array(a.values, float).ravel() for a in aligned)
     at = np.tan(at / 2) ** (2 * t.upright)
-    c, inertia = t.coefficients, t.system.theta_inertia
+    c = t.coefficients
+    inertia = t.system.theta_inertia
     assert inertia is not None
-    level, found = np.empty(x.size, np.int8), np.empty((8, x.size))
+    level = np.empty(x.size, np.int8)
+    found = np.empty((8, x.size))
     turned = t.body._replace(c=abs(t.body.c))  # kernels have z = 1 at q = 0
     kernels.turnings(inertia)(ALLOWANCE, x, y, E, at, c, turned, level, found)
     low, high, q, F, curvature, period, *other = found
     # 2 pi sqrt(2 g/V''): d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
     square = 2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / curvature
     (inner, outer), others = (low, high)[:: t.upright], other[:: t.upright]
-    angles, second_well = "inclination theta [rad] where V = E~", "in the other well"
-    dims, shape = aligned[0].dims, aligned[0].shape
+    angles = "inclination theta [rad] where V = E~"
+    second_well = "in the other well"
+    dims = aligned[0].dims
+    shape = aligned[0].shape
 
     def over(values: np.ndarray, units: str, long_name: str) -> tuple:
         return labelled(dims, values.reshape(shape), units, long_name)

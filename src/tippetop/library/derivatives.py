@@ -109,7 +109,8 @@ def sensitivities(
     refuse(problem, wrt)
     solution = solve(problem)
     derived = differentiate(problem, wrt, solution.times, solution.events, order)
-    run, tables = Run(solution), []
+    run = Run(solution)
+    tables = []
     for columns in (derived.trajectory, derived.events, derived.second):
         table = attributes.dataset(columns, run.attributes)
         names = {name: (name, list(wrt)) for name in (PARAMETER, OTHER) if name in table.dims}

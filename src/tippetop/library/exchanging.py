@@ -115,10 +115,15 @@ class Fitted:
     """
 
     def __init__(self, before: Problem, observation: Any, result: Any):
-        self._before, self._observation, self._fit = before, observation, result
-        self.estimates, self.correlations = result.estimates, result.correlations
-        self.converged, self.trustworthy = result.converged, result.trustworthy
-        self.reason, self.residuals = " ".join(result.reason), result.residuals
+        self._before = before
+        self._observation = observation
+        self._fit = result
+        self.estimates = result.estimates
+        self.correlations = result.correlations
+        self.converged = result.converged
+        self.trustworthy = result.trustworthy
+        self.reason = " ".join(result.reason)
+        self.residuals = result.residuals
 
     @property
     def problem(self) -> Problem:

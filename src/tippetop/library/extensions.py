@@ -113,7 +113,8 @@ def _names(
     subject: str, names: list[str], system: System, known: set[str], others: Iterable[str] = ()
 ) -> list[str]:
     """Return a sentence for each name that is impossible, or not new."""
-    faults, seen = [], set(others)
+    faults = []
+    seen = set(others)
     for name in names:
         must = ""
         if not re.fullmatch(NAME, name):
@@ -132,7 +133,8 @@ def _names(
 
 def _event_faults(event: Event) -> list[str]:
     """Return a sentence for each fault of an event whose fields have the right types."""
-    of, faults = f"of the event `{event.name}`", []
+    of = f"of the event `{event.name}`"
+    faults = []
     if not callable(event.formula):
         faults.append(f"`formula` {of} must be a function, but is {event.formula!r:.60}.")
     if event.sampled:

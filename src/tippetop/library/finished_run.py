@@ -207,7 +207,8 @@ class Run:
             endings = ", ".join(ENDINGS)
             raise InputError(f"`path` must end with one of {endings}, but is {str(path)!r:.60}.")
         flag("overwrite", overwrite)
-        of, to = f"`{getattr(self, 'path', 'the run')}`", ENDINGS[place.suffix]
+        of = f"`{getattr(self, 'path', 'the run')}`"
+        to = ENDINGS[place.suffix]
         with in_python():
             export(self.datasets(), self.attributes, of, to, place, group, overwrite=overwrite)
         return place

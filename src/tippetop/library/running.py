@@ -179,7 +179,8 @@ def open(
     attrs = root.attributes(path)
     if group is not None:
         return root.open_group(path, group)
-    content, own = attrs.get("content"), of_stored(attrs, events, columns)
+    content = attrs.get("content")
+    own = of_stored(attrs, events, columns)
     if content is None:
         return StoredRun(path, own)
     if content == "sweep":

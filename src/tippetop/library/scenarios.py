@@ -148,7 +148,8 @@ def _start(tables: dict[str, Any], given: Any, system: System) -> None:
     """Replace initial data, and those of the source that mean the same in another way."""
     if isinstance(given, str | os.PathLike):
         given = {"from": os.fspath(given)}
-    given, base = given if given is not None else {}, tables.get("initial", {})
+    given = given if given is not None else {}
+    base = tables.get("initial", {})
     instance("start", given, Mapping, "a mapping such as dict(theta=0.1), or the store of a run")
     if not isinstance(base, dict):  # the check of the scenario reports it
         return
@@ -178,11 +179,13 @@ def table_of(law: Any) -> dict[str, Any]:
                     f"tippetop.extending.register({kind.__name__})."
                 )
         return {"law": law.key, **law._asdict()}
-    such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
+    such = "Viscous(mu=0.3)"
+    value = f"{law!r:.60}"
     if isinstance(law, str) and law in LAWS:
         such = f"{LAWS[law].__name__}(...)"
     elif isinstance(law, type):
-        such, value = f"{law.__name__}(...)", "the class itself"
+        such = f"{law.__name__}(...)"
+        value = "the class itself"
     raise InputError(f"the friction law must be a record such as {such}, but is {value}.")
 
 

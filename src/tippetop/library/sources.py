@@ -38,11 +38,13 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
 
 def top_of(source: Any, *kinds: type[Top]) -> Any:
     """Return the body of a source. Raises InputError if it is of none of these kinds."""
-    problem, found = problem_behind(source, kinds), f"{source!r:.60}"
+    problem = problem_behind(source, kinds)
+    found = f"{source!r:.60}"
     if problem is None and isinstance(source, kinds):
         return source
     if problem is not None:
-        system, found = problem.system, f"that of the system {problem.system.name}"
+        system = problem.system
+        found = f"that of the system {problem.system.name}"
         for kind in kinds:
             names = (kind.gliding, kind.resting)
             if system.name in names or system.body in [SYSTEMS[name].body for name in names]:

@@ -128,7 +128,8 @@ def asymptotic_states(
     They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam
     (2010), theorems 3.3.1 and 3.3.2, corrected.
     """
-    number, body = measured("lam", lam, JELLETT), top_of(top, TippeTop).body()
+    number = measured("lam", lam, JELLETT)
+    body = top_of(top, TippeTop).body()
     states = least.asymptotic_states(number, body)
     if not all(math.isfinite(state.energy) for state in states):
         raise InputError(
@@ -216,7 +217,8 @@ def linear_modes(
     glides. Friedl (1997).
     """
     flag("inverted", inverted)
-    body, problem = top_of(top, TippeTop, HeavyTop, Spheroid), problem_behind(top)
+    body = top_of(top, TippeTop, HeavyTop, Spheroid)
+    problem = problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     friction = None
     if law is not None:

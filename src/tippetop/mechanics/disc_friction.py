@@ -31,14 +31,16 @@ does not.
 @formula
 def inside(w2, U2):
     """Return the drag for x <= 1: the patch turns about a point inside it."""
-    U, x2 = sqrt(U2), w2 / U2
+    U = sqrt(U2)
+    x2 = w2 / U2
     return Drag(3 * math.pi / 8 * (1 - x2 / 4) / U, 3 * math.pi / 16 * (1 - x2 + 3 * x2**2 / 8) / U)
 
 
 @formula
 def between(w2, U2):
     """Return the drag for 1 <= x <= 2.5."""
-    U, x2 = sqrt(U2), w2 / U2
+    U = sqrt(U2)
+    x2 = w2 / U2
     y = sqrt(w2 - U2) / U
     A = atan2(U, sqrt(w2 - U2))  # arcsin(1/x)
     k = 3 * ((1 - x2 / 4) * A + (x2 + 2) * y / (4 * x2)) / (4 * U)
@@ -51,8 +53,10 @@ def outside(w2, U2):
 
     By the series in 1/x^2 of f = 2F1(-1/2, 1/2; 5/2) and 5 x m = 2F1(1/2, 1/2; 7/2).
     """
-    w, q = sqrt(w2), U2 / w2
-    f, m = 1.0, 1.0
+    w = sqrt(w2)
+    q = U2 / w2
+    f = 1.0
+    m = 1.0
     for n in range(23, -1, -1):  # the ratio of a term to the one before it
         f = 1 + (2 * n - 1) * (2 * n + 1) * q * f / (2 * (2 * n + 5) * (n + 1))
         m = 1 + (2 * n + 1) ** 2 * q * m / (2 * (2 * n + 7) * (n + 1))

@@ -416,7 +416,8 @@ def checked_name(name: Any, kind: str) -> str:
 
 def _faults(law: type[FrictionLaw]) -> list[str]:
     """Return messages on a law that cannot be registered."""
-    name, faults = law.key, []
+    name = law.key
+    faults = []
     if not callable(law.coefficient):
         faults.append(
             f"the law `{name}` must have a function `coefficient(v2, z, law)`, but has "

@@ -38,15 +38,20 @@ class Number(NDArrayOperatorsMixin):
     """
 
     def __init__(self, program: "Program", place: int, value: Any):
-        self.program, self.place, self.value = program, place, value
+        self.program = program
+        self.place = place
+        self.value = value
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
         """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""
         values = (one.value if isinstance(one, Number) else one for one in inputs)
-        name, a, b = function.__name__, inputs[0], inputs[-1]
+        name = function.__name__
+        a = inputs[0]
+        b = inputs[-1]
         if name in TURNED:
             name, a, b = TURNED[name], b, a
-        key, known = (name, *map(self.program.place, (a, b))), self.program.known
+        key = (name, *map(self.program.place, (a, b)))
+        known = self.program.known
         if key not in known:
             known[key] = self.program.line(name, a, b, function(*values))
         return known[key]
@@ -71,8 +76,11 @@ class Program:
     def __init__(self, *inputs: tuple):
         values = leaves(inputs)
         numbers = (Number(self, k, value) for k, value in enumerate(values))
-        self.lines, self.constants, self.count = list[tuple](), dict[str, float](), len(values)
-        self.inputs, self.known = refill(inputs, numbers), dict[tuple, Number]()
+        self.lines = list[tuple]()
+        self.constants = dict[str, float]()
+        self.count = len(values)
+        self.inputs = refill(inputs, numbers)
+        self.known = dict[tuple, Number]()
 
     def place(self, value: Any) -> int:
         """Return the place of a number."""
@@ -104,7 +112,8 @@ class Program:
 
     def code(self) -> np.ndarray:
         """Return the lines (k, 3) with numbers of registers: of inputs, constants and lines."""
-        code, constants = np.array(self.lines, np.int64), len(self.constants)
+        code = np.array(self.lines, np.int64)
+        constants = len(self.constants)
         places = code[:, 1:]
         places[places >= self.count] += constants
         places[places < 0] = self.count - 1 - places[places < 0]

@@ -70,7 +70,8 @@ class Number:
         def __set__(self, record: Any, value: float | str | None) -> None: ...
 
     def __post_init__(self) -> None:
-        of, unit = f"of the number `{self.long_name}`", cast(Any, self.unit)
+        of = f"of the number `{self.long_name}`"
+        unit = cast(Any, self.unit)
         if not isinstance(unit, Unit):
             raise InputError([f"`unit` {of} must be a Unit, but is {unit!r:.60}."])
         if self.default is not None and self.broken(self.default):
@@ -139,7 +140,8 @@ class Number:
 
     def read(self, key: str, value: Any) -> float:
         """Return a value that is given for it as a float. Raises InputError."""
-        value, number = _scalar(value), None
+        value = _scalar(value)
+        number = None
         if isinstance(value, Real | int) and value is not True and value is not False:
             with contextlib.suppress(OverflowError):
                 number = float(value)
@@ -284,7 +286,9 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
         Raises InputError with a sentence for each that is wrong.
         """
-        rules, faults, read = cls.parameters, [], {}
+        rules = cls.parameters
+        faults = []
+        read = {}
         units = {cls.table: {key: rule.unit for key, rule in rules.items()}}
         for key, value in worked_out({cls.table: values}, units)[cls.table].items():
             try:

@@ -53,11 +53,9 @@ def formula(function: F) -> F:
 
 
 def _lift(name: str) -> Callable:
-    symbolic, numeric, scalar = (
-        getattr(hy, name),
-        getattr(np, name.replace("atan", "arctan")),
-        getattr(math, name),
-    )
+    symbolic = getattr(hy, name)
+    numeric = getattr(np, name.replace("atan", "arctan"))
+    scalar = getattr(math, name)
 
     def lifted(*x: Operand) -> Operand:
         return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
@@ -67,8 +65,12 @@ def _lift(name: str) -> Callable:
     return lifted
 
 
-sqrt, sin, cos = _lift("sqrt"), _lift("sin"), _lift("cos")
-exp, log, atan2 = _lift("exp"), _lift("log"), _lift("atan2")
+sqrt = _lift("sqrt")
+sin = _lift("sin")
+cos = _lift("cos")
+exp = _lift("exp")
+log = _lift("log")
+atan2 = _lift("atan2")
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
@@ -87,7 +89,8 @@ def product_error(x: Operand, y: Operand) -> Operand:
         x y - fl(x y).
     """
     product = x * y
-    a, b = _half(x), _half(y)
+    a = _half(x)
+    b = _half(y)
     return (((a * b - product) + a * (y - b)) + (x - a) * b) + (x - a) * (y - b)
 
 

@@ -172,7 +172,8 @@ class _Reading:
             return first or second
         if not (first or second):
             return None
-        sign, pure = -1 if isinstance(op, ast.Div) else 1, (0, 0, 0)
+        sign = -1 if isinstance(op, ast.Div) else 1
+        pure = (0, 0, 0)
         return tuple(a + sign * b for a, b in zip(first or pure, second or pure, strict=True))
 
     def named(self, name: str) -> Fraction:
@@ -212,7 +213,8 @@ class _Reading:
             self.refuse(
                 "be in rad/s, deg/s or rpm", f'"{self.text}" could be turns or radians per second'
             )
-        measured, wanted = _powers(given), "" if symbol == "1" else _powers(symbol)
+        measured = _powers(given)
+        wanted = "" if symbol == "1" else _powers(symbol)
         if UNIT.sub("", measured):
             self.refuse(must, f'"{given}" is not a unit')
         registry = _registry()
@@ -316,7 +318,8 @@ def worked_out(
     InputError
         One sentence for each text that is not a number.
     """
-    given, faults = tables.get("parameters"), []
+    given = tables.get("parameters")
+    faults = []
     of_body = units.get("parameters", {})
     texts = [
         (table, name, text)

@@ -46,7 +46,8 @@ def turn(axis, angle):
 @formula
 def swing(u, v):
     """Return the smallest rotation that takes a unit vector to another, not opposite one."""
-    w, c = 1 + dot(u, v), cross(u, v)
+    w = 1 + dot(u, v)
+    c = cross(u, v)
     k = 1 / sqrt(w * w + dot(c, c))
     return Quaternion(k * w, k * c.x, k * c.y, k * c.z)
 
@@ -103,11 +104,14 @@ def between(p, wp, q, wq, h, s):
     with their velocities; the turn about it is one too, with omega_3 as its slope, so that it may
     be many times around.
     """
-    u, v = axes(p)[2], axes(q)[2]
-    du, dv = times(h, cross(wp, u)), times(h, cross(wq, v))
+    u = axes(p)[2]
+    v = axes(q)[2]
+    du = times(h, cross(wp, u))
+    dv = times(h, cross(wq, v))
     rest = after(q, inverse(after(swing(u, v), p)))
     some = 2 * atan2(rest.x * v.x + rest.y * v.y + rest.z * v.z, rest.w)
-    first, last = h * dot(wp, u), h * dot(wq, v)
+    first = h * dot(wp, u)
+    last = h * dot(wq, v)
     whole = some + 2 * np.pi * np.rint(((first + last) / 2 - some) / (2 * np.pi))
     w = Vector(*(cubic(a, da, b, db, s) for a, da, b, db in zip(u, du, v, dv, strict=True)))
     w = times(1 / sqrt(dot(w, w)), w)

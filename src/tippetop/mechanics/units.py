@@ -94,7 +94,8 @@ class Scales:
         number or array
             mass^a length^b time^c with the powers of the unit, of the shape of the scales.
         """
-        known, powers = self._known, unit.powers
+        known = self._known
+        powers = unit.powers
         if powers not in known:
             mass, length, time = powers
             known[powers] = self.mass**mass * self.length**length * self.time**time

@@ -66,7 +66,8 @@ class Program:
 
     def combined(self, a: "Symbol", sign: str, b: "Symbol") -> "Symbol":
         """Return a sum, difference, product or quotient."""
-        x, y = a.number, b.number
+        x = a.number
+        y = b.number
         if x is not None and y is not None and not (sign == "/" and y == 0):
             return self.of({"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[sign])
         if (sign == "+" and x == 0) or (sign == "*" and x == 1):
@@ -109,7 +110,8 @@ class Symbol(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any) -> Any:
         """Record a function of NumPy, which arithmetic is too: one of the program's language."""
-        name, program = ufunc.__name__, self.program
+        name = ufunc.__name__
+        program = self.program
         if name == "power":
             return _power(*inputs)
         a, *others = map(program.of, inputs)

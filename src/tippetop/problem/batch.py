@@ -187,7 +187,8 @@ class Problems:
             return self.state
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
         theta = data.get("theta", self._wide(0.0))
-        s, z = np.sin(theta), np.cos(theta)
+        s = np.sin(theta)
+        z = np.cos(theta)
         pole = theta.astype(float) == math.pi  # 3.141592653589793 means the pole
         if self._single:
             s, z = (self._wide(0.0), self._wide(-1.0)) if pole else (s, z)
@@ -234,7 +235,8 @@ class Problems:
         Checks every number that varies, contradictions between parameters, and the start: all that
         is computed of it must be finite, and there must be a motion.
         """
-        valid, faults = np.ones(self.n, bool), []
+        valid = np.ones(self.n, bool)
+        faults = []
         for key, column in self.columns.items():
             rule = self.base.rules[key]
             broken = np.flatnonzero(rule.broken(column))

@@ -53,7 +53,8 @@ def key_faults(
     list of str
         Empty if all may vary together.
     """
-    keys, known = list(keys), [*also, *(key for key in base.rules if not key.startswith(without))]
+    keys = list(keys)
+    known = [*also, *(key for key in base.rules if not key.startswith(without))]
     faults = []
     for key in keys:
         if key not in known:
@@ -94,7 +95,8 @@ def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
 
 def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, str]]:
     """Return the first sentence on parameters that contradict each other, by number of the run."""
-    given, faults = problems.given("parameters"), []
+    given = problems.given("parameters")
+    faults = []
     rows = np.broadcast_arrays(np.zeros(problems.n), *given.values())[1:]
     for i in np.flatnonzero(valid).tolist():
         row = {name: float(column[i]) for name, column in zip(given, rows, strict=True)}
@@ -104,7 +106,8 @@ def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, s
 
 def start_faults(problems: "Problems") -> list[Fault]:
     """Return sentences on the starts: numbers that overflow together, or no motion from there."""
-    base, variables = problems.base, problems.variables
+    base = problems.base
+    variables = problems.variables
     evaluated, owners = _values_at(base.system, base.form.name)
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
@@ -182,7 +185,8 @@ def _law_faults(problems: "Problems") -> list[Fault]:
 
     Its coefficient must be finite, not negative, smooth at rest, and the same in all units.
     """
-    kind, n = type(problems.base.friction), problems.n
+    kind = type(problems.base.friction)
+    n = problems.n
     if not (of := owner(kind.coefficient)):
         return []
     scales = problems.scales
@@ -210,7 +214,8 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     scaled = kind._make(v / scales.of(u).astype(float) for v, u in zip(law, units, strict=True))
     speed, slowness = (scales.of(u).astype(float) for u in (METRE_PER_SECOND, SECOND_PER_METRE))
     for v2, z in PLACES[3:]:  # at rest, a constant that keeps a root from 0 decides
-        k, again = coefficient(v2, z, law), coefficient(v2 / speed**2, z, scaled) * slowness
+        k = coefficient(v2, z, law)
+        again = coefficient(v2 / speed**2, z, scaled) * slowness
         if (bad := ~(abs(k - again) <= SAME * abs(k))).any():
             found = (
                 f"at |v_A| = {v2**0.5:g} m/s it is {k[bad][0]:g} s/m, and {again[bad][0]:g} s/m in "

@@ -162,7 +162,9 @@ class RunOptions:
 
     def option_faults(self, events: Sequence[str]) -> list[str]:
         """Return sentences on options that contradict each other, in a system with these events."""
-        step, times, until = self.output_step, self.output_times or (), self.until
+        step = self.output_step
+        times = self.output_times or ()
+        until = self.until
         faults = [
             f"`run.events` must be of {', '.join(events)}, but has "
             f"{name!r}.{suggestion(name, events)}"

@@ -110,7 +110,8 @@ class Problem(RunOptions):
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:
         """The numbers that are given, by table and name."""
-        contact, stem = self.contact, {}
+        contact = self.contact
+        stem = {}
         if contact is not None and contact.stem:
             stem = {"stem": {"r": contact.r, "h": contact.h}}
         return {
@@ -149,7 +150,8 @@ class Problem(RunOptions):
     @cached_property
     def alone(self) -> Problems:
         """This run as the only one of its `Problems`."""
-        origin, names = self.origin, self.variables.names
+        origin = self.origin
+        names = self.variables.names
         if (
             origin is None
             or origin["form"] != self.form.name
@@ -184,7 +186,8 @@ class Problem(RunOptions):
 
         Of a body with an outline they are arrays, over `uniqueness.THETA`.
         """
-        body, rules = self.body(), self.contact
+        body = self.body()
+        rules = self.contact
         at = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, body)
         balls = {"body": (at.c, at.R)}
         if rules is not None and rules.stem:

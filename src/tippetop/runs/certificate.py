@@ -95,8 +95,10 @@ def certificate(
     times = np.linspace(0.0, until, CERTIFICATE_ROWS)
     narrow = with_rows_at(problem, times, orientation=False)
     wide = dataclasses.replace(narrow, precision=NEXT_PRECISION[problem.precision], tolerance=0.0)
-    run, reference = solve(narrow, progress), solve(wide, progress)
-    tables, expected = groups(run), groups(reference)
+    run = solve(narrow, progress)
+    reference = solve(wide, progress)
+    tables = groups(run)
+    expected = groups(reference)
     columns = _differences(tables["trajectory"], expected["trajectory"])
     largest = {name: _largest(values) for name, values in columns.items() if name != "time"}
     result: dict[str, Any] = {

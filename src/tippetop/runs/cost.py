@@ -20,8 +20,12 @@ from .sinks import Sink
 STEPS_PER_RADIAN = 0.9
 # On two shared cores of an AMD EPYC.
 MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}
-# Steps and, roughly, rows of a slice that is timed.
-STEPS, ROWS, FEWEST = 512, 100_000, 10
+# Steps of a slice that is timed.
+STEPS = 512
+# Rows of such a slice, roughly.
+ROWS = 100_000
+# Fewest steps of such a slice.
+FEWEST = 10
 # Slices from which the rest is inferred: a fixed count, so that every call finds as many steps.
 SLICES = 8
 
@@ -88,7 +92,8 @@ def _timed(
     problem: Problem, size: int, slices: int, clock: Callable[[], float]
 ) -> tuple[float, RunProgress]:
     """Return the time of the first slices of a run, rows as columns included, and its progress."""
-    began, integration = clock(), Integration(problem)
+    began = clock()
+    integration = Integration(problem)
     integration.part(
         _Columns(integration.view), size, lambda: integration.monitor.steps < slices * size
     )

@@ -22,14 +22,16 @@ class Monitor:
     """
 
     def __init__(self, problem: Problem, view: Observables, row: np.ndarray):
-        self.problem, self.view = problem, view
+        self.problem = problem
+        self.view = view
         values = view.evaluate(row)
         self.start, self.size = (
             {name: float(value[0]) for name, value in of(problem, values).items()}
             for of in (invariants, sizes)
         )
         self.drift = dict.fromkeys(self.start, 0.0)
-        self.force, self.steps = Extremes(), 0
+        self.force = Extremes()
+        self.steps = 0
 
     def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
         """Take in samples (n, variables) of a slice of `steps` steps, and the force so far."""
@@ -46,4 +48,6 @@ class Monitor:
 
     def restore(self, kept: dict[str, Any]) -> None:
         """Continue from a checkpoint; the start is that of the problem."""
-        self.drift, self.force, self.steps = kept["drift"], Extremes(*kept["force"]), kept["steps"]
+        self.drift = kept["drift"]
+        self.force = Extremes(*kept["force"])
+        self.steps = kept["steps"]

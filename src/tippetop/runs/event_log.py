@@ -87,7 +87,8 @@ class LogReport(NamedTuple):
 
     def report(self) -> dict[str, Any]:
         """Return counts, inversion, band and the numbers that users' events keep."""
-        tally, kept = self.tally, self.kept()
+        tally = self.tally
+        kept = self.kept()
         counts = {name: n for name, n in self.counts.items() if n}
         if any(event.sense and event.name in counts for event in self.known.events):
             counts["turning_significant"] = int(tally["turnings"])
@@ -122,9 +123,11 @@ class EventLog:
     """
 
     def __init__(self, problem: Problem, view: Observables, first: np.ndarray, tallies: Tallies):
-        self.view, self.second = view, float(problem.scales.of(SECOND))
+        self.view = view
+        self.second = float(problem.scales.of(SECOND))
         self.known = _known(problem.system, problem.events)
-        self.tallies, self.kinds = tallies, problem.system.kinds
+        self.tallies = tallies
+        self.kinds = problem.system.kinds
         logged = (event for event in self.known.events if event.name in problem.events)
         self.keeps_states = any(owner(event.formula) for event in logged)
         self.empty = EventTable.empty(self.kinds)
@@ -152,8 +155,10 @@ class EventLog:
         if not keep.any():
             return self.empty, [], np.zeros((0, 0))
         zeros = Passages(*(values[keep] for values in zeros))
-        values, kind = self.view.evaluate(zeros.states), known.kinds[zeros.events]
-        theta, seconds = values["theta"].astype(float), zeros.times.astype(float) * self.second
+        values = self.view.evaluate(zeros.states)
+        kind = known.kinds[zeros.events]
+        theta = values["theta"].astype(float)
+        seconds = zeros.times.astype(float) * self.second
         rising = zeros.signs * known.senses[zeros.events]
         turning = known.senses[zeros.events] != 0
         rising = np.where(turning, rising, np.sign(values["theta_dot"].astype(float)))
@@ -212,7 +217,8 @@ class EventLog:
 
     def summary(self) -> LogReport:
         """Return the events so far."""
-        tally, numbers = self.tallies.lane[0].copy(), self.tallies.kept[:, 0].copy()
+        tally = self.tallies.lane[0].copy()
+        numbers = self.tallies.kept[:, 0].copy()
         return LogReport(self.known, self.second, dict(self.counts), tally, numbers)
 
     def snapshot(self) -> dict[str, Any]:

@@ -64,7 +64,8 @@ class Integration:
 
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         clock = time.perf_counter()
-        self.problem, self.driver = problem, driver_of(problem, stop)
+        self.problem = problem
+        self.driver = driver_of(problem, stop)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
@@ -73,7 +74,9 @@ class Integration:
         self.monitor = Monitor(problem, self.view, self.first)
         self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
         self.story = Story(dict(problem.system.tables.get("phases", {})))
-        self.filled, self.t_end, self.fresh = 0, 0.0, True
+        self.filled = 0
+        self.t_end = 0.0
+        self.fresh = True
         self.status: Status | None = None
         self.last_slice: dict[str, Any] | None = None
 
@@ -99,7 +102,8 @@ class Integration:
         while self.status is None:
             if sink.keeps_rows:
                 self.last_slice = self._state()
-            clock, before = time.perf_counter(), compiling.seconds
+            clock = time.perf_counter()
+            before = compiling.seconds
             piece = self.driver.advance(self, self._steps())
             compiled = compiling.seconds - before  # phases, when they are first entered
             self.seconds["compile"] += compiled
@@ -212,7 +216,9 @@ class Integration:
 
         Only samples and the end of the run count, not the ends of slices.
         """
-        self.status, self.last, self.fresh = piece.status, piece.last, False
+        self.status = piece.status
+        self.last = piece.last
+        self.fresh = False
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
         self.monitor.follow(seen, self.driver.extremes(), piece.steps)
@@ -284,7 +290,8 @@ class Integration:
         """Continue from a snapshot. Raises ValueError if it was made with other equations."""
         if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but are others here")
-        number, state = self.problem.number, hexfloat.decode(kept)
+        number = self.problem.number
+        state = hexfloat.decode(kept)
         if state["t_end"] == 0:  # before the first slice: as it is
             return
         exact = {
@@ -294,7 +301,8 @@ class Integration:
         }
         self.driver.restore(state["driver"] | exact, exact["state"], tuple(exact["time"]))
         self.last = self.driver.present()
-        self.filled, self.t_end = state["filled"], state["t_end"]
+        self.filled = state["filled"]
+        self.t_end = state["t_end"]
         self.fresh = False
         self.monitor.restore(state["monitor"])
         self.log.restore(state["log"])
@@ -304,5 +312,6 @@ class Integration:
         """Continue from a keyframe, a row by column; measurements and log begin anew there."""
         keyframes.restore(self.driver, row)
         self.last = self.driver.present()
-        self.t_end, self.fresh = float(row["time"]), False
+        self.t_end = float(row["time"])
+        self.fresh = False
         self.monitor.steps = int(row["step"])

@@ -49,7 +49,8 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
 
 def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
     """Put a driver in the state of a keyframe."""
-    first, kept = 0, {}
+    first = 0
+    kept = {}
     for name, like in _snapshot(driver).items():
         parts = row["state"][first : first + np.size(like)].T
         first += np.size(like)
@@ -74,7 +75,8 @@ def rows(path: Path, problem: Problem) -> dict[str, Column]:
     from ..store.root import loaded, open_group
 
     table = loaded(open_group(path, "keyframes"), path)
-    driver, states = driver_of(problem), [problem.start()[None, :]]
+    driver = driver_of(problem)
+    states = [problem.start()[None, :]]
     for state in table["state"].values:
         restore(driver, {"state": state})
         states.append(driver.present())

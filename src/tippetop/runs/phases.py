@@ -63,7 +63,8 @@ class Story:
             return
         self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
         table = new["phases"]
-        names, count = self.words["phase"], len(table["phase"])
+        names = self.words["phase"]
+        count = len(table["phase"])
         numbers = np.bincount(table["phase"], minlength=len(names)).tolist()
         added = {name: n for name, n in zip(names, numbers, strict=True) if n}
         self.counts |= {name: self.counts.get(name, 0) + n for name, n in added.items()}

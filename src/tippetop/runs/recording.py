@@ -48,11 +48,14 @@ class Recorder(Writer, Sink):
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
         super().__init__(store)
-        self.problem, self.view, self.stop = problem, Observables(problem), stop
+        self.problem = problem
+        self.view = Observables(problem)
+        self.stop = stop
         self.growing = {name: Table(store, name) for name in store.state.header["tables"]}
         # Versions and processors that wrote the store before.
         self.begun_with: list[dict[str, Any]] = []
-        self.committed_at, self.asked = time.monotonic(), 0.0
+        self.committed_at = time.monotonic()
+        self.asked = 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Take rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
@@ -260,7 +263,8 @@ def header(integration: Integration, attrs: dict[str, Any] | None = None) -> dic
 
 def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
     """Yield the groups of a run: name, columns without rows, rows per chunk."""
-    problem, log = integration.problem, integration.log.empty
+    problem = integration.problem
+    log = integration.log.empty
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, ROWS_PER_CHUNK
     yield "events", event_columns(log), EVENTS_PER_CHUNK

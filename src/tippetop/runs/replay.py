@@ -56,7 +56,8 @@ def columns(
     StoreError
         The run is unfinished, damaged, has no keyframe near, or was made by other versions.
     """
-    integration, rows = _taken_up(path, times, accept_other_version, known), Memory()
+    integration = _taken_up(path, times, accept_other_version, known)
+    rows = Memory()
     refuse_more_than_memory(integration.problem)
     _make(integration, rows)
     return integration.view.columns(np.concatenate(rows.times), np.concatenate(rows.states))
@@ -82,7 +83,8 @@ def into_store(
             f"`{out}` must not be the store that is replayed, because it contains the keyframes."
         )
     integration = _taken_up(path, times, accept_other_version)
-    began, steps = integration.t_end, integration.monitor.steps
+    began = integration.t_end
+    steps = integration.monitor.steps
     clock = time.perf_counter() - compiling.seconds
     # from its folder: so it survives another working directory, and moving both stores
     of = os.path.relpath(os.path.realpath(path), os.path.realpath(out.parent))
@@ -142,7 +144,9 @@ def _taken_up(
 
 def _refuse(times: EvenTimes, end: float) -> None:
     """Raise InputError for times that are not within a run up to `end`, or that are too many."""
-    start, until, step = times.start, times.until, times.step
+    start = times.start
+    until = times.until
+    step = times.step
     least = 8 * math.ulp(until)
     for holds, sentence in (
         (

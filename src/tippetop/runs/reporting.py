@@ -93,7 +93,8 @@ def report(progress: RunProgress) -> dict[str, Any]:
 
 def _normal_force(progress: RunProgress) -> dict[str, Any]:
     """Return the extremes of the normal force; empty without such a force."""
-    force, problem = progress.force, progress.problem
+    force = progress.force
+    problem = progress.problem
     if not math.isfinite(force.least):
         return {}
     newton, second = (float(problem.scales.of(unit)) for unit in (NEWTON, SECOND))
@@ -110,7 +111,8 @@ def _normal_force(progress: RunProgress) -> dict[str, Any]:
 
 def outcome(progress: RunProgress) -> dict[str, str]:
     """Return the outcome, a name of CLASSES; empty for a system that friction cannot turn over."""
-    problem, view = progress.problem, progress.view
+    problem = progress.problem
+    view = progress.view
     system = problem.system
     if progress.sentence or not (system.inverts and system.classes):
         return {}
@@ -124,7 +126,8 @@ def outcome(progress: RunProgress) -> dict[str, str]:
 
 def reason(progress: RunProgress) -> str:
     """Return the sentence that the user reads about the end."""
-    t, status = progress.t_end, progress.status
+    t = progress.t_end
+    status = progress.status
     if status is None:
         return f"interrupted or running: t = {t:.6g} s of {progress.problem.until:.6g} s"
     if progress.sentence:
@@ -154,7 +157,8 @@ def reason(progress: RunProgress) -> str:
 
 def _beyond(progress: RunProgress) -> str:
     """Return that the run continued after a liftoff, where the model ends (no fixed tip)."""
-    events, lifted = progress.problem.system.events, progress.lifted_at
+    events = progress.problem.system.events
+    lifted = progress.lifted_at
     if lifted is None or not any(event.ends == Status.LIFTOFF.value for event in events):
         return ""
     return f", but outside the model since the liftoff at t = {lifted:.9g} s"
@@ -169,15 +173,18 @@ def _ending(progress: RunProgress) -> Event:
     ]
     if len(events) == 1:
         return events[0]
-    state, body = progress.view.moment(progress.last), progress.view.body
+    state = progress.view.moment(progress.last)
+    body = progress.view.body
     return min(events, key=lambda event: abs(float(np.min(event.formula(state, body)))))
 
 
 def _lost(progress: RunProgress) -> str:
     """Return why the state, or the step, could not be continued."""
-    t, is_infinite = progress.t_end, progress.status is Status.NON_FINITE
+    t = progress.t_end
+    is_infinite = progress.status is Status.NON_FINITE
     problem = progress.problem
-    domains, system = progress.view.domains(progress.last), problem.system
+    domains = progress.view.domains(progress.last)
+    system = problem.system
     cause = min(domains, key=lambda name: domains[name]) if domains else ""
     if not cause or not domains[cause] < 1e-3:
         law = "the friction law is singular or too stiff (large mu, small eps)"

@@ -136,7 +136,8 @@ def same_here(
 
     Raises StoreError if other versions or another processor wrote it, and that is not accepted.
     """
-    before, now = {key: kept[key] for key in here()}, here()
+    before = {key: kept[key] for key in here()}
+    now = here()
     if before == now:
         return kept
     if not accept_other_version:
@@ -152,7 +153,8 @@ def same_here(
 
 def _compare(store: Ledger, wanted: dict[str, Any]) -> None:
     """Raise StoreError if a store has other columns than its scenario makes here."""
-    members, wanted = store.state.header["members"], json.loads(json.dumps(wanted["members"]))
+    members = store.state.header["members"]
+    wanted = json.loads(json.dumps(wanted["members"]))
     for path in sorted(members.keys() | wanted.keys()):
         if members.get(path) != wanted.get(path):
             raise StoreError(

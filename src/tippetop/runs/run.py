@@ -120,7 +120,8 @@ def solve(
         refuse_more_than_memory(problem)
     else:
         problem = replace(problem, orientation=False)
-    integration, memory = Integration(problem), Memory()
+    integration = Integration(problem)
+    memory = Memory()
     integration.run(memory if keep else Sink(), progress)
     return Solution(
         integration.progress(),

@@ -142,7 +142,8 @@ def _ended(path: Path) -> dict[str, Any]:
 def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
     """Return the initial data of a state, (1, variables), as far as it has any."""
     if before.contact is not None and before.contact.stem:  # they are of the sphere
-        state, names = state.copy(), before.variables.names
+        state = state.copy()
+        names = before.variables.names
         for name, value in (("radius", before.internal_body.R), ("offset", before.internal_body.c)):
             if name in names:
                 state[0, names.index(name)] = value

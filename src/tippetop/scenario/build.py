@@ -82,7 +82,8 @@ def problem(
     columns = run.columns
     if columns is not None or known not in (None, find(system.name)):  # the store names them
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
-    rules, kinds = rules_of(scenario, system), tuple(event.name for event in system.events)
+    rules = rules_of(scenario, system)
+    kinds = tuple(event.name for event in system.events)
     parameters = dict(scenario.parameters)
     initial = {k: v for k, v in scenario.initial if v is not None and v is not False}
     turns = run.columns is None or any(name in TURN for name in run.columns)
@@ -241,7 +242,8 @@ def resolved(problem: Problem) -> dict[str, Any]:
 def _pole_faults(problem: Problem) -> list[str]:
     """Return a sentence on a start too near a pole where the form is singular."""
     theta = problem.initial.get("theta", 0.0)
-    near, form = min(theta, math.pi - theta), f'where form = "{problem.form.name}" is singular'
+    near = min(theta, math.pi - theta)
+    form = f'where form = "{problem.form.name}" is singular'
     if AWAY_FROM_POLE not in problem.form.domains:
         return []
     if near == 0:

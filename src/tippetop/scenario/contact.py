@@ -86,14 +86,19 @@ def rules_of(scenario: Any, system: System) -> ContactLaw | None:
 
 def contact_faults(problem: Problem) -> list[str]:
     """Return sentences on a contact that opens and its problem."""
-    rules, law, friction = problem.contact, problem.law, problem.friction
+    rules = problem.contact
+    law = problem.law
+    friction = problem.friction
     if rules is None:
         return []
-    body, gap = problem.body(), float(problem.initial.get("gap", 0.0))
+    body = problem.body()
+    gap = float(problem.initial.get("gap", 0.0))
     R = size(body)
-    fastest, nu_z = math.sqrt(2 * body.g * HIGHEST * R), problem.initial.get("nu_z", 0.0)
+    fastest = math.sqrt(2 * body.g * HIGHEST * R)
+    nu_z = problem.initial.get("nu_z", 0.0)
     parts = "`friction.mu_r` or `friction.mu_d`"
-    patch, disc = getattr(friction, "patch", R), bool(law.regions)
+    patch = getattr(friction, "patch", R)
+    disc = bool(law.regions)
     under = f"under `{problem.law.key}`" if disc else f"with {parts}"
     smaller = (
         ' A smaller disc slides as a point does: `law = "coulomb"`, without patch and mu_r.'
@@ -137,7 +142,8 @@ def contact_faults(problem: Problem) -> list[str]:
         return faults  # which are found already
     balls = problem.balls
     coefficients = {getattr(friction, name): name for name in law.bounded_by}
-    mu, mu_r = max(coefficients, default=0.0), getattr(friction, "mu_r", 0.0)
+    mu = max(coefficients, default=0.0)
+    mu_r = getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
     bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
     name = min(bounds, key=bounds.__getitem__)
@@ -176,7 +182,8 @@ def on_stem(
 
 def touches(problem: Problem) -> bool:
     """Return whether a body starts on the plane, on its sphere or its stem: no gap was given."""
-    rules, gap = problem.contact, problem.initial.get("gap")
+    rules = problem.contact
+    gap = problem.initial.get("gap")
     if rules is None or gap is None:
         return rules is not None
     return rules.stem and gap > 0 and gap == _least_gap(problem.initial, problem.body().R, rules)

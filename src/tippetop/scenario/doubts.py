@@ -16,7 +16,9 @@ PLAUSIBLE = {"R": (0.01, 4.0), "l": (0.0, 100.0)}
 
 def doubts(problem: Problem) -> list[str]:
     """Return one sentence for each doubt; empty for most scenarios."""
-    initial, given, sentences = problem.initial, problem.parameters, []
+    initial = problem.initial
+    given = problem.parameters
+    sentences = []
     theta = float(initial.get("theta", 0.0))
     if "omega3" in problem.system.initial:
         turns = initial.get("phi_dot", 0.0) != 0 and theta not in (0.0, math.pi)
@@ -63,7 +65,8 @@ def doubts(problem: Problem) -> list[str]:
 
 def starts_at_pole(problem: Problem) -> bool:
     """Return whether the axis starts exactly vertical, with nothing that turns it away."""
-    initial, turning = problem.initial, ["theta_dot"]
+    initial = problem.initial
+    turning = ["theta_dot"]
     if not is_frictionless(problem.friction):
         turning += ["nu_x", "nu_y"]
     at_rest = not any(initial.get(name) for name in turning)

@@ -62,7 +62,8 @@ def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
     rows = []
     schema = table.model_json_schema()
     for name, field in schema["properties"].items():
-        must, default = allowed(field), field.get("default")
+        must = allowed(field)
+        default = field.get("default")
         if default is not None:
             plain = f"{default:g}" if isinstance(default, float) else str(default).lower()
             must += f"; by default {plain}"
@@ -216,7 +217,8 @@ def columns() -> list[Section]:
 
 
 def _columns(system: System) -> list[tuple[str, ...]]:
-    names, turn = system.long_names, [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
+    names = system.long_names
+    turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
     if system.undefined_at_poles:
         turn.insert(0, ("psi", "rad", PSI))
     units = system.forms["vector"].units if system.vectors else None

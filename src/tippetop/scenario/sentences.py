@@ -18,7 +18,8 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
     """Return the sentence on one pydantic error of a scenario."""
     law = system.laws.get(law_name(tables))
     place = error["loc"]
-    key, kind = ".".join(map(str, place)), error["type"]
+    key = ".".join(map(str, place))
+    kind = error["type"]
     if key == "friction.law":
         return not_among(key, tables["friction"].get("law"), laws_of(system))
     if kind != "extra_forbidden":
@@ -43,7 +44,8 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
 
 def error_sentence(error: Any, key: str, known: list[str]) -> str:
     """Return the sentence on one pydantic error at `key`, whose table may have `known` keys."""
-    context, kind = error.get("ctx", {}), error["type"]
+    context = error.get("ctx", {})
+    kind = error["type"]
     if kind == "missing":
         not_taken = " (numbers of another law are not taken)" if "friction" in key else ""
         return f"`{key}` must be given, but is missing{not_taken}."

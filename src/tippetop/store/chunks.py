@@ -50,7 +50,8 @@ def digest(
     """
     table = open_group(path, group)
     dim = row_dimension(table)
-    first, last = 0, table.sizes[dim]
+    first = 0
+    last = table.sizes[dim]
     if window != (None, None):
         times = loaded(table[["time"]], path)["time"].values
         low, high = window

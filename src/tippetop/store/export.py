@@ -67,7 +67,8 @@ def export(
             f"{of} is not finished: only the rows up to its last commit are written.",
             stacklevel=3,
         )
-    tables, attrs = {group: tables[group]} if group else tables, plain_attributes(attrs)
+    tables = {group: tables[group]} if group else tables
+    attrs = plain_attributes(attrs)
     with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
         if to == "netcdf":
             scratch.write_bytes(_netcdf(tables, attrs, of))

@@ -102,7 +102,8 @@ class Acknowledged:
     def files(self, key: str) -> list[str]:
         """Return the names of the files of a chunk."""
         table, _, index = key.partition("/")
-        members, place = self.header["members"], list(map(int, index.split(".")))
+        members = self.header["members"]
+        place = list(map(int, index.split(".")))
         return [
             f"{path}/{zarr3.chunk_name(members[path], *place)}"
             for path in self.header["tables"][table]
@@ -207,7 +208,8 @@ class Ledger:
     """
 
     def __init__(self, path: Path):
-        self.folder, self.path = Folder(path), path
+        self.folder = Folder(path)
+        self.path = path
         self.state: Acknowledged
         self.pending: dict[str, str] = {}  # chunks that the next commit acknowledges
         self.broken: OSError | None = None
@@ -336,7 +338,8 @@ class Ledger:
 
     def _describe(self, *, derived: bool = False) -> None:
         for path, document in self.state.documents().items():
-            name, data = f"{path}/{DOCUMENT}".lstrip("/"), zarr3.dump(document)
+            name = f"{path}/{DOCUMENT}".lstrip("/")
+            data = zarr3.dump(document)
             if _found(self.folder.read, name) != data:
                 self.folder.write(name, data, derived=derived)
             elif not derived:
@@ -384,7 +387,8 @@ class Ledger:
 
     def put(self, key: str, values: Mapping[str, np.ndarray]) -> None:
         """Write a chunk from the values of its columns; the next commit acknowledges it."""
-        members, files = self.state.header["members"], {}
+        members = self.state.header["members"]
+        files = {}
         with self._whole():
             for name in self.state.files(key):
                 path = name.rpartition("/")[0]

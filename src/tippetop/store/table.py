@@ -15,7 +15,9 @@ class Table:
     """The rows of a table that no chunk contains yet; of a late table, all rows until the end."""
 
     def __init__(self, ledger: Ledger, name: str):
-        self.ledger, self.name, self.group = ledger, name, name.removesuffix(LATE)
+        self.ledger = ledger
+        self.name = name
+        self.group = name.removesuffix(LATE)
         self.documents = {
             path.rpartition("/")[2]: ledger.state.header["members"][path]
             for path in ledger.state.header["tables"][name]
@@ -60,14 +62,16 @@ class Table:
 
     def _stored(self, column: str, first: int, last: int) -> list[np.ndarray]:
         """Return the chunks from row `first` to row `last`."""
-        read, document = self.ledger.folder.read, self.documents[column]
+        read = self.ledger.folder.read
+        document = self.documents[column]
         firsts = range(first, last, self.chunk)
         return [zarr3.decode(read(self._file(column, k)), document) for k in firsts]
 
     def cut(self, rows: int) -> None:
         """Take the first rows of a finished table: full chunks remain, the other rows wait."""
         full = rows // self.chunk * self.chunk if self.name == self.group else 0
-        self.rows, self.written = rows, full
+        self.rows = rows
+        self.written = full
         for column, waiting in self.waiting.items():
             parts = [*waiting, *self._stored(column, full, rows)]
             self.waiting[column] = [np.concatenate(parts)[: rows - full]]
@@ -95,7 +99,8 @@ class Table:
 
     def restore(self, written: int, rows: int, data: bytes) -> bytes:
         """Take back the rows of a tail; return the bytes that follow them."""
-        self.written, self.rows = written, rows
+        self.written = written
+        self.rows = rows
         for column, document in self.documents.items():
             shape = (rows - written, *document["shape"][1:])
             values = np.frombuffer(data, document["data_type"], int(np.prod(shape))).reshape(shape)

@@ -78,8 +78,10 @@ def begin_or_continue(
         with store.released_on_failure(), files.writing(path):
             store.derive({})
         return store
-    stored, wanted = root.root_of(path), json.loads(json.dumps(head()["attributes"]))
-    content, found = wanted["content"], stored.get("content", "run")
+    stored = root.root_of(path)
+    wanted = json.loads(json.dumps(head()["attributes"]))
+    content = wanted["content"]
+    found = stored.get("content", "run")
     if content != found:
         raise StoreError(f"`{path}` must be a {content} to be continued, but is a {found}.")
     for key in same:

@@ -100,7 +100,8 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
         whole[tuple(map(slice, values.shape))] = values
         values = whole
     # The order of blocks that several threads compress depends on the scheduler.
-    threads, blosc.use_threads = blosc.use_threads, False
+    threads = blosc.use_threads
+    blosc.use_threads = False
     try:
         packed = blosc.compress(values, b"lz4", 1, blosc.SHUFFLE)
     finally:

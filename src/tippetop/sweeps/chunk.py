@@ -17,7 +17,9 @@ from ..store import provenance
 
 Rows = dict[str, np.ndarray]  # the columns of a chunk by name
 # names in `keep` for several columns; those of the orientation are left out unless they are named
-FINAL, DRIFT, ORIENTATION = "final_state", "drift", "orientation"
+FINAL = "final_state"
+DRIFT = "drift"
+ORIENTATION = "orientation"
 EVENTS = "events"  # the name in `keep` of the table of events, which is left out unless it is named
 
 
@@ -64,7 +66,8 @@ def measure(
     names = keep or []
     chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
-    wanted, events = [*names, "t_end"] if chaos else keep, EVENTS in names
+    wanted = [*names, "t_end"] if chaos else keep
+    events = EVENTS in names
     if events:
         wanted = [*names, "t_end", *base.events]
     return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos, events=events)

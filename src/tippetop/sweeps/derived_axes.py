@@ -81,7 +81,8 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
     """Return the faults of varying these keys together."""
-    sentences, system = [], base.system
+    sentences = []
+    system = base.system
     known = [name for name, s in SYSTEMS.items() if {"R", "I1"} <= s.parameters.keys()]
     for name in sorted(DERIVED.keys() & keys):
         if system.name not in known:

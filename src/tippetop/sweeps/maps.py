@@ -43,7 +43,8 @@ class MapAxis:
     @property
     def centres(self) -> np.ndarray:
         """The middles of the cells."""
-        a, b = self.edges[:-1], self.edges[1:]
+        a = self.edges[:-1]
+        b = self.edges[1:]
         return np.sqrt(a * b) if self.log else (a + b) / 2
 
     @property
@@ -94,7 +95,8 @@ def make_map(path: Path, kind: str) -> Map:
             f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."
         )
     axes = tuple(map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
-    chosen, notes = column(path, table, "status") != Status.TODO.code, []
+    chosen = column(path, table, "status") != Status.TODO.code
+    notes = []
     for axis in varying[2:]:  # the middle number of further axes is shown
         if axis.sampled:
             notes.append(f"all {greek(axis.key)}")

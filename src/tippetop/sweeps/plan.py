@@ -126,7 +126,8 @@ class Plan:
             raise InputError(
                 first_sentences(error.errors(include_url=False), scenario_sentence)
             ) from None
-        base, sentences = made(_base(shape, folder)), []
+        base = made(_base(shape, folder))
+        sentences = []
         keys = [axis.of for axis in shape.axis]
         for i, axis in enumerate(shape.axis, 1):
             rule = base.rules.get(axis.of)
@@ -142,7 +143,8 @@ class Plan:
         for axis in plain_data["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
-        tables, own = build.resolved(base), user_records(base.system)
+        tables = build.resolved(base)
+        own = user_records(base.system)
         for key in tables["run"].keys() & {"events", "columns"}:
             names = {record.name for records in own for record in records}
             tables["run"][key] = [name for name in tables["run"][key] if name not in names]
@@ -276,7 +278,8 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
     first, last = axis.between or (1.0, 2.0)
     low, high = axis.geomspace or (1.0, 1.0)
     numbers = axis.values or axis.linspace or axis.between or axis.geomspace or [1.0]
-    least, most = min(numbers), max(numbers)
+    least = min(numbers)
+    most = max(numbers)
     found = " and ".join(given) or "none"
     ascend = "ascend from above 0" if axis.log else "ascend"
     return _sentences(
@@ -307,7 +310,8 @@ def _sentences(wrong: dict[str, Any]) -> list[str]:
 
 def _design_faults(shape: PlanTable, keys: list[str]) -> list[str]:
     """Return the faults of the axes together, before any number or top is made."""
-    sample, drawn = shape.sample, any(axis.between for axis in shape.axis)
+    sample = shape.sample
+    drawn = any(axis.between for axis in shape.axis)
     n = sample.n if sample else 1
     tops = math.prod(axis.n or len(axis.values or [0]) for axis in shape.axis) * n
     sobol = sample is not None and sample.method == "sobol"

@@ -39,7 +39,8 @@ def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
 
 
 def _header(plan: Plan) -> dict[str, Any]:
-    coordinates, columns = _coordinates(plan), chunk.column_schema(plan.base, plan.keep)
+    coordinates = _coordinates(plan)
+    columns = chunk.column_schema(plan.base, plan.keep)
     sizes = {"top": (plan.n, plan.chunk), "row": (0, PER_FILE), "part": (plan.chunks, 1)}
     tables: dict[str, dict[str, Any]] = {}
     for name, column in {**coordinates, **columns}.items():
@@ -83,7 +84,8 @@ def put_events(store: Ledger, part: int, first: int, result: Rows) -> dict[str, 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
     """Return the varied keys: axes, and the keys that derived axes set."""
-    rules, first = plan.base.rules, np.zeros(1, int)
+    rules = plan.base.rules
+    first = np.zeros(1, int)
     about = {
         key: (rules[key].unit.symbol, rules[key].long_name)
         if key in rules

@@ -116,7 +116,8 @@ def _fill(
         results = on_workers(cluster or processes(threads), tasks)
     try:
         for task, result in results:
-            tops, key = plan.tops(task.chunk), f"{GROUP}/{task.chunk}"
+            tops = plan.tops(task.chunk)
+            key = f"{GROUP}/{task.chunk}"
             failed = {key: result} if isinstance(result, str) else {}
             with files.writing(store.path, KEPT):
                 rows = {}

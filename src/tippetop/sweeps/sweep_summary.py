@@ -47,7 +47,8 @@ def gridded(table: Any) -> Any:
     import xarray as xr
 
     design = plan_of(table).design
-    names, shape = [*design.sizes], [*design.sizes.values()]
+    names = [*design.sizes]
+    shape = [*design.sizes.values()]
     axes = {
         axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs) for axis in design.grid
     }
@@ -62,7 +63,8 @@ def gridded(table: Any) -> Any:
 
 def report(path: str | Path) -> dict[str, Any]:
     """Return the content of a sweep's store, as `info --json` prints it."""
-    table, folder = open_sweep(path), Path(path)
+    table = open_sweep(path)
+    folder = Path(path)
     attrs = root.root_of(path)
     attrs["chunks"], failed = chunk_counts(folder, attrs)
     status = column(path, table, "status")
@@ -70,7 +72,8 @@ def report(path: str | Path) -> dict[str, Any]:
     runs = sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit())
     for number in runs:
         root.attributes(folder / RUNS / str(number))  # raises StoreError if it is damaged
-    counts, drift = {}, {}
+    counts = {}
+    drift = {}
     for name in map(str, table):
         if name in ("status", "class"):
             meanings = table[name].attrs["flag_meanings"].split()
@@ -95,7 +98,8 @@ def report(path: str | Path) -> dict[str, Any]:
 
 def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     """Return name and text of each line of a report."""
-    plan, sizes = facts["plan"], zip(facts["dimensions"], facts["shape"], strict=True)
+    plan = facts["plan"]
+    sizes = zip(facts["dimensions"], facts["shape"], strict=True)
     drawn = ", ".join(axis["of"] for axis in plan["axis"] if "between" in axis)
     axes = [f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes]
     done = f"{facts['tops_done']} of {facts['tops']} tops; chunks: {_text(facts['chunks'])}"

@@ -63,7 +63,8 @@ def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
     )  # |lambda|/threshold - 1 is linear in a spin
     reach = (1.0, 1.0)
     if len(places) == 1:
-        places, values = [*places, np.array([-1.0, 1.0])], np.ma.stack([values, values], axis=1)
+        places = [*places, np.array([-1.0, 1.0])]
+        values = np.ma.stack([values, values], axis=1)
         reach = (1.0, np.inf)
     x, y = places
     paths: Any = contour_generator(x, y, values.T).lines(0.0)

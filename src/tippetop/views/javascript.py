@@ -48,7 +48,8 @@ def arrow(inputs: dict[str, Any], formula: Callable, *, fills: bool = False, row
 @cache
 def rotations() -> str:
     """Return the module `rotation.js` of every page; see `rotation.d.ts`."""
-    q, v = Quaternion(1, 0, 0, 0), Vector(0, 0, 0)
+    q = Quaternion(1, 0, 0, 0)
+    v = Vector(0, 0, 0)
     functions = {
         "axes": arrow({"q": q}, axes, rows=3),
         "outer": arrow({"first": v, "third": v}, outer, rows=4),

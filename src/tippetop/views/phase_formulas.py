@@ -53,7 +53,8 @@ def potential(system: System, b: Touch) -> dict[str, str]:
 
 def given(problem: Problem) -> dict[str, Any]:
     """Return the numbers of a tippe top: its parameters with those of the law, and its start."""
-    data, contact = dict(problem.initial), problem.contact
+    data = dict(problem.initial)
+    contact = problem.contact
     theta = data.get("theta", 0.0)
     angles = problem.system.start(data, math.sin(theta), math.cos(theta), problem.body())
     initial = {name: float(getattr(angles, name, data.get(name, 0.0))) for name in INITIAL}
@@ -94,7 +95,8 @@ def _of_law(law: Any) -> str:
     b = TOP.body_of(dict.fromkeys(TOP.parameters, 1.0), law._make(1.0 for _ in law.parameters))
     y = (FORM.units, VARIABLES.carried(*VARIABLES.names[VARIABLES.moving :]))
     potential_of: Any = TOP.potential
-    force, per = Vector(*"xyz"), (Vector(*"xyz"), Vector(*"xyz"))
+    force = Vector(*"xyz")
+    per = (Vector(*"xyz"), Vector(*"xyz"))
     frictions = [disc_friction(region.drag, law.torque) for region in law.regions.values()]
 
     def body(p: Sequence[Any]) -> Any:

@@ -82,7 +82,8 @@ def page(
             f"{rough / DEGREE:.2g}°. "
             "A run with a smaller run.output_step, or a replay with a smaller step, shows more."
         )
-    log, phases = _events(groups, times[0], times[-1]), _phases(groups, times[0], times[-1])
+    log = _events(groups, times[0], times[-1])
+    phases = _phases(groups, times[0], times[-1])
     body = shape(attrs)
     data = {
         "name": attrs["system"],
@@ -107,14 +108,20 @@ def read(
     """Return times and samples of a page, the error of the attitude between rows [rad], and notes.
 
     Raises InputError if no row is within."""
-    begin, end, notes = start or 0.0, np.inf if until is None else until, []
-    times, kept, rough, span = [], [], 0.0, 0.0
+    begin = start or 0.0
+    end = np.inf if until is None else until
+    notes = []
+    times = []
+    kept = []
+    rough = 0.0
+    span = 0.0
     for piece in pieces:
         within = (piece["time"] >= begin) & (piece["time"] <= end)
         if not within.any():
             continue
         columns = {name: values[within] for name, values in piece.items()}
-        t, some = columns["time"], samples(columns, attrs)
+        t = columns["time"]
+        some = samples(columns, attrs)
         rough = max(rough, spacing.row_error(t, some))
         span = span or max(min(end, end_of(attrs)) - t[0], 1e-300)
         few = spacing.chosen(t, some, max(1, math.ceil(spacing.FEW * np.ptp(t) / span)))

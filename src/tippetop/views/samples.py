@@ -14,7 +14,8 @@ from ..runs.shape import body_of, shape
 
 
 Columns = Mapping[str, np.ndarray]
-ORIENTATION, OMEGA = slice(0, 4), slice(4, 7)
+ORIENTATION = slice(0, 4)
+OMEGA = slice(4, 7)
 NEEDED = (
     *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
     *("x", "y", "z", "phase", "ball"),
@@ -45,11 +46,15 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     attrs
         The root attributes of its store.
     """
-    b, n, drawn = body_of(attrs), len(columns["time"]), shape(attrs)
+    b = body_of(attrs)
+    n = len(columns["time"])
+    drawn = shape(attrs)
     third = axes(Quaternion(*columns["orientation"].T))[2]
     if drawn["kind"] == "cylinder":
-        none, spin = np.zeros(n), columns["theta_dot"]
-        omega, momentum = Vector(none, spin, none), Vector(none, b.I1 * spin, none)
+        none = np.zeros(n)
+        spin = columns["theta_dot"]
+        omega = Vector(none, spin, none)
+        momentum = Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
         inert = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip then

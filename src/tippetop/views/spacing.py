@@ -29,7 +29,9 @@ def attitude(
 def interpolated(times: np.ndarray, samples: np.ndarray, shown: np.ndarray) -> np.ndarray:
     """Return samples at times between others: attitudes by `attitude`, the rest linearly."""
     i = np.searchsorted(times[1:-1], shown, side="right")
-    p, q, h = samples[i], samples[i + 1], times[i + 1] - times[i]
+    p = samples[i]
+    q = samples[i + 1]
+    h = times[i + 1] - times[i]
     s = (shown - times[i]) / h
     found = p + s[:, None] * (q - p)
     ends = [end[:, part] for end in (p, q) for part in (ORIENTATION, OMEGA)]

@@ -58,7 +58,8 @@ def page_of_sweep(path: Path) -> str:
         )
     axes = sorted(plan.design.axes, key=lambda axis: not axis.varies)
     movable = is_movable(plan.base)
-    about, notes = f"{plan.n} tops; point at one for its line", []
+    about = f"{plan.n} tops; point at one for its line"
+    notes = []
     if movable:
         about += ", click it for its motion"
     else:
@@ -86,7 +87,8 @@ def page_of_sweep(path: Path) -> str:
 
 def is_movable(base: Problem) -> bool:
     """Return whether a page can integrate a problem: a sliding tippe top, restitution by energy."""
-    law, contact = type(base.friction), base.contact
+    law = type(base.friction)
+    contact = base.contact
     return (
         base.system.name == TOP.name
         and law.with_parts is not None

@@ -55,7 +55,8 @@ class Growth(NamedTuple):
                 f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: "
                 "double precision is not enough beyond"
             )
-        end, rate = self.times[-1], self.exponents[-1]
+        end = self.times[-1]
+        rate = self.exponents[-1]
         size = ROUNDING * float(self.factor.max())
         exponent = f"Lyapunov exponent {rate:.3g} 1/s to t = {end:.6g} s"
         return f"an error of 1e-16 at the start grows to at most {size:.2g} ({exponent})"
@@ -76,7 +77,8 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     InputError
         If the run has no derivatives: its contact changes, or its law is set-valued.
     """
-    system, data = problem.system, dict(problem.initial)
+    system = problem.system
+    data = dict(problem.initial)
     theta = data.get("theta", 0.0)
     angles = system.start(data, math.sin(theta), math.cos(theta), problem.body())._asdict()
     start = {name: float(value) for name, value in angles.items() if name in system.initial}

@@ -14,7 +14,8 @@ from ..tangent import Tangents
 from ..variational import TURN
 
 
-PARAMETER, OTHER = "parameter", "parameter_2"
+PARAMETER = "parameter"
+OTHER = "parameter_2"
 OF_EVENT = "of the event, as the numbers change"
 
 
@@ -64,12 +65,14 @@ def differentiate(
     InputError
         If the run has no derivatives, or a name is wrong.
     """
-    tangents, n = Tangents(problem, wrt), len(wrt)
+    tangents = Tangents(problem, wrt)
+    n = len(wrt)
     sizes = np.array([tangents.scale(name) for name in wrt])
     i = j = np.arange(n)
     if order == 2:
         i, j = np.tril_indices(n)  # second derivatives along means of two directions too
-    own, ways = i == j, (tangents.directions[:, i] + tangents.directions[:, j]) / 2
+    own = i == j
+    ways = (tangents.directions[:, i] + tangents.directions[:, j]) / 2
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     values = tangents.read(order, tangents.parameters(ways), every[:, None])
 
@@ -95,7 +98,8 @@ def differentiate(
     by_time, by_theta = np.full((2, len(events.time), n), np.nan)
     for event in problem.system.events:
         of = np.flatnonzero(events.kind == events.kinds.index(event.name))
-        at, name = np.searchsorted(every, events.time[of]), f"event {event.name}"
+        at = np.searchsorted(every, events.time[of])
+        name = f"event {event.name}"
         with np.errstate(divide="ignore", invalid="ignore"):  # the function stays zero
             shift = -values[name][1, at] / values[name][-1, at]
         theta = values["theta"][1, at] + values["theta"][-1, at] * shift

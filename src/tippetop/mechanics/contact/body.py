@@ -261,7 +261,8 @@ def angular_velocity_of(x, L3, b):
 @formula
 def arm_velocity(x, b):
     """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
-    u_dot, w = axis_rate(x, b), angular_velocity(x, b)
+    u_dot = axis_rate(x, b)
+    w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
 
 
@@ -298,7 +299,8 @@ def centre_velocity(x, v, b):
 @formula
 def of_azimuth(along_e, along_2, phi):
     """Return the horizontal components in space of a vector along e and 2hat."""
-    ex, ey = cos(phi), sin(phi)
+    ex = cos(phi)
+    ey = sin(phi)
     return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
 
 
@@ -327,7 +329,8 @@ def rolling_velocity(e, s, z, b):
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
     """Return a sentence if I3 exceeds 2 I1: about its centre of mass, no rigid body has more."""
-    I1, I3 = parameters["I1"], parameters["I3"]
+    I1 = parameters["I1"]
+    I3 = parameters["I3"]
     if I3 > 2 * I1:
         return [
             f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but "
@@ -354,7 +357,8 @@ sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass
 @formula
 def kinematics(x, u_dot, b):
     """Return the kinematics of an axis, its rate and the momentum about the centre of mass."""
-    u, L = x.u, x.L
+    u = x.u
+    L = x.L
     return Kinematics(
         u.z,
         u.x * u.x + u.y * u.y,
@@ -370,7 +374,8 @@ def kinematics(x, u_dot, b):
 @formula
 def kinematics_of_angles(e, s, z, b):
     """Return the kinematics of Euler angles with the rates theta', phi', omega_3."""
-    L3, phi_dot_s2 = b.I3 * e.omega3, e.phi_dot * s**2
+    L3 = b.I3 * e.omega3
+    phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
     free = torque_free(L3, phi_dot_s2, axis_speed2, z, b)
     Lz = b.I1 * phi_dot_s2 + L3 * z
@@ -540,7 +545,8 @@ def arm_speed2(s, b):
 
     [section 3.3]
     """
-    w3, q = s.L3 / b.I3, b.c - b.R * s.z
+    w3 = s.L3 / b.I3
+    q = b.c - b.R * s.z
     return (
         q**2 * s.axis_speed2
         + b.R**2 * (s.z_dot**2 + s.s2 * w3**2)

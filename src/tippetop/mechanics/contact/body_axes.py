@@ -43,7 +43,10 @@ def turned(f, turn, u):
 @formula
 def axes_of_angles(s, z, phi, psi):
     """Return axes 1 and 3 of the body, (3,) each, by sin(theta), cos(theta), phi, psi."""
-    ex, ey, along, across = cos(phi), sin(phi), cos(psi), sin(psi)
+    ex = cos(phi)
+    ey = sin(phi)
+    along = cos(psi)
+    across = sin(psi)
     first = Vector(along * (z * ex) - across * ey, along * (z * ey) + across * ex, -(along * s))
     return first, Vector(s * ex, s * ey, z)
 

@@ -424,7 +424,9 @@ def shared(x, v, frictions, total, swing, b):
     The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
     v is the velocity of the sphere's contact point.
     """
-    u, omega, other = x.u, angular_velocity(x, b), seen_from_other(b)
+    u = x.u
+    omega = angular_velocity(x, b)
+    other = seen_from_other(b)
     apart = minus(arm(u, other), arm(u, b))
     slips = v, plus(v, cross(omega, apart))
 
@@ -475,7 +477,10 @@ def rolled(x, b):
     The body turns about the line through both contacts, and that line about the vertical. It does
     not matter here how the two share the horizontal force.
     """
-    u, u_dot, omega, still = x.u, contact.axis_rate(x, b), angular_velocity(x, b), times(0, x.u)
+    u = x.u
+    u_dot = contact.axis_rate(x, b)
+    omega = angular_velocity(x, b)
+    still = times(0, x.u)
     velocity = centre_velocity(x, still, b)
     turn = Vector(0, 0, cross(u, u_dot).z / horizontal2(u))
     moves = dot(omega, x.L) + b.m * dot(velocity, velocity)  # twice the energy
@@ -486,9 +491,11 @@ def rolled(x, b):
     def rate(a):
         return plus(times(slows, a), cross(turn, a))
 
-    L_dot, V_dot = rate(x.L), rate(velocity)
+    L_dot = rate(x.L)
+    V_dot = rate(velocity)
     acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
-    frictions, swing = [lambda *of: acts] * 2, cross(L_dot, u).z
+    frictions = [lambda *of: acts] * 2
+    swing = cross(L_dot, u).z
     _, _, *sides = shared(x, still, frictions, b.m * b.g, swing, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
     return force, minus(L_dot, cross(arm(u, b), force)), *sides
@@ -540,6 +547,7 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
 
     The endless hops from one to the other would do so.
     """
-    v, sinks = contact_velocity(x, b), -(b.m * x.velocity.z)
+    v = contact_velocity(x, b)
+    sinks = -(b.m * x.velocity.z)
     p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
     return gained(kicked(x, b, p, twist), work=b.m * b.g * contact.gap(x, b))

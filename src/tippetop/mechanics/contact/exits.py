@@ -175,7 +175,8 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 
     A step that goes far beyond it would find the landing less exactly.
     """
-    v, highest = x.velocity.z, abs(contact.gap(x, b)) + contact.height_range(b)
+    v = x.velocity.z
+    highest = abs(contact.gap(x, b)) + contact.height_range(b)
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
@@ -251,7 +252,8 @@ def opens(n: Next, world: Any) -> bool:
 
     The second derivative of its gap decides.
     """
-    phase, x = world.phases[n.phase], n.x
+    phase = world.phases[n.phase]
+    x = n.x
     b = world.body[phase.ball]
     rate = contact.turning(phase.form.rates(phase.enter(x, b), b))
     return bool(b.lever * plus(cross(rate.L, x.u), cross(x.L, rate.u)).z > 0)
@@ -266,10 +268,12 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     The other one strikes too, should it be pressed into the plane.
     """
     hits: list[Any] = []
-    makes_energy, other = False, ball
+    makes_energy = False
+    other = ball
     pressed = rise(x, world.body[ball]) < -least and not both_rest(x, world)
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
-        ball, other = other, 1 - other
+        ball = other
+        other = 1 - other
         x, hit, makes_energy = struck(x, world, ball)
         hits.append(hit)
         pressed = other in touching(x, world) and rise(x, world.body[other]) < -CLOSES_AT
@@ -283,7 +287,8 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
         n = rest_on_both(x, world, cause)
     else:
         n = on_plane(x, world, ball, cause)
-    n.logged, n.rows = ("impact",) * len(hits), {"impacts": tuple(hits)}
+    n.logged = ("impact",) * len(hits)
+    n.rows = {"impacts": tuple(hits)}
     return first_touch(n, world)
 
 
@@ -294,14 +299,16 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
-    v, impact = contact_velocity(x, b), world.struck(x, b, e_n)
+    v = contact_velocity(x, b)
+    impact = world.struck(x, b, e_n)
     p = impact.p
     x = kicked(x, b, p, impact.twist)
     after = contact_velocity(x, b)
     if e_n == 0:  # it does not rise by rounding
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
-    slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
+    slides = (size(v), size(after))
+    mode = IMPACT.mode.index(impact.mode)
     hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
     return x, hit, impact.makes_energy
 
@@ -346,9 +353,12 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     It is a series, computed with numbers of 80 bits; None if nothing begins to slide. Where it ends
     slow, the phase ends immediately, by its exit `CLOCK`.
     """
-    name, number = phase_name("slip", ball), type(world.left)
-    phase, wide = world.phases[name], world._replace(body=rounded(world.body))
-    x, b = rounded(x), wide.body[ball]
+    name = phase_name("slip", ball)
+    number = type(world.left)
+    phase = world.phases[name]
+    wide = world._replace(body=rounded(world.body))
+    x = rounded(x)
+    b = wide.body[ball]
     first = len(DIRECTED) - 2  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
@@ -411,9 +421,11 @@ def stay_on(x: Moving, world: Any, ball: int) -> Next:
 
 def stick(x: Moving, world: Any) -> Next:
     """Return the phase after sliding stops."""
-    phase, b = world.phase, world.body[world.phase.ball]
+    phase = world.phase
+    b = world.body[world.phase.ball]
     q = phase.enter(x, b)
-    rates, carried = phase.form.rates(q, b), world.rates(phase, q, x.carried)
+    rates = phase.form.rates(q, b)
+    carried = world.rates(phase, q, x.carried)
     delay = -q.w / rates.w
 
     def series(t: Any) -> tuple[Any, Any]:

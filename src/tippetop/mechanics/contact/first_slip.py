@@ -16,7 +16,8 @@ from ..event import zero_of
 
 
 NODES, STEP = 16, 1e-5  # of beta, for a slope
-SWEEPS, HALVINGS = 40, 40
+SWEEPS = 40
+HALVINGS = 40
 
 RESOLVED = 1e-17
 """Size of the last coefficients of a series that is resolved, relative to the largest."""
@@ -79,7 +80,8 @@ def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tup
     fit[0] /= 2
     integral = chebval(nodes, chebint(fit, lbnd=-1)) * duration / 2
     slope = chebval(nodes, chebder(fit)) * 2 / duration
-    state, beta = np.repeat(start[:, None], NODES, 1), np.full(NODES, beta0)
+    state = np.repeat(start[:, None], NODES, 1)
+    beta = np.full(NODES, beta0)
     with np.errstate(all="ignore"):
         for _ in range(SWEEPS):
             near = np.concatenate([beta, beta - STEP, beta + STEP])

@@ -79,7 +79,8 @@ def sliding_velocity(q, b):
 
     `body.contact_velocity` with the carried L_3, summed from the left.
     """
-    u_dot, w = axis_rate(q, b), contact.angular_velocity_of(turning(q), q.L3, b)
+    u_dot = axis_rate(q, b)
+    w = contact.angular_velocity_of(turning(q), q.L3, b)
     return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
 
 
@@ -89,7 +90,8 @@ def vector_scalars(q, b):
 
     L_3 is L.3hat, so that the carried L_3 is under control too.
     """
-    u, v = axis(q), sliding_velocity(q, b)
+    u = axis(q)
+    v = sliding_velocity(q, b)
     return Scalars(
         *kinematics(turning(q), axis_rate(q, b), b),
         *slip_scalars(u, v),
@@ -100,7 +102,8 @@ def vector_scalars(q, b):
 @formula
 def reaction(q, b):
     """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
-    s, v = vector_scalars(q, b), sliding_velocity(q, b)
+    s = vector_scalars(q, b)
+    v = sliding_velocity(q, b)
     k = drag(s, b)
     return Vector(k * v.x, k * v.y, g_n(s, b))
 
@@ -108,7 +111,8 @@ def reaction(q, b):
 @formula
 def vector_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
-    u, F = axis(q), reaction(q, b)
+    u = axis(q)
+    F = reaction(q, b)
     L3_rate = b.R * (u.x * F.y - u.y * F.x)
     return VectorState(*axis_rate(q, b), *contact.moment(u, F, b), L3_rate, F.x / b.m, F.y / b.m)
 
@@ -131,7 +135,8 @@ ANGLES = filled(
 )
 """Public variables: the state, phi, and the integrals."""
 
-EulerState, Angles = type(EULER_UNITS), type(ANGLES)
+EulerState = type(EULER_UNITS)
+Angles = type(ANGLES)
 
 
 @formula
@@ -147,7 +152,8 @@ def centre_velocity(e, s, z, b):
 @formula
 def euler_scalars(e, b):
     """Return the scalars of an Euler-angle state."""
-    s, z = sin(e.theta), cos(e.theta)
+    s = sin(e.theta)
+    z = cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
     speeds2 = e.nu_x**2 + e.nu_y**2, along_e**2 + along_2**2
     return Scalars(*kinematics_of_angles(e, s, z, b), e.nu_x * s, e.nu_y * s, *speeds2)
@@ -173,7 +179,8 @@ def euler_rates(e, b):
 
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
-    s, c = sin(e.theta), euler_scalars(e, b)
+    s = sin(e.theta)
+    c = euler_scalars(e, b)
     k = drag(c, b)
     swing = e.phi_dot * (b.I1 * e.phi_dot * c.z - b.I3 * e.omega3) - b.c * g_n(c, b)
     return EulerState(
@@ -212,8 +219,11 @@ def axis_and_momentum(e, s, z, I1, I3):
 
     [section 1]
     """
-    ex, ey = cos(e.phi), sin(e.phi)
-    L3, transverse, nodal = I3 * e.omega3, -(I1 * e.phi_dot * s), I1 * e.theta_dot
+    ex = cos(e.phi)
+    ey = sin(e.phi)
+    L3 = I3 * e.omega3
+    transverse = -(I1 * e.phi_dot * s)
+    nodal = I1 * e.theta_dot
     lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
     L = Vector(lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s)
     return Turning(Vector(s * ex, s * ey, z), L)

@@ -104,8 +104,10 @@ def stages(law: Any) -> dict[str, Stage]:
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):
-            none, w = 0 * q.v_n, b.speed * (exp(q.grown) if is_directed else 1)
-            p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
+            none = 0 * q.v_n
+            w = b.speed * (exp(q.grown) if is_directed else 1)
+            p = Vector(q.p_x, q.p_y, q.p_n)
+            twist = Vector(q.t_x, q.t_y, q.t_n)
             turned = plus(cross(arm(b.u, b.touch), p), twist)
             L = plus(b.L, times(b.speed * b.ratio, turned))
             v = Vector(w * q.v_x, w * q.v_y, none)
@@ -119,15 +121,19 @@ def stages(law: Any) -> dict[str, Stage]:
             return Acts(force, torque, v, omega)
 
         def rates(q, b):
-            by, none = acts(q, b), 0 * q.turn
+            by = acts(q, b)
+            none = 0 * q.turn
             across, turns = responses(b, by)
             spun = b.touch.friction.patch * turns.z if law.regions else none
-            n, slides = Vector(q.v_x, q.v_y, q.turn), times(b.ratio, across._replace(z=spun))
+            n = Vector(q.v_x, q.v_y, q.turn)
+            slides = times(b.ratio, across._replace(z=spun))
             if is_directed:
-                pace, grows = exp(q.grown), dot(slides, n) / dot(n, n)
+                pace = exp(q.grown)
+                grows = dot(slides, n) / dot(n, n)
                 slides = minus(slides, times(grows, n))
             else:
-                pace, grows = 1 / across.z, none
+                pace = 1 / across.z
+                grows = none
                 slides = times(pace if friction else none, slides)
             works = across.z, *by.force, *by.torque, by.force.z * q.v_n
             every = *slides, grows, *(pace * one for one in works)
@@ -169,7 +175,8 @@ def left(by: Acts, b: Any) -> Any:
 
 def slide(q: Any, by: Acts, b: Any) -> Any:
     """Return the motion where a contact at rest begins to slide; `by` is what would hold it."""
-    law, grown = b.touch.friction, b.stops + 1
+    law = b.touch.friction
+    grown = b.stops + 1
     if has_parts(law):
         grown = log((DISC_BEGINS_AT if law.regions else BEGINS_AT) / b.speed)
     v, edge = direction(by.force, by.torque.z, law)

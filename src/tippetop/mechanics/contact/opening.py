@@ -188,7 +188,8 @@ def opened(system: System, law: Any, balls: int) -> System:
         internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
-        known, friction = phases, b.friction
+        known = phases
+        friction = b.friction
         if (law.set_valued or law.regions) and friction.mu == 0:
             none = LAWS["none"].given(PARTS if has_parts(friction) else ())
             known = opened(system, none, balls).phases

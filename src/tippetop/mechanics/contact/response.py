@@ -67,7 +67,8 @@ def mobility_inverse_times(u, x, b, less=0):
 def bias_of_ball(x, b, outline):
     """Return `bias_vector` of a sphere."""
     u_dot = axis_rate(x, b)
-    free, spin = times(b.c / b.I1, cross(x.L, u_dot)), b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
+    free = times(b.c / b.I1, cross(x.L, u_dot))
+    spin = b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
     return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
 
 
@@ -204,7 +205,8 @@ def sliding_at(force: float) -> float:
     """Return x = w/U at which friction gives |F_h|/(mu N), less than 1."""
     if force <= INSIDE:  # x - x^3/4 = 8 force/(3 pi)
         return 4 / math.sqrt(3) * math.sin(math.asin(2 * math.sqrt(3) / math.pi * force) / 3)
-    low, high = 0.5, 1.0
+    low = 0.5
+    high = 1.0
     for _ in range(HALVINGS):  # x/(1 + x)
         share = (low + high) / 2
         x = share / (1 - share)

@@ -122,20 +122,23 @@ EULER_UNITS = filled(
 ANGLES = filled(**EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, impulse=NEWTON_SECOND)
 """Public variables: the state, phi, and the integrals."""
 
-EulerState, Angles = type(EULER_UNITS), type(ANGLES)
+EulerState = type(EULER_UNITS)
+Angles = type(ANGLES)
 
 
 @formula
 def euler_scalars(e, b):
     """Return the scalars of an Euler-angle state."""
-    s, z = sin(e.theta), cos(e.theta)
+    s = sin(e.theta)
+    z = cos(e.theta)
     return scalars_by_kinematics(kinematics_of_angles(e, s, z, b), b)
 
 
 @formula
 def euler_rates(e, b):
     """Return the equations in Euler angles. [equal to T 4.2-4.4]"""
-    s, c = sin(e.theta), euler_scalars(e, b)
+    s = sin(e.theta)
+    c = euler_scalars(e, b)
     theta_dot2 = -((z_dot2(c, b) + e.theta_dot**2 * c.z) / s)
     return EulerState(e.theta_dot, theta_dot2, *spins(e, push_across(c, b) / s, b))
 

@@ -59,12 +59,14 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
 
     b is the body seen from the ball of the phase. Numbers, arrays or expressions.
     """
-    x, by = phase.leave(q, b), phase.reaction(q, b)
+    x = phase.leave(q, b)
+    by = phase.reaction(q, b)
     b = contact.by_axis(x.u, b)
     reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
-    gap, first = contact.gap(x, b), b
+    gap = contact.gap(x, b)
+    first = b
     if phase.ball == 0:
         gap = gap + b.clearance + b.lever * x.u.z
     else:
@@ -98,7 +100,8 @@ def lowest_velocity(q, b):
 
 def row_scalars(q, b):
     """Return the scalars of a row."""
-    u, v = axis(q), lowest_velocity(q, b)
+    u = axis(q)
+    v = lowest_velocity(q, b)
     return Scalars(
         *kinematics(turning(q), axis_rate(q, b), b),
         *slip_scalars(u, v),
@@ -135,7 +138,8 @@ def row_of_angles(e, s, z, b):
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
-    height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
+    height = e.gap + b.R - b.c * z
+    jellett = contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
     ball = b.R + none, b.c + none
     return Row(*x.u, *x.L, *velocity, height, *zeros, *ball, *zeros, jellett, none)
@@ -143,7 +147,8 @@ def row_of_angles(e, s, z, b):
 
 def planar_angles_of_row(q, carried, b):
     """Return the angles of a row of a motion in a plane."""
-    v, c = lowest_velocity(q, b), planar_scalars(q, b)
+    v = lowest_velocity(q, b)
+    c = planar_scalars(q, b)
     theta, *others = carried[:4]
     return type(PLANAR_ANGLES)(theta, c.theta_dot, v.x, c.rise, c.gap, *others)
 

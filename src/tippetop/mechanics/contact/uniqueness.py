@@ -10,7 +10,8 @@ THETA = np.linspace(0, np.pi, 10_001)[1:-1]
 
 def levers(offset: Any, radius: Any) -> tuple[Any, Any]:
     """Return the levers of vertical and horizontal forces on a ball [m], over theta."""
-    s, z = np.sin(THETA), np.cos(THETA)
+    s = np.sin(THETA)
+    z = np.cos(THETA)
     return np.abs(offset * s), np.abs(radius - offset * z)
 
 

@@ -118,8 +118,11 @@ def inconsistencies(system: System) -> list[str]:
 
 def unmet_requirements(system: System) -> list[str]:
     """Return what a run needs and a consistent system lacks: one message each."""
-    of, phase, angles = f"of `{system.name}`", system.phase, system.angles._fields
-    forms, quantities = phase.forms.values(), [*phase.quantities, *system.on_request]
+    of = f"of `{system.name}`"
+    phase = system.phase
+    angles = system.angles._fields
+    forms = phase.forms.values()
+    quantities = [*phase.quantities, *system.on_request]
     works = any(integral.name == "work" for form in forms for integral in form.integrals)
     needed = ([] if system.is_hybrid else ["theta", "theta_dot"]) + ["work"] * works
     energy = ["energy"] if "work" in angles or not system.is_hybrid else []
@@ -210,7 +213,8 @@ def answer(must: str, function: Callable, holds: Callable = lambda found: True) 
 
 def check_answers(system: System) -> None:
     """Raise InputError for a system whose functions fail or return wrong results."""
-    of, names = f"of `{system.name}`", ", ".join(system.parameters) or "none"
+    of = f"of `{system.name}`"
+    names = ", ".join(system.parameters) or "none"
     law = next(iter(system.laws.values()), friction.LAWS["none"])
     numbers = {name: allowed(rule) for name, rule in system.parameters.items()}
     flags = {alternative.name for alternative in system.alternatives}

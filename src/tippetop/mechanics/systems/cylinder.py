@@ -176,7 +176,8 @@ def standard_force(c, b, law):
 @formula
 def modified_force(c, b, law):
     """Return F_x and F_z of the modified reaction. [section 11.4]"""
-    h, share = contact.height(c.z, b), kappa(c.v2, law)
+    h = contact.height(c.z, b)
+    share = kappa(c.v2, law)
     turn = (
         law.mu * c.nu_x * h
         - b.m * b.c * c.axis_speed2 * c.s * (share * h + b.c * c.z)

@@ -74,7 +74,9 @@ def coefficients(b) -> PotentialCoefficients:
 
     q is cot(theta/2)^2, and the momenta are (L3, Lz).
     """
-    zero, one, per = 0 * b.m, 1 + 0 * b.m, 2 * sqrt(2 * tip_inertia(b))
+    zero = 0 * b.m
+    one = 1 + 0 * b.m
+    per = 2 * sqrt(2 * tip_inertia(b))
     return PotentialCoefficients(
         height_energy=b.m * b.g * b.c,
         height_gain=-2 * b.m * b.g * b.c,
@@ -154,14 +156,16 @@ def fixed_scalars(q, b):
 
     They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
     """
-    x, u_dot = contact.Turning(axis(q), momentum_about_centre(q, b)), tip_axis_rate(q, b)
+    x = contact.Turning(axis(q), momentum_about_centre(q, b))
+    u_dot = tip_axis_rate(q, b)
     return rolling.scalars(x, u_dot, times(b.c, u_dot), b)
 
 
 @formula
 def fixed_rates(q, b):
     """Return 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
-    u, u_dot = axis(q), tip_axis_rate(q, b)
+    u = axis(q)
+    u_dot = tip_axis_rate(q, b)
     weight = b.m * b.g * b.c
     return rolling.VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z)
 
@@ -175,7 +179,8 @@ def vertical_reaction(q, carried, b):
     so their bits.
     """
     turn = q.Lz * (q.Lx * q.ux + q.Ly * q.uy) - q.uz * (q.Lx * q.Lx + q.Ly * q.Ly)
-    weight, inertia = b.m * b.g * b.c * ((1 - q.uz) * (1 + q.uz)), tip_inertia(b)
+    weight = b.m * b.g * b.c * ((1 - q.uz) * (1 + q.uz))
+    inertia = tip_inertia(b)
     return b.m * (b.g - b.c * ((weight + turn / inertia) / inertia))
 
 

@@ -112,7 +112,8 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
     NaN: no border.
     """
     low, high = poles(b)
-    least, tumbling = lambda_u(b), lambda_t(b)
+    least = lambda_u(b)
+    tumbling = lambda_t(b)
     # otherwise tumbling begins where the lowest spin ends
     distinct = np.abs(np.log(tumbling / least)) >= 1e-3
     return {
@@ -163,7 +164,8 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
         return Outlook(regime, STAYS if start["at_pole"] else "", thresholds_of_sleeping(b))
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
     rate = f" (growth rate {growth:.3g} per second)" if GROWS < growth < math.inf else ""
-    regime, fate = f"upright spin unstable at every speed{rate}: the top {how}", ""
+    regime = f"upright spin unstable at every speed{rate}: the top {how}"
+    fate = ""
     if not nowhere_vanishes(b.friction):
         regime = SOMEWHERE_FREE
     elif start.get("theta", 0.0) < math.pi / 2:
@@ -213,7 +215,8 @@ def _spins(z: float, b: Touch) -> str:
     """Return which spins at a pole are stable under friction. [section 6]"""
     ball = touching_ball(z, 0.0, b)
     high = ball.R - z * ball.c
-    rise, lever = high - ball.R, b.I3 * high - b.I1 * ball.R
+    rise = high - ball.R
+    lever = b.I3 * high - b.I1 * ball.R
     rises, levers = (
         int(math.copysign(abs(x) > ROUNDED * whole, x))
         for x, whole in ((rise, high), (lever, b.I3 * high))

@@ -136,8 +136,11 @@ def coefficients(b) -> PotentialCoefficients:
     """
     turned = b.c < 0
     b = b._replace(c=abs(b.c))
-    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
-    d0, d1 = sqrt(d(1, b)), sqrt(d(-1, b))
+    gamma = b.I1 / b.I3
+    sigma = b.m * b.R**2 / b.I3
+    alpha = b.c / b.R
+    d0 = sqrt(d(1, b))
+    d1 = sqrt(d(-1, b))
     per = 2 * b.R * sqrt(2 * b.I1)
     return PotentialCoefficients(
         height_energy=contact.height_energy(1, b),
@@ -164,7 +167,9 @@ def two_minima(b):
 
     [section 5, item 4]
     """
-    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, abs(b.c) / b.R
+    gamma = b.I1 / b.I3
+    sigma = b.m * b.R**2 / b.I3
+    alpha = abs(b.c) / b.R
     far = sigma * (1 + alpha)
     chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
     return (gamma + far * (1 + alpha)) * (1 + far) + 2 * far * chi

@@ -58,7 +58,8 @@ def angular_velocity(q, b):
     w3 = spin(q, b)
     excess = (b.I3 - b.I1) * w3
     arm_turn = -(q.lam + excess * (b.c - b.R * q.uz)) / b.I1  # a.omega, since a.L = -lambda
-    along, inertia = b.m * b.c * arm_turn - excess, tipping_inertia(q, b)
+    along = b.m * b.c * arm_turn - excess
+    inertia = tipping_inertia(q, b)
     return Vector(
         (q.Mx + along * q.ux) / inertia,
         (q.My + along * q.uy) / inertia,
@@ -81,7 +82,8 @@ def momentum(q, b):
 @formula
 def centre_velocity(q, b):
     """Return s' = -(omega x a) without its vertical part, (3,) [m/s]."""
-    w, u_dot = angular_velocity(q, b), axis_rate(q, b)
+    w = angular_velocity(q, b)
+    u_dot = axis_rate(q, b)
     return Vector(b.R * w.y - b.c * u_dot.x, -(b.R * w.x) - b.c * u_dot.y, 0)
 
 
@@ -91,8 +93,10 @@ def contact_rates(q, b):
 
     M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda stay.
     """
-    w, u_dot = angular_velocity(q, b), axis_rate(q, b)
-    weight, pull = b.m * b.g * b.c, b.m * b.c * b.R
+    w = angular_velocity(q, b)
+    u_dot = axis_rate(q, b)
+    weight = b.m * b.g * b.c
+    pull = b.m * b.c * b.R
     return ContactState(
         u_dot.x,
         u_dot.y,
@@ -107,7 +111,8 @@ def contact_rates(q, b):
 @formula
 def vertical_force(q, carried, b):
     """Return the normal force m (g - c z'') [N], z'' from (I1 + m |a|^2) z' = M_x u_y - M_y u_x."""
-    u_dot, rates = axis_rate(q, b), contact_rates(q, b)
+    u_dot = axis_rate(q, b)
+    rates = contact_rates(q, b)
     turn = rates.Mx * q.uy - rates.My * q.ux + q.Mx * u_dot.y - q.My * u_dot.x
     z_dot2 = (turn + 2 * (b.m * b.c * b.R) * (u_dot.z * u_dot.z)) / tipping_inertia(q, b)
     return b.m * (b.g - b.c * z_dot2)
@@ -132,9 +137,11 @@ def contact_of_angles(e, s, z, b):
     v = rolling.vector_of_angles(e, s, z, b)
     x = gliding.turning(v)
     k = contact.kinematics(x, contact.axis_rate(x, b), b)
-    w, arm = contact.angular_velocity(x, b), contact.arm(x.u, b)
+    w = contact.angular_velocity(x, b)
+    arm = contact.arm(x.u, b)
     M = plus(x.L, times(b.m, cross(arm, cross(w, arm))))
-    D, lam = tippe_top.routh(k, b), contact.jellett(k, b)
+    D = tippe_top.routh(k, b)
+    lam = contact.jellett(k, b)
     return ContactState(x.u.x, x.u.y, x.u.z, M.x, M.y, D, lam)
 
 

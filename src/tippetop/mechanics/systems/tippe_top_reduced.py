@@ -50,7 +50,8 @@ def spin_momentum(z, D, b):
 @formula
 def reduced_kinematics(q, b):
     """Return the kinematics of a reduced state."""
-    z, s2 = q.z, (1 - q.z) * (1 + q.z)
+    z = q.z
+    s2 = (1 - q.z) * (1 + q.z)
     L3 = spin_momentum(z, q.D, b)
     Lz = (q.lam + b.c * L3) / b.R
     phi_dot_s2 = (Lz - L3 * z) / b.I1

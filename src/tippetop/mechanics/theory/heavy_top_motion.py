@@ -48,8 +48,10 @@ def closed_form(
     weight
         m g l [J].
     """
-    free, beta = 2 * (energy - L3**2 / (2 * I3)) / inertia, 2 * weight / inertia
-    a, b = L3 / inertia, Lz / inertia
+    free = 2 * (energy - L3**2 / (2 * I3)) / inertia
+    beta = 2 * weight / inertia
+    a = L3 / inertia
+    b = Lz / inertia
     # f(z) = (free - beta z)(1 - z^2) - (b - a z)^2
     f = np.array([beta, -free - a * a, 2 * a * b - beta, free - b * b])
     roots = np.sort(np.roots(f).real)

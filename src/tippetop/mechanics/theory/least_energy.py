@@ -68,7 +68,8 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
 
     low, high = poles(b)
     spins = {low: abs(lam) < lambda_u(b), high: abs(lam) > lambda_s(b)}
-    sense, tumbling_ones = math.copysign(1, lam), []
+    sense = math.copysign(1, lam)
+    tumbling_ones = []
     for z in map(float, tumbling_states(lam, b)[::-1] if lam else ()):
         phi_dot, omega3 = (sense * float(rate) for rate in tumbling(z, b))
         stable = bool(tumbling_is_stable(z, b))

@@ -24,8 +24,10 @@ from ..system import System
 COMPLEX_STEP = 1e-30
 # of the polynomial of a piece
 ORDER = 32
-# longest and shortest piece, by the period of nutation
-LONGEST, SHORTEST = 0.4, 1 / 64
+# longest piece, by the period of nutation
+LONGEST = 0.4
+# shortest piece, by the period of nutation
+SHORTEST = 1 / 64
 # rate at which r follows Q_t/(2 z') where z' is largest, per period
 FOLLOWS = 100.0
 # most mismatch of a piece, a good one has 1e-9 and less, and most standard error of z at its end
@@ -90,9 +92,13 @@ def reconstruct(
         z at the times. Nothing else of the run is read.
     """
     equation = Equation(system, b, times, momenta, energy)
-    out, turnings, mismatch = np.full(len(times), np.nan), [float(times[0])], 0.0
+    out = np.full(len(times), np.nan)
+    turnings = [float(times[0])]
+    mismatch = 0.0
     out[0] = z
-    t, end, length = float(times[0]), float(times[-1]), LONGEST * period
+    t = float(times[0])
+    end = float(times[-1])
+    length = LONGEST * period
     start = np.array([z, 0.0, 0.0])
     fastest = abs(equation.slope(z, t)) * period / 20
     spread = np.zeros((2, 2))  # of z and z' at the start of a piece: the covariance of their errors
@@ -103,7 +109,8 @@ def reconstruct(
             if length < SHORTEST * period:
                 return Reconstruction(out, np.array(turnings[1:]), apart, True)
             continue
-        mismatch, speed = max(mismatch, apart), piece.deriv()
+        mismatch = max(mismatch, apart)
+        speed = piece.deriv()
         # the next piece begins where the motion is fastest: from there errors fade to the turning
         moments, speeds = speed.linspace(101)
         last = float(piece.domain[1])
@@ -112,7 +119,8 @@ def reconstruct(
         half = (piece.domain[1] - t) / 2
         x = (last - t) / half - 1
         moves = np.array([chebval(x, ways), chebval(x, chebder(ways)) / half])
-        nodes, ends = moves[:, :-2], moves[:, -2:]
+        nodes = moves[:, :-2]
+        ends = moves[:, -2:]
         spread = apart**2 * nodes @ nodes.T + ends @ spread @ ends.T
         if not spread[0, 0] <= APART**2:
             return Reconstruction(out, np.array(turnings[1:]), float(spread[0, 0] ** 0.5), True)
@@ -125,7 +133,8 @@ def reconstruct(
         if len(turnings) > 2:
             period = 2 * (turnings[-1] - turnings[-2])
         fastest = max(fastest / 2, float(np.abs(speeds).max()))
-        z, t = float(piece(last)), last
+        z = float(piece(last))
+        t = last
         start = np.array([z, speed(t), speed.deriv()(t) - equation.slope(z, t) / 2])
         length = min(2 * length, LONGEST * period)
     return Reconstruction(out, np.array(turnings[1:]), mismatch, False)
@@ -144,13 +153,15 @@ class Equation:
     ):
         from scipy.interpolate import make_interp_spline
 
-        self.system, self.b = system, b
+        self.system = system
+        self.b = b
         self.values: Any = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
 
     def square(self, z: Any, t: Any, step: complex = 0.0) -> Any:
         """Return Q(z, t) = z'^2; its imaginary part is that of a step of t."""
         energy, *momenta = (self.values(t) + step * self.values(t, 1)).T
-        potential, inertia = self.system.potential, self.system.theta_inertia
+        potential = self.system.potential
+        inertia = self.system.theta_inertia
         assert potential is not None
         assert inertia is not None
         return (1 - z) * (1 + z) * (energy - potential(z, *momenta, self.b)) / inertia(z, self.b)
@@ -204,7 +215,8 @@ class Equation:
             return Chebyshev([0.0], [first, last]), np.inf, np.empty(0)
         c = chebfit(NODES, guess.y[0, ::-1], ORDER)
         for _ in range(ITERATIONS):
-            z, speed = VALUES @ c, SLOPES @ c / half
+            z = VALUES @ c
+            speed = SLOPES @ c / half
             off = (z[-1] - start[0]) * fastest / half, (speed[-1] - start[1]) * fastest
             left = np.append(speed[:-1] ** 2 - self.square(z[:-1], times), off)
             across = self.slope(z[:-1], times)[:, None] * VALUES[:-1]

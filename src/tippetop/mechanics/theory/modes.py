@@ -45,10 +45,12 @@ def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
 
     Of one body or of many, with slip coefficients.
     """
-    Lz, h = up * b.I3 * omega3, b.R - up * b.c
+    Lz = up * b.I3 * omega3
+    h = b.R - up * b.c
     n = 1j * Lz / b.I1, -1j * up / b.I1, 0
     momentum = -1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g
-    twist, lever = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c, 1j * h / b.I1
+    twist = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c
+    lever = 1j * h / b.I1
     v0, v1, v2 = (lever * M + 1j * twist * N for M, N in zip(momentum, n, strict=True))
     entries = np.broadcast_arrays(*n, *momentum, v0, v1, v2 - slip * b.g)
     return np.stack(entries, -1).reshape(*entries[0].shape, 3, 3)
@@ -152,7 +154,8 @@ def _fastest_first(p: np.ndarray) -> np.ndarray:
     Rates of equal growth, to rounding, are sorted by how fast they turn, positive first.
     """
     unit = ROUNDED * np.abs(p).max() or 1.0
-    growth, turn = np.round(p.real / unit), np.round(np.abs(p.imag) / unit)
+    growth = np.round(p.real / unit)
+    turn = np.round(np.abs(p.imag) / unit)
     return p[np.lexsort((-p.imag, -turn, -growth))]
 
 

@@ -157,7 +157,8 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
     def spin_at(state: str, lam: Any) -> Any:
         return np.abs(spin(SPINS[state], lam, b))
 
-    at_low, at_high = f"spin_{low}", f"spin_{high}"
+    at_low = f"spin_{low}"
+    at_high = f"spin_{high}"
     return {
         "lambda_u": Threshold(lambda_u(b), JELLETT, f"{low} spin stable below"),
         "lambda_s": Threshold(lambda_s(b), JELLETT, f"{high} spin stable above"),
