@@ -22,6 +22,7 @@ POWERS = {
     "Pa": (1, -1, -2),
 }
 """Powers of kg, m and s in the symbols of units."""
+FACTOR = re.compile(rf"({'|'.join(POWERS)})(-?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -42,14 +43,14 @@ class Unit:
     @cached_property
     def powers(self) -> tuple[int, int, int]:
         """Return the exponents of kg, m and s."""
-        matches = [re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", p) for p in str(self.symbol).split()]
-        parts = [(POWERS.get(m[1]), int(m[2] or 1)) if m else (None, 1) for m in matches]
-        if not parts or any(powers is None for powers, _ in parts):
+        matches = [FACTOR.fullmatch(part) for part in str(self.symbol).split()]
+        factors = [(POWERS[m[1]], int(m[2] or 1)) for m in matches if m]
+        if not matches or None in matches:
             raise InputError(
                 f'`symbol` of a Unit must be powers of {", ".join(POWERS)}, such as "kg m2 s-1", '
                 f"but is {self.symbol!r:.60}."
             )
-        mass, length, time = (sum(n * powers[k] for powers, n in parts if powers) for k in range(3))
+        mass, length, time = (sum(n * powers[k] for powers, n in factors) for k in range(3))
         return mass, length, time
 
 
