@@ -55,9 +55,7 @@ FORMS = (
 )
 
 
-def number_of(
-    text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None, own: str = ""
-) -> float:
+def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None) -> float:
     """Return the number of a text in SI units.
 
     Parameters
@@ -66,13 +64,11 @@ def number_of(
         Arithmetic of numbers, pi and `names` (+ - * / ^ and brackets), or arithmetic of numbers and
         then a unit.
     key
-        The dotted name of the number, for messages.
+        The dotted name of the number; the text of `parameters.R` must not depend on R.
     unit
         The unit of the result.
     names
         Pairs of a number, or a text, and its unit. They must not depend on themselves.
-    own
-        The name among them whose number the text is, if any.
 
     Returns
     -------
@@ -84,7 +80,7 @@ def number_of(
     InputError
         If the text is not a number, has an unknown name, or has another dimension.
     """
-    reading = _Reading(text, key, unit, dict(names or {}), (own,) if own else ())
+    reading = _Reading(text, key, unit, dict(names or {}), (key.removeprefix("parameters."),))
     try:
         return float(reading.exact())
     except ZeroDivisionError:
@@ -101,7 +97,7 @@ class _Reading:
     key: str
     unit: Unit
     names: dict[str, Any]
-    under: tuple[str, ...] = ()
+    under: tuple[str, ...]
 
     def refuse(self, must: str, but: str = "", near: str = "") -> NoReturn:
         """Raise InputError."""
@@ -174,7 +170,7 @@ class _Reading:
 
     def named(self, name: str) -> Fraction:
         """Return the number of a name in an expression."""
-        if name in self.under:
+        if name in self.under and name in self.names:
             raise InputError(
                 [f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".']
             )
@@ -304,9 +300,8 @@ def worked_out(
         for name, text in values.items() if isinstance(values, Mapping) else ():
             if isinstance(text, str) and name in of_table:
                 key = f"{table}.{name}"
-                own = name if table == "parameters" else ""
                 try:
-                    number = number_of(text, key, of_table[name], names, own)
+                    number = number_of(text, key, of_table[name], names)
                     result[table] = {**result[table], name: number}
                 except InputError as error:
                     faults += error.sentences
