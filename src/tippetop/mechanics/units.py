@@ -1,10 +1,9 @@
 """Units as powers of mass, length and time, and the units in which a system is integrated."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import InputError
 
@@ -74,8 +73,7 @@ NEWTON = Unit("N")
 NEWTON_SECOND = Unit("N s")
 
 
-@dataclass(frozen=True)
-class Scales:
+class Scales(NamedTuple):
     """The units of mass [kg], length [m] and time [s] in which a system is integrated."""
 
     mass: Any
@@ -95,17 +93,5 @@ class Scales:
         number or array
             mass^a length^b time^c with the powers of the unit, of the shape of the scales.
         """
-        known = self._known
-        powers = unit.powers
-        if powers not in known:
-            mass, length, time = powers
-            known[powers] = self.mass**mass * self.length**length * self.time**time
-        return known[powers]
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter((self.mass, self.length, self.time))
-
-    @cached_property
-    def _known(self) -> dict[tuple[int, int, int], Any]:
-        """The converted units, by their powers."""
-        return {}
+        mass, length, time = unit.powers
+        return self.mass**mass * self.length**length * self.time**time
