@@ -154,7 +154,7 @@ class Number:
     def described(self) -> str:
         """Return its type, meaning, unit and interval, for a docstring."""
         unit = "without unit" if self.unit.symbol == "1" else f"[{self.unit.symbol}]"
-        bounds = "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
+        bounds = self.must().removeprefix("must be finite")
         kind = "float" if self.default is None and not self.optional else "float, optional"
         return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
 
@@ -187,7 +187,12 @@ class RecordType(type):
         mcs, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
     ) -> Any:
         own = {key: value for key, value in body.items() if isinstance(value, Number)}
-        parts = {key: rule for base in bases for key, rule in getattr(base, "parts", {}).items()}
+        parts = {
+            key: rule
+            for base in bases
+            for key, rule in getattr(base, "parts", {}).items()
+            if key not in own
+        }
         before = [key for base in bases for key in getattr(base, "parameters", ())]
         body = {"__slots__": (), **dict.fromkeys(before), **body}
         if abstract:
@@ -199,13 +204,9 @@ class RecordType(type):
             for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")
         }
         fields = [_field(key, rule) for key, rule in own.items()]
-        more = [
-            _field(key, rule).replace(kind=_KEYWORD)
-            for key, rule in parts.items()
-            if key not in own
-        ]
+        more = [_field(key, rule).replace(kind=_KEYWORD) for key, rule in parts.items()]
         body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature([*fields, *more])}
-        described = [f"{key} : {rule.described()}" for key, rule in {**own, **parts, **own}.items()]
+        described = [f"{key} : {rule.described()}" for key, rule in {**own, **parts}.items()]
         sections = ["Parameters\n----------", *described] if described else []
         body["__doc__"] = "\n".join(
             [inspect.cleandoc(body.get("__doc__") or ""), "", *sections]

@@ -9,14 +9,15 @@ followed by a unit.
 """
 
 import ast
-import math
 import operator
 import re
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from itertools import zip_longest
 from typing import Any, NoReturn
 
 from ..errors import InputError, suggestion
@@ -33,9 +34,11 @@ OPERATORS: dict[type, Callable] = {
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
 }
 MEASURED = re.compile(
-    r"\s*(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*(?P<unit>(?![eE][-+]?\d)[^\W\d_].*|[°%].*)",
+    r"(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*"
+    r"(?P<unit>(?![eE][-+]?\d)[^\W\d_].*|[°%].*)(?<![-*/+(^])",
     re.DOTALL,
 )
 UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")
@@ -43,19 +46,16 @@ UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\
 POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))")
 """The power of a unit: m2, s-1, m^2, m**(-1)."""
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
-Powers = tuple[int, ...] | None
-"""Of kg, m and s; None of a number without names."""
+Powers = tuple[int, ...]
+"""Of kg, m and s; empty of a number without names."""
 FORMS = (
     'be a number, arithmetic of numbers (and of parameters, where there are any: "2/5*m*R^2"), '
     'or a number with its unit ("20 g", "2 min")'
 )
 
 
-def number_of(
-    text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None, own: str = ""
-) -> float:
+def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None) -> float:
     """Return the number of a text in SI units.
 
     Parameters
@@ -64,13 +64,11 @@ def number_of(
         Arithmetic of numbers, pi and `names` (+ - * / ^ and brackets), or arithmetic of numbers and
         then a unit.
     key
-        The dotted name of the number, for messages.
+        The dotted name of the number; the text of `parameters.R` must not depend on R.
     unit
         The unit of the result.
     names
         Pairs of a number, or a text, and its unit. They must not depend on themselves.
-    own
-        The name among them whose number the text is, if any.
 
     Returns
     -------
@@ -82,12 +80,12 @@ def number_of(
     InputError
         If the text is not a number, has an unknown name, or has another dimension.
     """
-    reading = _Reading(text, key, unit, dict(names or {}), (own,) if own else ())
+    reading = _Reading(text, key, unit, dict(names or {}), (key.removeprefix("parameters."),))
     try:
         return float(reading.exact())
     except ZeroDivisionError:
         reading.refuse("be a number", f'"{text}" divides by zero')
-    except OverflowError:
+    except ArithmeticError:
         reading.refuse("be a number in the range of a double", f'"{text}" is not')
 
 
@@ -99,7 +97,7 @@ class _Reading:
     key: str
     unit: Unit
     names: dict[str, Any]
-    under: tuple[str, ...] = ()
+    under: tuple[str, ...]
 
     def refuse(self, must: str, but: str = "", near: str = "") -> NoReturn:
         """Raise InputError."""
@@ -112,24 +110,18 @@ class _Reading:
             self.refuse(
                 f"be at most {MOST_CHARACTERS} characters of arithmetic", f"has {len(self.text)}"
             )
-        measured = MEASURED.fullmatch(self.text)
-        head = (
-            _tree(measured["number"])
-            if measured and not self.text.rstrip().endswith(tuple("*/+-(^"))
-            else None
-        )
-        if measured is None or head is None:
-            value, powers = self.term(_tree(self.text))
-            if powers not in (None, self.unit.powers):
+        text = self.text.strip()
+        measured = MEASURED.fullmatch(text)
+        number = _tree(measured["number"]) if measured else None
+        if measured is None or number is None:
+            value, powers = self.term(_tree(text))
+            if powers not in ((), self.unit.powers):
                 self.refuse(f"be in {self.unit.symbol}", f'"{self.text}" is in {_symbol(powers)}')
             return value
-        if (
-            isinstance(head, ast.BinOp)
-            and isinstance(head.op, ast.Add | ast.Sub)
-            and head.col_offset == 0
-        ):
-            self.refuse("have its sum in brackets before a unit")
-        return self.converted(self.term(head)[0], measured["unit"].strip())
+        match number:
+            case ast.BinOp(op=ast.Add() | ast.Sub(), col_offset=0):
+                self.refuse("have its sum in brackets before a unit")
+        return self.converted(self.term(number)[0], measured["unit"])
 
     def term(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
         """Return the number of an expression and its powers of kg, m and s."""
@@ -141,44 +133,44 @@ class _Reading:
     def computed(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
         """Return the number of an expression, however long, and its powers."""
         match node:
-            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                digits = ast.get_source_segment(_python(self.text), node) or str(number)
-                return _literal(digits, number), None
+            case ast.Constant(value=number) if type(number) is int:
+                return Fraction(number), ()
+            case ast.Constant(value=float()):
+                literal = Decimal(ast.get_source_segment(_python(self.text), node) or "")
+                if abs(literal.adjusted()) > MOST_EXPONENT:
+                    raise OverflowError
+                return Fraction(literal), ()
             case ast.Name(id="pi"):
-                return PI, None
+                return PI, ()
             case ast.Name(id=name):
                 return self.named(name), self.names[name][1].powers
-            case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=inner):
+            case ast.UnaryOp(op=ast.UAdd(), operand=inner):
+                return self.term(inner)
+            case ast.UnaryOp(op=ast.USub(), operand=inner):
                 value, powers = self.term(inner)
-                return -value if isinstance(sign, ast.USub) else value, powers
-            case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                (value, powers), (power, _) = self.term(left), self.term(right)
-                if power.denominator != 1 or abs(power) > MOST_POWER:
-                    self.refuse(f"have whole powers up to {MOST_POWER}")
-                n = int(power)
-                return value**n, powers and tuple(n * each for each in powers)
+                return -value, powers
             case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
                 (one, first), (other, second) = self.term(left), self.term(right)
-                powers = self.combined(op, first, second)
+                match op:
+                    case ast.Pow():
+                        if other.denominator != 1 or abs(other) > MOST_POWER:
+                            self.refuse(f"have whole powers up to {MOST_POWER}")
+                        powers = tuple(other.numerator * n for n in first)
+                    case ast.Mult() | ast.Div():
+                        sign = -1 if isinstance(op, ast.Div) else 1
+                        both = zip_longest(first, second, fillvalue=0)
+                        powers = tuple(n + sign * more for n, more in both)
+                    case _:
+                        if first and second and first != second:
+                            words = f'"{self.text}" adds {_symbol(first)} to {_symbol(second)}'
+                            self.refuse("add numbers of one unit", words)
+                        powers = first or second
                 return OPERATORS[type(op)](one, other), powers
         return self.refuse(FORMS)
 
-    def combined(self, op: ast.operator, first: Powers, second: Powers) -> Powers:
-        """Return the powers of a sum, a difference, a product or a quotient."""
-        if isinstance(op, ast.Add | ast.Sub):
-            if first and second and first != second:
-                words = f'"{self.text}" adds {_symbol(first)} to {_symbol(second)}'
-                self.refuse("add numbers of one unit", words)
-            return first or second
-        if not (first or second):
-            return None
-        sign = -1 if isinstance(op, ast.Div) else 1
-        pure = (0, 0, 0)
-        return tuple(a + sign * b for a, b in zip(first or pure, second or pure, strict=True))
-
     def named(self, name: str) -> Fraction:
         """Return the number of a name in an expression."""
-        if name in self.under:
+        if name in self.under and name in self.names:
             raise InputError(
                 [f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".']
             )
@@ -213,41 +205,27 @@ class _Reading:
             self.refuse(
                 "be in rad/s, deg/s or rpm", f'"{self.text}" could be turns or radians per second'
             )
-        measured = _powers(given)
-        wanted = "" if symbol == "1" else _powers(symbol)
-        if UNIT.sub("", measured):
+        unit = _powers(given)
+        if UNIT.sub("", unit):
             self.refuse(must, f'"{given}" is not a unit')
-        registry = _registry()
         try:
-            number = Fraction(
-                registry.Quantity(value, measured).to(wanted or "dimensionless").magnitude
-            )
-            parts, asked = (
-                dict(registry.Quantity(1, u).to_root_units().unit_items())
-                for u in (measured, wanted)
-            )
+            measured = _registry().Quantity(value, unit)
+            result = measured.to(_powers(symbol))
+            parts, asked = (dict(q.to_root_units().unit_items()) for q in (measured, result))
         except pint.DimensionalityError:
             self.refuse(must)
         except pint.UndefinedUnitError:
             self.refuse(must, f'"{given}" is not a unit')
-        except (
-            pint.PintError,
-            ValueError,
-            TypeError,
-            AttributeError,
-            SyntaxError,
-            AssertionError,
-            RecursionError,
-        ):
+        except Exception:  # of many kinds, by the text
             self.refuse(FORMS)
         # pint takes angles and their powers for pure numbers; s-1 for rad s-1 is understood
         turned = parts.get("radian", 0)
         if "count" in parts or (turned != asked.get("radian", 0) and (turned or not parts)):
             self.refuse(must)
-        return number
+        return Fraction(result.magnitude)
 
 
-def _symbol(powers: tuple[int, ...]) -> str:
+def _symbol(powers: Powers) -> str:
     """Return the symbol of a unit with these powers of kg, m and s."""
     pairs = zip(("kg", "m", "s"), powers, strict=True)
     return " ".join(f"{name}{'' if n == 1 else n}" for name, n in pairs if n) or "1"
@@ -263,16 +241,6 @@ def _tree(text: str) -> ast.expr | None:
         return ast.parse(_python(text), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
-
-
-def _literal(digits: str, number: float) -> Fraction:
-    exponent = EXPONENT.search(digits)
-    if exponent and abs(int(exponent[1])) > MOST_EXPONENT:
-        raise OverflowError
-    try:
-        return Fraction(digits)
-    except ValueError:  # 0x10
-        return Fraction(str(number))
 
 
 def _powers(unit: str) -> str:
@@ -319,38 +287,29 @@ def worked_out(
         One sentence for each text that is not a number.
     """
     given = tables.get("parameters")
-    faults = []
     of_body = units.get("parameters", {})
-    texts = [
-        (table, name, text)
-        for table, of_table in units.items()
-        if isinstance(values := tables.get(table), Mapping)
-        for name, text in values.items()
-        if isinstance(text, str) and name in of_table
-    ]
-    if not texts:
-        return dict(tables)
     names = {
         name: (value, of_body[name])
         for name, value in (given.items() if isinstance(given, Mapping) else ())
         if name in of_body and (isinstance(value, str) or _is_number(value))
     }
-    result = {
-        table: dict(values) if table in units and isinstance(values, Mapping) else values
-        for table, values in tables.items()
-    }
-    for table, name, text in texts:
-        own = name if table == "parameters" else ""
-        try:
-            result[table][name] = number_of(text, f"{table}.{name}", units[table][name], names, own)
-        except InputError as error:
-            faults += error.sentences
+    result = dict(tables)
+    faults = []
+    for table, of_table in units.items():
+        values = tables.get(table)
+        for name, text in values.items() if isinstance(values, Mapping) else ():
+            if isinstance(text, str) and name in of_table:
+                key = f"{table}.{name}"
+                try:
+                    number = number_of(text, key, of_table[name], names)
+                    result[table] = {**result[table], name: number}
+                except InputError as error:
+                    faults += error.sentences
     if faults:
         raise InputError(faults)
     return result
 
 
 def _is_number(value: Any) -> bool:
-    if isinstance(value, int) and not isinstance(value, bool):
-        return abs(value) <= sys.float_info.max
-    return isinstance(value, float) and math.isfinite(value)
+    plain = isinstance(value, int | float) and not isinstance(value, bool)
+    return plain and abs(value) <= sys.float_info.max

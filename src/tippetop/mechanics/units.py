@@ -1,10 +1,9 @@
 """Units as powers of mass, length and time, and the units in which a system is integrated."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import InputError
 
@@ -22,6 +21,7 @@ POWERS = {
     "Pa": (1, -1, -2),
 }
 """Powers of kg, m and s in the symbols of units."""
+FACTOR = re.compile(rf"({'|'.join(POWERS)})(-?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -42,14 +42,14 @@ class Unit:
     @cached_property
     def powers(self) -> tuple[int, int, int]:
         """Return the exponents of kg, m and s."""
-        matches = [re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", p) for p in str(self.symbol).split()]
-        parts = [(POWERS.get(m[1]), int(m[2] or 1)) if m else (None, 1) for m in matches]
-        if not parts or any(powers is None for powers, _ in parts):
+        matches = [FACTOR.fullmatch(part) for part in str(self.symbol).split()]
+        factors = [(POWERS[m[1]], int(m[2] or 1)) for m in matches if m]
+        if not matches or None in matches:
             raise InputError(
                 f'`symbol` of a Unit must be powers of {", ".join(POWERS)}, such as "kg m2 s-1", '
                 f"but is {self.symbol!r:.60}."
             )
-        mass, length, time = (sum(n * powers[k] for powers, n in parts if powers) for k in range(3))
+        mass, length, time = (sum(n * powers[k] for powers, n in factors) for k in range(3))
         return mass, length, time
 
 
@@ -73,8 +73,7 @@ NEWTON = Unit("N")
 NEWTON_SECOND = Unit("N s")
 
 
-@dataclass(frozen=True)
-class Scales:
+class Scales(NamedTuple):
     """The units of mass [kg], length [m] and time [s] in which a system is integrated."""
 
     mass: Any
@@ -94,17 +93,5 @@ class Scales:
         number or array
             mass^a length^b time^c with the powers of the unit, of the shape of the scales.
         """
-        known = self._known
-        powers = unit.powers
-        if powers not in known:
-            mass, length, time = powers
-            known[powers] = self.mass**mass * self.length**length * self.time**time
-        return known[powers]
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter((self.mass, self.length, self.time))
-
-    @cached_property
-    def _known(self) -> dict[tuple[int, int, int], Any]:
-        """The converted units, by their powers."""
-        return {}
+        mass, length, time = unit.powers
+        return self.mass**mass * self.length**length * self.time**time

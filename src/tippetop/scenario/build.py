@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 from pydantic import ValidationError
@@ -161,12 +160,7 @@ def checked(given: Problem) -> Problem:
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
     """Return the units of the numbers of a scenario, by table and key."""
     law = system.laws.get(law_name(tables))
-    return _units(system, law.given(tables["friction"]) if law else None)
-
-
-@lru_cache(maxsize=64)
-def _units(system: System, law: type[FrictionLaw] | None) -> dict[str, dict[str, Unit]]:
-    numbers = numbers_of(system, law.parameters if law else {})
+    numbers = numbers_of(system, law.given(tables["friction"]).parameters if law else {})
     units = {table: {name: n.unit for name, n in its.items()} for table, its in numbers.items()}
     return units | {"run": UNITS}
 

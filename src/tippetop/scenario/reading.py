@@ -66,10 +66,8 @@ def read(source: str) -> dict[str, Any]:
         raise InputError(f"`{source}` is not valid TOML in UTF-8: {error}.") from None
 
 
-@lru_cache(maxsize=64)
-def _parsed(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text. Raises ValueError, or RecursionError if it is too deep."""
-    return tomllib.loads(text)
+_parsed = lru_cache(maxsize=64)(tomllib.loads)
+"""Returns the tables of a TOML text. Raises ValueError, or RecursionError if it is too deep."""
 
 
 def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str, Any]:

@@ -74,10 +74,11 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
             text = f"{words}{f' [{unit}]' if unit not in ('', '1') else ''}; {must}"
             values = (examples.get(key), model.model_fields[key].default, 0.0)
             example = next(value for value in values if value is not None)
-            if key in given:
-                lines.append(_line(key, given[key], laws if key == "law" else text))
-            else:
-                lines.append(_line(f"# {key}", example, text))
+            lines.append(
+                _line(key, given[key], laws if key == "law" else text)
+                if key in given
+                else _line(f"# {key}", example, text)
+            )
     if system.opening and not system.contact:
         lines += ["", "# [contact] lets it lift off, fly and land: tippetop help scenario."]
     return lines
