@@ -198,14 +198,10 @@ class RecordType(type):
             key: vars(record)[key]
             for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")
         }
-        fields = [_field(key, rule) for key, rule in own.items()]
-        more = [
-            _field(key, rule).replace(kind=_KEYWORD)
-            for key, rule in parts.items()
-            if key not in own
-        ]
-        body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature([*fields, *more])}
-        described = [f"{key} : {rule.described()}" for key, rule in {**own, **parts, **own}.items()]
+        taken = own | parts | own
+        fields = [_field(key, rule, key in own) for key, rule in taken.items()]
+        body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature(fields)}
+        described = [f"{key} : {rule.described()}" for key, rule in taken.items()]
         sections = ["Parameters\n----------", *described] if described else []
         body["__doc__"] = "\n".join(
             [inspect.cleandoc(body.get("__doc__") or ""), "", *sections]
@@ -213,15 +209,14 @@ class RecordType(type):
         return super().__new__(mcs, name, bases, body)
 
 
-_KEYWORD = inspect.Parameter.KEYWORD_ONLY
-
-
-def _field(name: str, rule: Number) -> inspect.Parameter:
-    """Return a field of a record as a parameter of its signature."""
-    default = (
-        None if rule.optional else inspect.Parameter.empty if rule.default is None else rule.default
-    )
-    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default)
+def _field(name: str, rule: Number, own: bool) -> inspect.Parameter:
+    """Return a field of a record, or one of its parts, as a parameter of its signature."""
+    parameter = inspect.Parameter
+    kind = parameter.POSITIONAL_OR_KEYWORD if own else parameter.KEYWORD_ONLY
+    default: Any = None
+    if not rule.optional:
+        default = parameter.empty if rule.default is None else rule.default
+    return parameter(name, kind, default=default)
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
@@ -238,9 +233,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     def __init_subclass__(cls) -> None:
         if "parameters" in vars(cls):
-            cls.face = next(
-                (vars(base)["face"] for base in cls.__bases__ if "parameters" in vars(base)), cls
-            )
+            cls.face = getattr(cls, "face", cls)
 
     if TYPE_CHECKING:
         _fields: ClassVar[tuple[str, ...]]
