@@ -76,8 +76,8 @@ def measure(
                 progress(next(counted), total)
 
     alone = _ends_at_start(tops, functions) | tops.base.system.is_hybrid
-    separate = np.flatnonzero(tops.valid & alone)
-    run_each(measured, separate, lambda *_: ended(), events=events)
+    separate = np.flatnonzero(tops.valid & alone).tolist()
+    run_each(measured, separate, ended, events=events)
     if len(numbers := np.flatnonzero(tops.valid & ~alone)):
         queue = iter(numbers.tolist())
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // LANES))

@@ -1,4 +1,4 @@
-"""One run from start to end: slices go to a sink, the drift monitor and the event log."""
+"""One run from start to end: slices go to a sink, the event log and the drift."""
 
 import threading
 import time
@@ -17,7 +17,7 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..store import hexfloat
 from . import keyframes
-from .drift import Monitor
+from .drift import Drift
 from .event_log import EventLog
 from .phases import Story
 from .reporting import RunProgress
@@ -71,7 +71,9 @@ class Integration:
         self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
         self.second = float(problem.scales.of(SECOND))
         self.first = self.last = self.driver.first
-        self.monitor = Monitor(problem, self.view, self.first)
+        self.drift = Drift(problem.alone, self.first.T)
+        self.force = Extremes()
+        self.steps_made = 0
         self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
         self.story = Story(dict(problem.system.tables.get("phases", {})))
         self.filled = 0
@@ -114,9 +116,7 @@ class Integration:
             if self.status is not None:
                 break
             if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
-                sink.keyframe(
-                    keyframes.columns(problem, self.driver, self.t_end, self.monitor.steps)
-                )
+                sink.keyframe(keyframes.columns(problem, self.driver, self.t_end, self.steps_made))
             present = self.progress()
             sink.slice_done(present, self.snapshot)
             if progress is not None:
@@ -156,7 +156,7 @@ class Integration:
 
     def _done_of(self, steps: int) -> int:
         """Return the number of steps since the last multiple of `steps`."""
-        return self.monitor.steps % steps
+        return self.steps_made % steps
 
     def _ended_at_start(self) -> Status | None:
         """Return how a run ends before its first step, where a force is negative there."""
@@ -166,7 +166,7 @@ class Integration:
         for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
                 self.log.note_at_start(event)
-                self.monitor.force = Extremes(value, 0.0, value, 0.0)
+                self.force = Extremes(value, 0.0, value, 0.0)
                 return Status.of_event(event.ends)
         return None
 
@@ -221,7 +221,10 @@ class Integration:
         self.fresh = False
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
-        self.monitor.follow(seen, self.driver.extremes(), piece.steps)
+        if len(seen):
+            self.drift.look(seen.T, np.zeros(len(seen), int))
+        self.force = self.driver.extremes()
+        self.steps_made += piece.steps
         self._take_tables(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         self.sink.events(table, marks)
@@ -242,14 +245,18 @@ class Integration:
             self.problem,
             self.status,
             self.t_end,
-            self.monitor.steps,
+            self.steps_made,
             self.last,
-            dict(self.monitor.drift),
-            self.monitor.force,
+            self._worst(),
+            self.force,
             self.log.summary(),
             self.story.report() if self.problem.system.tables else None,
             self.driver.sentence,
         )
+
+    def _worst(self) -> dict[str, float]:
+        """Return the worst drift so far, by invariant."""
+        return {name: float(worst[0]) for name, worst in self.drift.worst.items()}
 
     # --- snapshots -------------------------------------------------------------------------------
 
@@ -278,7 +285,11 @@ class Integration:
             "driver": self.driver.snapshot(),
             "filled": self.filled,
             "t_end": self.t_end,
-            "monitor": self.monitor.snapshot(),
+            "monitor": {
+                "drift": self._worst(),
+                "force": list(self.force),
+                "steps": self.steps_made,
+            },
             "log": self.log.snapshot(),
             "story": self.story.report(),
         }
@@ -304,7 +315,10 @@ class Integration:
         self.filled = state["filled"]
         self.t_end = state["t_end"]
         self.fresh = False
-        self.monitor.restore(state["monitor"])
+        for name, worst in state["monitor"]["drift"].items():
+            self.drift.worst[name][:] = worst
+        self.force = Extremes(*state["monitor"]["force"])
+        self.steps_made = state["monitor"]["steps"]
         self.log.restore(state["log"])
         self.story = Story(self.story.words, **state["story"])
 
@@ -314,4 +328,4 @@ class Integration:
         self.last = self.driver.present()
         self.t_end = float(row["time"])
         self.fresh = False
-        self.monitor.steps = int(row["step"])
+        self.steps_made = int(row["step"])

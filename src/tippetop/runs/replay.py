@@ -84,7 +84,7 @@ def into_store(
         )
     integration = _taken_up(path, times, accept_other_version)
     began = integration.t_end
-    steps = integration.monitor.steps
+    steps = integration.steps_made
     clock = time.perf_counter() - compiling.seconds
     # from its folder: so it survives another working directory, and moving both stores
     of = os.path.relpath(os.path.realpath(path), os.path.realpath(out.parent))
@@ -107,7 +107,7 @@ def into_store(
     return {
         "rows": len(times),
         "began": began,
-        "steps": integration.monitor.steps - steps,
+        "steps": integration.steps_made - steps,
         "seconds": time.perf_counter() - compiling.seconds - clock,
         **about,
     }

@@ -180,7 +180,7 @@ def _rows(integration: Integration) -> dict[str, int]:
     return {
         "trajectory": integration.filled,
         "events": integration.log.rows,
-        "keyframes": integration.monitor.steps // problem.keyframe_steps,
+        "keyframes": integration.steps_made // problem.keyframe_steps,
         **integration.story.rows(),
     }
 
