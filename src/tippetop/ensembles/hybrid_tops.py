@@ -97,14 +97,13 @@ def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
         outcomes.events[top] = memory.table()
     end = integration.progress()
     events = end.events
-    kept = (name for name, _ in end.events.known.kept)
     values = {
         "t_end": end.t_end / events.second,
         "steps": end.steps,
         "normal_force_min": end.force.least,
         "normal_force_max": end.force.most,
         **{name: events.tally[name] for name in SWINGS},
-        **dict(zip(kept, events.numbers, strict=True)),
+        **{kept.name: value for kept, value in events.numbers},
     }
     for name in outcomes.columns.keys() & values.keys():
         outcomes.columns[name][top] = values[name]
