@@ -10,7 +10,7 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..problem import TURN, Problem, Problems
 from ..runs.integration import Integration
-from ..runs.sinks import Memory, Sink
+from ..runs.sinks import Memory
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import SWINGS, Outcomes
@@ -92,7 +92,7 @@ def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     integration = Integration(problem)
     memory = Memory()
     memory.keeps_rows = False
-    integration.run(memory if logs else Sink())
+    integration.run(memory)
     if logs:
         outcomes.events[top] = memory.table()
     end = integration.progress()

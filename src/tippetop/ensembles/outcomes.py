@@ -127,9 +127,9 @@ def _conclude(outcomes: Outcomes) -> None:
     for q in own_quantities(tops.base.system):
         columns[f"{q.name}_end"][ended] = values[q.name] * tops.unit(q.unit)[ended]
     body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-    second = tops.unit(SECOND)[ended]
-    settled = outcomes.settled[ended]
-    kind[ended] = classes_of(tops.base.system, values, second, settled, body)
+    kind[ended] = classes_of(
+        tops.base.system, values, tops.unit(SECOND)[ended], outcomes.settled[ended], body
+    )
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     # an ENDED contact could not be followed further: that is no fate

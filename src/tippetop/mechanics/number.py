@@ -122,9 +122,7 @@ class Number:
         With a value, the first requirement that it violates.
         """
         if value is None:
-            return "must be finite" + "".join(
-                f", {words} {limit:g}" for words, limit, _ in self._bounds
-            )
+            return f"must be finite{self._interval()}"
         broken = [
             f"{words} {type(value)(limit)}"  # a whole number has a whole limit
             for words, limit, breaks in self._bounds
@@ -133,6 +131,10 @@ class Number:
         return (
             f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
         )
+
+    def _interval(self) -> str:
+        """Return the bounds in words, each after a comma."""
+        return "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
 
     def fault(self, key: str, value: float) -> str:
         """Return the message on a value that is not allowed."""
@@ -154,9 +156,9 @@ class Number:
     def described(self) -> str:
         """Return its type, meaning, unit and interval, for a docstring."""
         unit = "without unit" if self.unit.symbol == "1" else f"[{self.unit.symbol}]"
-        bounds = "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
         kind = "float" if self.default is None and not self.optional else "float, optional"
-        return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
+        meaning = f"{self.long_name[:1].upper()}{self.long_name[1:]}"
+        return f"{kind}\n    {meaning} {unit}{self._interval()}."
 
 
 number = Number

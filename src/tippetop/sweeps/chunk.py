@@ -64,13 +64,15 @@ def measure(
 ) -> outcomes.Outcomes:
     """Run tops as far as the columns that are kept require."""
     names = keep or []
-    chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
-    wanted = [*names, "t_end"] if chaos else keep
     events = EVENTS in names
-    if events:
-        wanted = [*names, "t_end", *base.events]
-    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos, events=events)
+    return ensemble.measure(
+        tops,
+        threads=threads,
+        wanted=[*names, *base.events] if events else keep,
+        lyapunov=outcomes.LYAPUNOV in names,
+        events=events,
+    )
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
