@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Column, without_rows
+from ..columns import Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
 from ..mechanics.event import Event
@@ -51,7 +51,7 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
         )
     measured = measure(base_of(task.tables, task.own), task.columns, task.keep, threads)
     table = columns(measured, task.keep)
-    return {name: column.values for name, column in table.items()}
+    return {name: each.values for name, each in table.items()}
 
 
 def base_of(tables: dict[str, Any], own: Records) -> Problem:
@@ -86,8 +86,7 @@ def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Co
     found = {n: c for n, c in table.items() if kept is None or {n, _group(n)} & kept}
     if EVENTS in (kept or ()):
         for name, (dims, values, attrs) in event_table(measured).items():
-            column = Column(("row", "part", *dims[1:]), values[:, None], attrs)
-            found[f"{EVENTS}/{name}"] = column
+            found[f"{EVENTS}/{name}"] = Column(("row", "part", *dims[1:]), values[:, None], attrs)
     return found
 
 
@@ -99,10 +98,8 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     # the orientation has other columns
     plain = Variables(tops.base.form, orientation=False)
     return {
-        f"final_{name}": Column(
-            ("top",),
-            values[name] * tops.unit(unit),
-            {"units": unit.symbol, "long_name": f"{name} at the end"},
+        f"final_{name}": column(
+            values[name] * tops.unit(unit), unit, f"{name} at the end", ("top",)
         )
         for name, unit in plain.units.items()
     }
