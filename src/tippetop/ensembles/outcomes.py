@@ -84,8 +84,7 @@ class Outcomes:
         n = tops.n
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
         if lyapunov:
-            text = "finite-time Lyapunov exponent of the run"
-            self.forms[LYAPUNOV] = np.nan, PER_SECOND, text
+            self.forms[LYAPUNOV] = np.nan, PER_SECOND, "finite-time Lyapunov exponent of the run"
         self.status = np.where(tops.valid, 0, Status.INVALID.code).astype(np.int8)
         self.kind = np.zeros(n, np.int8)
         self.columns = {name: np.full(n, empty) for name, (empty, *_) in self.forms.items()}

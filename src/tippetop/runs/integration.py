@@ -115,7 +115,7 @@ class Integration:
                 self._take_tables(self.driver.last_rows())
             if self.status is not None:
                 break
-            if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
+            if problem.output == "keyframes" and self.steps_made % problem.keyframe_steps == 0:
                 sink.keyframe(keyframes.columns(problem, self.driver, self.t_end, self.steps_made))
             present = self.progress()
             sink.slice_done(present, self.snapshot)
@@ -152,11 +152,7 @@ class Integration:
             most.append(self.settled_slice)
         if problem.output == "keyframes":
             most.append(problem.keyframe_steps)
-        return min(steps - self._done_of(steps) for steps in most)
-
-    def _done_of(self, steps: int) -> int:
-        """Return the number of steps since the last multiple of `steps`."""
-        return self.steps_made % steps
+        return min(steps - self.steps_made % steps for steps in most)
 
     def _ended_at_start(self) -> Status | None:
         """Return how a run ends before its first step, where a force is negative there."""
@@ -172,7 +168,7 @@ class Integration:
 
     def _has_settled(self) -> bool:
         """Return whether a run that ends once it has settled has done so."""
-        if self.problem.stop_when != "settled" or self._done_of(self.settled_slice):
+        if self.problem.stop_when != "settled" or self.steps_made % self.settled_slice:
             return False
         since = self.log.summary().settled_since(self.view, self.last)
         if since is None or not self.t_end - since > SETTLED_FOR * self.second:
