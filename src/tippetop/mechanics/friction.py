@@ -149,13 +149,12 @@ class FrictionLaw(Record, abstract=True):
 
         `without`, if no optional one is among them; `with_parts`, if numbers of PARTS are.
         """
-        optional = [name for name, rule in cls.parameters.items() if rule.optional]
-        law = cls if cls.without is None or any(name in names for name in optional) else cls.without
-        return (
-            law.with_parts
-            if any(name in names for name in PARTS if name not in law.parameters)
-            else law
-        )
+        law: Any = cls
+        optional = {name for name, rule in cls.parameters.items() if rule.optional}
+        if cls.without is not None and optional.isdisjoint(names):
+            law = cls.without
+        parts = PARTS.keys() - law.parameters.keys()
+        return law if parts.isdisjoint(names) else law.with_parts
 
     @classmethod
     def units(cls) -> Any:

@@ -107,9 +107,8 @@ class EventLog:
         self.kind = np.array([self.kinds.index(event.name) for event in self.events], np.int8)
         self.senses = np.array([event.sense for event in self.events], int)
         self.lasts = np.array([event.lasting for event in self.events], bool)
-        self.empty = EventTable.empty(self.kinds)
-        if self.keeps_states:
-            self.empty = replace(self.empty, state=self._states(np.zeros(0), first[:0]))
+        state = self._states(np.zeros(0), first[:0])
+        self.empty = replace(EventTable.empty(self.kinds), state=state)
         self.rows = 0
         self.counts = dict.fromkeys(self.kinds, 0)
         self.before = view.theta(first)  # theta where the present swing began
@@ -149,7 +148,7 @@ class EventLog:
             self.kinds, np.bincount(kind, minlength=len(self.kinds)).tolist(), strict=True
         ):
             self.counts[name] += count
-        state = self._states(seconds, zeros.states) if self.keeps_states else {}
+        state = self._states(seconds, zeros.states)
         is_known = ~(turning | lasts)  # the others may become significant later
         table = EventTable(self.kinds, seconds, kind, theta, rising, swing, is_known, state=state)
         lasting = np.flatnonzero(lasts)
@@ -161,7 +160,9 @@ class EventLog:
         return table, self._marks(rows, ways, angles), zeros.states
 
     def _states(self, seconds: np.ndarray, states: np.ndarray) -> dict[str, Column]:
-        """Return the columns of a trajectory at events."""
+        """Return the columns of a trajectory at events, if an event of the user is logged."""
+        if not self.keeps_states:
+            return {}
         columns = self.view.columns(seconds, states)
         return {name: c._replace(dims=("event", *c.dims[1:])) for name, c in columns.items()}
 
