@@ -144,7 +144,7 @@ class Number:
         """Return a value that is given for it as a float. Raises InputError."""
         value = _scalar(value)
         number = None
-        if isinstance(value, Real) and not isinstance(value, bool):
+        if isinstance(value, Real | int) and value is not True and value is not False:
             with contextlib.suppress(OverflowError):
                 number = float(value)
         if number is None:
