@@ -204,7 +204,7 @@ def test_rows_at_steps_are_each_there_once(end: str, monkeypatch: pytest.MonkeyP
     assert integration.status is Status(end)
     assert np.all(np.diff(times) > 0)
     assert (times[0], times[-1]) == (0.0, integration.t_end)
-    assert len(times) == integration.monitor.steps + 1
+    assert len(times) == integration.steps_made + 1
 
 
 def test_the_extremes_of_a_run_are_those_of_its_column() -> None:

@@ -76,8 +76,8 @@ def measure(
                 progress(next(counted), total)
 
     alone = _ends_at_start(tops, functions) | tops.base.system.is_hybrid
-    separate = np.flatnonzero(tops.valid & alone)
-    run_each(measured, separate, lambda *_: ended(), events=events)
+    separate = np.flatnonzero(tops.valid & alone).tolist()
+    run_each(measured, separate, ended, events=events)
     if len(numbers := np.flatnonzero(tops.valid & ~alone)):
         queue = iter(numbers.tolist())
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // LANES))
@@ -126,15 +126,14 @@ def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: Even
     columns = measured.columns
     lane = tallies.lane[numbers]
     kept = iter(tallies.kept[:, numbers])
-    functions = tallies.functions[:, numbers]
     measured.status[numbers] = lane["status"]
     columns["t_end"][numbers] = lane["t"]
     for name in ("steps", *SWINGS):
         columns[name][numbers] = lane[name]
     settled = ~slides(measured.tops, measured.final[:, numbers], numbers)
     events = measured.tops.base.system.events
-    scales = rows.events["scale"]
-    for event, function, scale in zip(events, functions, scales, strict=True):
+    each = zip(events, tallies.functions[:, numbers], rows.events["scale"], strict=True)
+    for event, function, scale in each:
         if event.lasting:
             settled &= event.direction * function["sign"] > 0
         for number in event.kept:

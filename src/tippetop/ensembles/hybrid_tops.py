@@ -1,5 +1,6 @@
 """Tops whose contact may change its phase, each followed by a separate driver instead of a lane."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -8,9 +9,8 @@ import numpy as np
 from ..engine.status import Status
 from ..errors import InputError
 from ..problem import TURN, Problem, Problems
-from ..progress import Report
 from ..runs.integration import Integration
-from ..runs.sinks import Memory, Sink
+from ..runs.sinks import Memory
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import SWINGS, Outcomes
@@ -60,7 +60,7 @@ def faults_of(problem: Problem) -> list[str]:
 
 
 def run_each(
-    outcomes: Outcomes, numbers: np.ndarray, progress: Report | None, *, events: bool = False
+    outcomes: Outcomes, numbers: list[int], ended: Callable[[], None], *, events: bool = False
 ) -> None:
     """Run tops one after the other, and write their rows.
 
@@ -70,14 +70,13 @@ def run_each(
         A row per top; those of tops that cannot be followed are marked as invalid.
     numbers
         Of the tops.
-    progress
-        Called as progress(done, of).
+    ended
+        Called whenever a top has ended.
     events
         Whether events are logged.
     """
-    tops = outcomes.tops
-    for done, top in enumerate(numbers.tolist(), 1):
-        problem = problem_of(tops, top)
+    for top in numbers:
+        problem = problem_of(outcomes.tops, top)
         try:
             if faults := faults_of(problem):
                 raise InputError(faults)
@@ -85,8 +84,7 @@ def run_each(
         except InputError as error:
             outcomes.status[top] = Status.INVALID.code
             outcomes.faults.append((top, error.sentences[0]))
-        if progress is not None:
-            progress(done, len(numbers))
+        ended()
 
 
 def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
@@ -94,19 +92,18 @@ def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     integration = Integration(problem)
     memory = Memory()
     memory.keeps_rows = False
-    integration.run(memory if logs else Sink())
+    integration.run(memory)
     if logs:
         outcomes.events[top] = memory.table()
     end = integration.progress()
     events = end.events
-    kept = (name for name, _ in end.events.known.kept)
     values = {
         "t_end": end.t_end / events.second,
         "steps": end.steps,
         "normal_force_min": end.force.least,
         "normal_force_max": end.force.most,
         **{name: events.tally[name] for name in SWINGS},
-        **dict(zip(kept, events.numbers, strict=True)),
+        **{kept.name: value for kept, value in events.numbers},
     }
     for name in outcomes.columns.keys() & values.keys():
         outcomes.columns[name][top] = values[name]

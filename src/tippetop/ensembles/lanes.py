@@ -74,8 +74,7 @@ class Lanes:
         self.lanes = lanes
         self.rows = watched(code.rows, base, reads)
         n = len(code.integrator.state)
-        order = code.integrator.order
-        self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
+        self.motion = new_motion(n, len(code.integrator.pars), code.integrator.order + 1, lanes)
         self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
         self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n)
         self.top = self.motion.in_lane  # which top is in a lane; -1: none, and it takes no steps

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..columns import Column, column, flag_attributes, plain_attributes
-from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
@@ -14,6 +13,7 @@ from ..mechanics.contact.gliding import EVENTS
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
+from ..runs.drift import Drift
 from ..runs.events import EventTable
 from ..scenario import build
 
@@ -84,17 +84,15 @@ class Outcomes:
         n = tops.n
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
         if lyapunov:
-            text = "finite-time Lyapunov exponent of the run"
-            self.forms[LYAPUNOV] = np.nan, PER_SECOND, text
+            self.forms[LYAPUNOV] = np.nan, PER_SECOND, "finite-time Lyapunov exponent of the run"
         self.status = np.where(tops.valid, 0, Status.INVALID.code).astype(np.int8)
         self.kind = np.zeros(n, np.int8)
         self.columns = {name: np.full(n, empty) for name, (empty, *_) in self.forms.items()}
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
-        values = values_of(tops, tops.start, np.arange(n))
-        self._start = invariants(tops.base, values)
-        self._sizes = sizes(tops.base, values)
-        self.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in self._start}
+        drift = Drift(tops, tops.start, tops.valid)
+        self.look = drift.look
+        self.drift = drift.worst
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
@@ -102,15 +100,6 @@ class Outcomes:
         self.passages: list[tuple[np.ndarray, np.ndarray]] = []
         self.events: dict[int, EventTable] = {}
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
-
-    @QUIET
-    def look(self, states: np.ndarray, some: np.ndarray) -> None:
-        """Compare the invariants of states (variables, k) of the tops `some` with the start."""
-        tops = self.tops
-        values = values_of(tops, states[: len(tops.start)], some)
-        for name, value in invariants(tops.base, values).items():
-            off = np.abs(value - self._start[name][some]) / self._sizes[name][some]
-            np.maximum.at(self.drift[name], some, off)
 
     @property
     def occupancy(self) -> float:
@@ -137,9 +126,9 @@ def _conclude(outcomes: Outcomes) -> None:
     for q in own_quantities(tops.base.system):
         columns[f"{q.name}_end"][ended] = values[q.name] * tops.unit(q.unit)[ended]
     body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-    second = tops.unit(SECOND)[ended]
-    settled = outcomes.settled[ended]
-    kind[ended] = classes_of(tops.base.system, values, second, settled, body)
+    kind[ended] = classes_of(
+        tops.base.system, values, tops.unit(SECOND)[ended], outcomes.settled[ended], body
+    )
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     # an ENDED contact could not be followed further: that is no fate

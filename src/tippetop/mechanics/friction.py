@@ -124,25 +124,24 @@ class FrictionLaw(Record, abstract=True):
         body = vars(cls)
         doc = (cls.__doc__ or "").partition("\n\nParameters\n")[0]
         cls.long_name = doc.partition("\n")[0].removesuffix(".")
-        if "key" not in body and cls.face is cls:
-            cls.key = cls.__name__.lower()
+        if cls.face is cls:
+            cls.key = body.get("key", cls.__name__.lower())
+            cls.words = body.get("words", f"{cls.key} friction")
         if callable(k := body.get("coefficient")):
             cls.coefficient = staticmethod(names_its_faults(k, f"the friction law `{cls.key}`"))
-        if "words" not in body and cls.face is cls:
-            cls.words = f"{cls.key} friction"
         if "with_parts" not in body:
-            more = {name: rule for name, rule in PARTS.items() if name not in cls.parameters}
             torque = torque_of_disc_and_part if cls.regions else torque_of_parts
-            own = {
+            other = {
+                **cls.parameters,
+                **{name: rule for name, rule in PARTS.items() if name not in cls.parameters},
                 "torque": staticmethod(torque),
                 "with_parts": None,
                 "without": None,
                 "__doc__": doc,
+                "__module__": cls.__module__,
+                "__qualname__": f"{cls.__qualname__}.with_parts",
             }
-            place = {"__module__": cls.__module__, "__qualname__": f"{cls.__qualname__}.with_parts"}
-            cls.with_parts = RecordType(
-                cls.__name__, (cls,), {**cls.parameters, **more, **own, **place}
-            )
+            cls.with_parts = RecordType(cls.__name__, (cls,), other)
 
     @classmethod
     def given(cls, names: Collection[str]) -> Any:
@@ -150,13 +149,12 @@ class FrictionLaw(Record, abstract=True):
 
         `without`, if no optional one is among them; `with_parts`, if numbers of PARTS are.
         """
-        optional = [name for name, rule in cls.parameters.items() if rule.optional]
-        law = cls if cls.without is None or any(name in names for name in optional) else cls.without
-        return (
-            law.with_parts
-            if any(name in names for name in PARTS if name not in law.parameters)
-            else law
-        )
+        law: Any = cls
+        optional = {name for name, rule in cls.parameters.items() if rule.optional}
+        if cls.without is not None and optional.isdisjoint(names):
+            law = cls.without
+        parts = PARTS.keys() - law.parameters.keys()
+        return law if parts.isdisjoint(names) else law.with_parts
 
     @classmethod
     def units(cls) -> Any:

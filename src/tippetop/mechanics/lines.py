@@ -5,6 +5,7 @@ A program repeats the run for other numbers, as long as every comparison turns o
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
@@ -24,6 +25,7 @@ TURNED = {"greater": "less", "greater_equal": "less_equal"}
 """Functions of NumPy that are one of the operations on their operands in the other order."""
 
 
+@dataclass(eq=False)
 class Number(NDArrayOperatorsMixin):
     """A number of a run, whose operations become lines of its program.
 
@@ -37,10 +39,9 @@ class Number(NDArrayOperatorsMixin):
         Its value in the run.
     """
 
-    def __init__(self, program: "Program", place: int, value: Any):
-        self.program = program
-        self.place = place
-        self.value = value
+    program: "Program"
+    place: int
+    value: Any
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
         """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""

@@ -122,9 +122,7 @@ class Number:
         With a value, the first requirement that it violates.
         """
         if value is None:
-            return "must be finite" + "".join(
-                f", {words} {limit:g}" for words, limit, _ in self._bounds
-            )
+            return f"must be finite{self._interval()}"
         broken = [
             f"{words} {type(value)(limit)}"  # a whole number has a whole limit
             for words, limit, breaks in self._bounds
@@ -133,6 +131,10 @@ class Number:
         return (
             f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
         )
+
+    def _interval(self) -> str:
+        """Return the bounds in words, each after a comma."""
+        return "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
 
     def fault(self, key: str, value: float) -> str:
         """Return the message on a value that is not allowed."""
@@ -154,9 +156,9 @@ class Number:
     def described(self) -> str:
         """Return its type, meaning, unit and interval, for a docstring."""
         unit = "without unit" if self.unit.symbol == "1" else f"[{self.unit.symbol}]"
-        bounds = self.must().removeprefix("must be finite")
         kind = "float" if self.default is None and not self.optional else "float, optional"
-        return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
+        meaning = f"{self.long_name[:1].upper()}{self.long_name[1:]}"
+        return f"{kind}\n    {meaning} {unit}{self._interval()}."
 
 
 number = Number
@@ -187,12 +189,7 @@ class RecordType(type):
         mcs, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
     ) -> Any:
         own = {key: value for key, value in body.items() if isinstance(value, Number)}
-        parts = {
-            key: rule
-            for base in bases
-            for key, rule in getattr(base, "parts", {}).items()
-            if key not in own
-        }
+        parts = {key: rule for base in bases for key, rule in getattr(base, "parts", {}).items()}
         before = [key for base in bases for key in getattr(base, "parameters", ())]
         body = {"__slots__": (), **dict.fromkeys(before), **body}
         if abstract:
@@ -203,10 +200,10 @@ class RecordType(type):
             key: vars(record)[key]
             for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")
         }
-        fields = [_field(key, rule) for key, rule in own.items()]
-        more = [_field(key, rule).replace(kind=_KEYWORD) for key, rule in parts.items()]
-        body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature([*fields, *more])}
-        described = [f"{key} : {rule.described()}" for key, rule in {**own, **parts}.items()]
+        taken = own | parts | own
+        fields = [_field(key, rule, key in own) for key, rule in taken.items()]
+        body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature(fields)}
+        described = [f"{key} : {rule.described()}" for key, rule in taken.items()]
         sections = ["Parameters\n----------", *described] if described else []
         body["__doc__"] = "\n".join(
             [inspect.cleandoc(body.get("__doc__") or ""), "", *sections]
@@ -214,15 +211,14 @@ class RecordType(type):
         return super().__new__(mcs, name, bases, body)
 
 
-_KEYWORD = inspect.Parameter.KEYWORD_ONLY
-
-
-def _field(name: str, rule: Number) -> inspect.Parameter:
-    """Return a field of a record as a parameter of its signature."""
-    default = (
-        None if rule.optional else inspect.Parameter.empty if rule.default is None else rule.default
-    )
-    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default)
+def _field(name: str, rule: Number, own: bool) -> inspect.Parameter:
+    """Return a field of a record, or one of its parts, as a parameter of its signature."""
+    parameter = inspect.Parameter
+    kind = parameter.POSITIONAL_OR_KEYWORD if own else parameter.KEYWORD_ONLY
+    default: Any = None
+    if not rule.optional:
+        default = parameter.empty if rule.default is None else rule.default
+    return parameter(name, kind, default=default)
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
@@ -239,9 +235,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     def __init_subclass__(cls) -> None:
         if "parameters" in vars(cls):
-            cls.face = next(
-                (vars(base)["face"] for base in cls.__bases__ if "parameters" in vars(base)), cls
-            )
+            cls.face = getattr(cls, "face", cls)
 
     if TYPE_CHECKING:
         _fields: ClassVar[tuple[str, ...]]

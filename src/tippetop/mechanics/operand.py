@@ -60,8 +60,15 @@ def _lift(name: str) -> Callable:
     def lifted(*x: Operand) -> Operand:
         return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
+    def for_numba(*x: Any) -> Callable:
+        from numba import types
+
+        is_real = all(isinstance(v, (types.Float, types.Integer)) for v in x)
+        return scalar if is_real else numeric
+
     lifted.__name__ = name
-    lifted.for_numba = (scalar, numeric)  # type: ignore[attr-defined]
+    lifted.for_numba = for_numba  # type: ignore[attr-defined]
+    _teach(lifted)
     return lifted
 
 
@@ -192,7 +199,10 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
     def selected(*arguments: Operand) -> Operand:
         return choose(type(arguments[-1]))(*arguments)
 
-    selected.for_numba = lambda record: inspect.unwrap(choose(record))  # type: ignore[attr-defined]
+    def for_numba(*arguments: Any) -> Callable:
+        return inspect.unwrap(choose(arguments[-1].instance_class))
+
+    selected.for_numba = for_numba  # type: ignore[attr-defined]
     _teach(selected)
     return selected
 
@@ -217,17 +227,8 @@ def teach_numba() -> None:
 
             @overload(function, jit_options={"error_model": "numpy"})
             def _(*arguments):
-                chosen = choice(arguments[-1].instance_class)
+                chosen = choice(*arguments)
                 return lambda *arguments: chosen(*arguments)
-
-    def teach_lifted(lifted: Callable) -> None:
-        scalar, numeric = lifted.for_numba  # type: ignore[attr-defined]
-
-        @overload(lifted)
-        def _(*x):
-            real = all(isinstance(v, (types.Float, types.Integer)) for v in x)
-            function = scalar if real else numeric
-            return lambda *x: function(*x)
 
     @intrinsic
     def fma(typing, x, y, z):
@@ -253,8 +254,6 @@ def teach_numba() -> None:
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
     _teach = teach
-    for lifted in (sqrt, sin, cos, exp, log, atan2):
-        teach_lifted(lifted)
     for function in _untaught:
         teach(function)
 

@@ -60,14 +60,13 @@ def option(
     interval
         `above`, `least`, `below`, `most` of a number, or of each in a list.
     """
-    rule = Number(unit or ONE, words, **interval)  # type: ignore[arg-type]
     metadata = {
         "words": words,
         "unit": unit,
         "note": note,
         "given": given,
         "example": example,
-        "rule": rule,
+        "rule": Number(unit or ONE, words, **interval),  # type: ignore[arg-type]
     }
     return field(default=default, metadata=metadata)
 

@@ -110,18 +110,13 @@ class Problem(RunOptions):
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:
         """The numbers that are given, by table and name."""
+        tables = {"parameters": dict(self.parameters), "friction": self.friction._asdict()}
         contact = self.contact
-        stem = {}
-        if contact is not None and contact.stem:
-            stem = {"stem": {"r": contact.r, "h": contact.h}}
-        return {
-            "parameters": dict(self.parameters),
-            "friction": self.friction._asdict(),
-            **({} if contact is None else {"contact": {"e_n": contact.e_n}}),
-            **stem,
-            "initial": dict(self.initial),
-            "run": {"until": self.until},
-        }
+        if contact is not None:
+            tables["contact"] = {"e_n": contact.e_n}
+            if contact.stem:
+                tables["stem"] = {"r": contact.r, "h": contact.h}
+        return tables | {"initial": dict(self.initial), "run": {"until": self.until}}
 
     @cached_property
     def rules(self) -> dict[str, Number]:
@@ -152,15 +147,14 @@ class Problem(RunOptions):
         """This run as the only one of its `Problems`."""
         origin = self.origin
         names = self.variables.names
+        state = None
         if (
-            origin is None
-            or origin["form"] != self.form.name
-            or not set(names) <= set(origin["state"])
+            origin is not None
+            and origin["form"] == self.form.name
+            and {*names} <= origin["state"].keys()
         ):
-            return Problems(self, {}, self.orientation)
-        state = np.array(
-            [[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number
-        )
+            values = [[sum(map(self.number, origin["state"][name]))] for name in names]
+            state = np.array(values, dtype=self.number)
         return Problems(self, {}, self.orientation, state)
 
     def table(self) -> dict[str, Any]:

@@ -88,9 +88,8 @@ def headline_of(attrs: dict[str, Any]) -> str:
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()
-        units = attrs["units"]
         shown = [
-            f"{name} = {value:g} {units[name]}".removesuffix(" 1")
+            f"{name} = {value:g} {attrs['units'][name]}".removesuffix(" 1")
             for name, value in numbers
             if value or name not in PARTS
         ]

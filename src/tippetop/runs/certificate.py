@@ -110,16 +110,13 @@ def certificate(
     if "theta" in columns:
         result["theta"] = float(columns["theta"].max(initial=0.0))  # NaN is a violation
     compared = _compare(_turnings(run), _turnings(reference))
-    result |= {"turnings": compared} if any(compared["counts"]) else {}
-    return (
-        result
-        | {
-            name: _compare(tables[name], expected[name])
-            for name in phases.DIMENSIONS
-            if name in tables
-        }
-        | {"thresholds": [] if problem.contact is None else _thresholds(problem, tables)}
-    )
+    if any(compared["counts"]):
+        result["turnings"] = compared
+    for name in phases.DIMENSIONS:
+        if name in tables:
+            result[name] = _compare(tables[name], expected[name])
+    result["thresholds"] = [] if problem.contact is None else _thresholds(problem, tables)
+    return result
 
 
 def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:

@@ -95,7 +95,7 @@ def _timed(
     began = clock()
     integration = Integration(problem)
     integration.part(
-        _Columns(integration.view), size, lambda: integration.monitor.steps < slices * size
+        _Columns(integration.view), size, lambda: integration.steps_made < slices * size
     )
     return clock() - began, integration.progress()
 

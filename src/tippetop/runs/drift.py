@@ -1,53 +1,47 @@
-"""The drift of the invariants of a run, and the range of its normal force."""
+"""The drift of the invariants of runs: relative, and the worst so far."""
 
 from typing import Any
 
 import numpy as np
 
-from ..engine.driver import Extremes
 from ..engine.invariants import invariants, sizes
-from ..engine.observables import Observables
-from ..problem import Problem
+from ..engine.observables import values_of
+from ..problem import Problems
 
 
-class Monitor:
-    """Follow a run slice by slice. Drifts are relative, and the worst of the run.
+class Drift:
+    """Compare the invariants of runs with those of their start.
 
     Parameters
     ----------
-    problem, view
-        The run and its observables.
-    row
-        The start, (1, variables), with which the invariants are compared.
+    problems
+        The runs.
+    start
+        Their states at the start, (variables, n), internal.
+    valid
+        Which runs are valid, (n,), or all.
+
+    Attributes
+    ----------
+    worst
+        Of each invariant, the largest relative deviation from the start, (n,); NaN where a run is
+        not valid.
     """
 
-    def __init__(self, problem: Problem, view: Observables, row: np.ndarray):
-        self.problem = problem
-        self.view = view
-        values = view.evaluate(row)
+    def __init__(self, problems: Problems, start: np.ndarray, valid: Any = True):
+        self.problems = problems
+        values = values_of(problems, start, np.arange(problems.n))
         self.start, self.size = (
-            {name: float(value[0]) for name, value in of(problem, values).items()}
+            {name: value.astype(float) for name, value in of(problems.base, values).items()}
             for of in (invariants, sizes)
         )
-        self.drift = dict.fromkeys(self.start, 0.0)
-        self.force = Extremes()
-        self.steps = 0
+        self.worst = {name: np.where(valid, np.zeros(problems.n), np.nan) for name in self.start}
 
-    def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
-        """Take in samples (n, variables) of a slice of `steps` steps, and the force so far."""
-        values = invariants(self.problem, self.view.evaluate(rows)) if len(rows) else {}
-        for name, each in values.items():
-            worst = float(np.max(np.abs(each - self.start[name]) / self.size[name]))
-            self.drift[name] = max(self.drift[name], worst)
-        self.force = force
-        self.steps += steps
-
-    def snapshot(self) -> dict[str, Any]:
-        """Return the data of a checkpoint."""
-        return {"drift": dict(self.drift), "force": list(self.force), "steps": self.steps}
-
-    def restore(self, kept: dict[str, Any]) -> None:
-        """Continue from a checkpoint; the start is that of the problem."""
-        self.drift = kept["drift"]
-        self.force = Extremes(*kept["force"])
-        self.steps = kept["steps"]
+    @np.errstate(all="ignore")  # the numbers of invalid runs
+    def look(self, states: np.ndarray, which: np.ndarray) -> None:
+        """Take in states (variables, k), internal, of the runs `which`, (k,)."""
+        problems = self.problems
+        values = values_of(problems, states[: len(problems.start)], which)
+        for name, value in invariants(problems.base, values).items():
+            off = np.abs(value - self.start[name][which]) / self.size[name][which]
+            np.maximum.at(self.worst[name], which, off.astype(float))

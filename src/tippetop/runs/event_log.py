@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,8 +13,7 @@ from ..engine.observables import Observables
 from ..engine.settling import slides
 from ..engine.tallies import Tallies
 from ..errors import owner
-from ..mechanics.event import Event
-from ..mechanics.system import System
+from ..mechanics.event import Event, Kept
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from .events import EventTable
@@ -27,51 +25,24 @@ UNREPORTED = (*INVERSION, "equators", "lifted_at", "settled_at")
 """Kept numbers that a report does not repeat: counts, reason or `inversion` contain them."""
 
 
-class Known(NamedTuple):
-    """Facts about the events of a system; the arrays are by event."""
-
-    events: tuple[Event, ...]
-    lasting: int  # number of the lasting event; -1: there is none
-    kept: tuple[tuple[str, str], ...]  # name and `what` of the kept numbers, as the tallies have it
-    kinds: np.ndarray  # numbers of the kinds, int8
-    senses: np.ndarray
-    is_logged: np.ndarray
-    is_open: np.ndarray  # whether a row may become significant later
-
-
-@lru_cache(maxsize=64)
-def _known(system: System, logged: tuple[str, ...]) -> Known:
-    events = tuple(system.events)
-    return Known(
-        events,
-        next((number for number, event in enumerate(events) if event.lasting), -1),
-        tuple((kept.name, kept.what) for event in events for kept in event.kept),
-        np.array([system.kinds.index(event.name) for event in events], dtype=np.int8),
-        np.array([event.sense for event in events], dtype=int),
-        np.array([event.name in logged for event in events], dtype=bool),
-        np.array([bool(event.sense or event.lasting) for event in events], dtype=bool),
-    )
-
-
 class LogReport(NamedTuple):
     """The events of a run so far: the rows of its log, and the tallies of its driver."""
 
-    known: Known
+    events: tuple[Event, ...]  # those of the system
     second: float  # the internal unit of time [s]
     counts: dict[str, int]  # rows of the log, by kind
     tally: Any  # a record of the tallies
-    numbers: np.ndarray  # what events keep, (kept,); internal
+    numbers: list[tuple[Kept, float]]  # what events keep, internal
 
     def kept(self) -> dict[str, Any]:
         """Return the numbers that events keep: counts, and times [s] or None, by name."""
-        values = zip(self.known.kept, self.numbers.tolist(), strict=True)
         return {
-            name: int(value)
-            if what == "count"
+            kept.name: int(value)
+            if kept.what == "count"
             else None
             if math.isnan(value)
             else value * self.second
-            for (name, what), value in values
+            for kept, value in self.numbers
         }
 
     def settled_since(self, view: Observables, last: np.ndarray) -> float | None:
@@ -79,7 +50,7 @@ class LogReport(NamedTuple):
         since = float(self.tally["lasts_since"])
         if math.isnan(since):
             return None
-        event = self.known.events[self.known.lasting]
+        event = next(event for event in self.events if event.lasting)
         value = float(event.formula(view.moment(last[0]), view.body))
         if not value * event.direction > 0 or slides(view.problem.alone, last.T, [0]).any():
             return None
@@ -90,7 +61,7 @@ class LogReport(NamedTuple):
         tally = self.tally
         kept = self.kept()
         counts = {name: n for name, n in self.counts.items() if n}
-        if any(event.sense and event.name in counts for event in self.known.events):
+        if any(event.sense and event.name in counts for event in self.events):
             counts["turning_significant"] = int(tally["turnings"])
         own = {name: value for name, value in kept.items() if name not in UNREPORTED}
         return {
@@ -125,14 +96,19 @@ class EventLog:
     def __init__(self, problem: Problem, view: Observables, first: np.ndarray, tallies: Tallies):
         self.view = view
         self.second = float(problem.scales.of(SECOND))
-        self.known = _known(problem.system, problem.events)
+        self.events = tuple(problem.system.events)
         self.tallies = tallies
         self.kinds = problem.system.kinds
-        logged = (event for event in self.known.events if event.name in problem.events)
+        self.kept = [kept for event in self.events for kept in event.kept]
+        logged = (event for event in self.events if event.name in problem.events)
         self.keeps_states = any(owner(event.formula) for event in logged)
-        self.empty = EventTable.empty(self.kinds)
-        if self.keeps_states:
-            self.empty = replace(self.empty, state=self._states(np.zeros(0), first[:0]))
+        # by event
+        self.is_logged = np.array([event.name in problem.events for event in self.events], bool)
+        self.kind = np.array([self.kinds.index(event.name) for event in self.events], np.int8)
+        self.senses = np.array([event.sense for event in self.events], int)
+        self.lasts = np.array([event.lasting for event in self.events], bool)
+        state = self._states(np.zeros(0), first[:0])
+        self.empty = replace(EventTable.empty(self.kinds), state=state)
         self.rows = 0
         self.counts = dict.fromkeys(self.kinds, 0)
         self.before = view.theta(first)  # theta where the present swing began
@@ -150,17 +126,18 @@ class EventLog:
             New rows; rows, old or new, that are now known to be significant; states of the new
             rows (internal).
         """
-        known = self.known
-        keep = known.is_logged[zeros.events]
+        keep = self.is_logged[zeros.events]
         if not keep.any():
             return self.empty, [], np.zeros((0, 0))
         zeros = Passages(*(values[keep] for values in zeros))
         values = self.view.evaluate(zeros.states)
-        kind = known.kinds[zeros.events]
+        kind = self.kind[zeros.events]
         theta = values["theta"].astype(float)
         seconds = zeros.times.astype(float) * self.second
-        rising = zeros.signs * known.senses[zeros.events]
-        turning = known.senses[zeros.events] != 0
+        senses = self.senses[zeros.events]
+        lasts = self.lasts[zeros.events]
+        rising = zeros.signs * senses
+        turning = senses != 0
         rising = np.where(turning, rising, np.sign(values["theta_dot"].astype(float)))
         rising = rising.astype(np.int8)
         swing = np.full(theta.shape, np.nan)
@@ -171,10 +148,10 @@ class EventLog:
             self.kinds, np.bincount(kind, minlength=len(self.kinds)).tolist(), strict=True
         ):
             self.counts[name] += count
-        state = self._states(seconds, zeros.states) if self.keeps_states else {}
-        is_known = ~known.is_open[zeros.events]
+        state = self._states(seconds, zeros.states)
+        is_known = ~(turning | lasts)  # the others may become significant later
         table = EventTable(self.kinds, seconds, kind, theta, rising, swing, is_known, state=state)
-        lasting = np.flatnonzero(zeros.events == known.lasting)
+        lasting = np.flatnonzero(lasts)
         if len(lasting):
             self.lasting = self.rows + int(lasting[-1])
         rows = self.rows + np.flatnonzero(turning)
@@ -183,7 +160,9 @@ class EventLog:
         return table, self._marks(rows, ways, angles), zeros.states
 
     def _states(self, seconds: np.ndarray, states: np.ndarray) -> dict[str, Column]:
-        """Return the columns of a trajectory at events."""
+        """Return the columns of a trajectory at events, if an event of the user is logged."""
+        if not self.keeps_states:
+            return {}
         columns = self.view.columns(seconds, states)
         return {name: c._replace(dims=("event", *c.dims[1:])) for name, c in columns.items()}
 
@@ -212,14 +191,14 @@ class EventLog:
 
     def note_at_start(self, event: Event) -> None:
         """Keep that an event happened at the start."""
-        names = [kept.name for kept in event.kept if kept.what != "count"]
-        self.tallies.kept[[name in names for name, _ in self.known.kept], 0] = 0.0
+        is_time = [kept in event.kept and kept.what != "count" for kept in self.kept]
+        self.tallies.kept[is_time, 0] = 0.0
 
     def summary(self) -> LogReport:
         """Return the events so far."""
         tally = self.tallies.lane[0].copy()
-        numbers = self.tallies.kept[:, 0].copy()
-        return LogReport(self.known, self.second, dict(self.counts), tally, numbers)
+        numbers = zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True)
+        return LogReport(self.events, self.second, dict(self.counts), tally, list(numbers))
 
     def snapshot(self) -> dict[str, Any]:
         """Return the data of a checkpoint, apart from the tallies."""

@@ -1,4 +1,4 @@
-"""One run from start to end: slices go to a sink, the drift monitor and the event log."""
+"""One run from start to end: slices go to a sink, the event log and the drift."""
 
 import threading
 import time
@@ -17,7 +17,7 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..store import hexfloat
 from . import keyframes
-from .drift import Monitor
+from .drift import Drift
 from .event_log import EventLog
 from .phases import Story
 from .reporting import RunProgress
@@ -71,7 +71,9 @@ class Integration:
         self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
         self.second = float(problem.scales.of(SECOND))
         self.first = self.last = self.driver.first
-        self.monitor = Monitor(problem, self.view, self.first)
+        self.drift = Drift(problem.alone, self.first.T)
+        self.force = Extremes()
+        self.steps_made = 0
         self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
         self.story = Story(dict(problem.system.tables.get("phases", {})))
         self.filled = 0
@@ -113,10 +115,8 @@ class Integration:
                 self._take_tables(self.driver.last_rows())
             if self.status is not None:
                 break
-            if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
-                sink.keyframe(
-                    keyframes.columns(problem, self.driver, self.t_end, self.monitor.steps)
-                )
+            if problem.output == "keyframes" and self.steps_made % problem.keyframe_steps == 0:
+                sink.keyframe(keyframes.columns(problem, self.driver, self.t_end, self.steps_made))
             present = self.progress()
             sink.slice_done(present, self.snapshot)
             if progress is not None:
@@ -152,11 +152,7 @@ class Integration:
             most.append(self.settled_slice)
         if problem.output == "keyframes":
             most.append(problem.keyframe_steps)
-        return min(steps - self._done_of(steps) for steps in most)
-
-    def _done_of(self, steps: int) -> int:
-        """Return the number of steps since the last multiple of `steps`."""
-        return self.monitor.steps % steps
+        return min(steps - self.steps_made % steps for steps in most)
 
     def _ended_at_start(self) -> Status | None:
         """Return how a run ends before its first step, where a force is negative there."""
@@ -166,13 +162,13 @@ class Integration:
         for event, value in zip(events, self.driver.at_start, strict=True):
             if self.problem.on_liftoff == "stop" and event.ends and event.extremes and value < 0:
                 self.log.note_at_start(event)
-                self.monitor.force = Extremes(value, 0.0, value, 0.0)
+                self.force = Extremes(value, 0.0, value, 0.0)
                 return Status.of_event(event.ends)
         return None
 
     def _has_settled(self) -> bool:
         """Return whether a run that ends once it has settled has done so."""
-        if self.problem.stop_when != "settled" or self._done_of(self.settled_slice):
+        if self.problem.stop_when != "settled" or self.steps_made % self.settled_slice:
             return False
         since = self.log.summary().settled_since(self.view, self.last)
         if since is None or not self.t_end - since > SETTLED_FOR * self.second:
@@ -221,7 +217,10 @@ class Integration:
         self.fresh = False
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
-        self.monitor.follow(seen, self.driver.extremes(), piece.steps)
+        if len(seen):
+            self.drift.look(seen.T, np.zeros(len(seen), int))
+        self.force = self.driver.extremes()
+        self.steps_made += piece.steps
         self._take_tables(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         self.sink.events(table, marks)
@@ -242,14 +241,18 @@ class Integration:
             self.problem,
             self.status,
             self.t_end,
-            self.monitor.steps,
+            self.steps_made,
             self.last,
-            dict(self.monitor.drift),
-            self.monitor.force,
+            self._worst(),
+            self.force,
             self.log.summary(),
             self.story.report() if self.problem.system.tables else None,
             self.driver.sentence,
         )
+
+    def _worst(self) -> dict[str, float]:
+        """Return the worst drift so far, by invariant."""
+        return {name: float(worst[0]) for name, worst in self.drift.worst.items()}
 
     # --- snapshots -------------------------------------------------------------------------------
 
@@ -278,7 +281,11 @@ class Integration:
             "driver": self.driver.snapshot(),
             "filled": self.filled,
             "t_end": self.t_end,
-            "monitor": self.monitor.snapshot(),
+            "monitor": {
+                "drift": self._worst(),
+                "force": list(self.force),
+                "steps": self.steps_made,
+            },
             "log": self.log.snapshot(),
             "story": self.story.report(),
         }
@@ -304,7 +311,10 @@ class Integration:
         self.filled = state["filled"]
         self.t_end = state["t_end"]
         self.fresh = False
-        self.monitor.restore(state["monitor"])
+        for name, worst in state["monitor"]["drift"].items():
+            self.drift.worst[name][:] = worst
+        self.force = Extremes(*state["monitor"]["force"])
+        self.steps_made = state["monitor"]["steps"]
         self.log.restore(state["log"])
         self.story = Story(self.story.words, **state["story"])
 
@@ -314,4 +324,4 @@ class Integration:
         self.last = self.driver.present()
         self.t_end = float(row["time"])
         self.fresh = False
-        self.monitor.steps = int(row["step"])
+        self.steps_made = int(row["step"])

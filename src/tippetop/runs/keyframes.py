@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column, without_rows
+from ..columns import Column, column, without_rows
 from ..engine.driver import Driver
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of, fingerprint
@@ -32,18 +32,12 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
             parts.append(exact.astype(float))
             exact = exact - parts[-1].astype(exact.dtype)
     words = "exact state and event data, internal: doubles to be added"
-    about = {
-        "time": (t_end, (), {"units": SECOND.symbol, "long_name": "time"}),
-        "step": (steps, (), {"units": "1", "long_name": "steps made"}),
-        "state": (
-            np.stack(parts, axis=-1),
-            ("number", "part"),
-            {"units": "1", "long_name": words, "equations": fingerprint(driver)},
-        ),
-    }
+    state = {"units": "1", "long_name": words, "equations": fingerprint(driver)}
+    dims = ("keyframe",)
     return {
-        name: Column(("keyframe", *dims), np.array([value]), attrs)
-        for name, (value, dims, attrs) in about.items()
+        "time": column(np.array([t_end]), SECOND, "time", dims),
+        "step": Column(dims, np.array([steps]), {"units": "1", "long_name": "steps made"}),
+        "state": Column((*dims, "number", "part"), np.stack(parts, axis=-1)[None], state),
     }
 
 

@@ -66,8 +66,9 @@ class Story:
         names = self.words["phase"]
         count = len(table["phase"])
         numbers = np.bincount(table["phase"], minlength=len(names)).tolist()
-        added = {name: n for name, n in zip(names, numbers, strict=True) if n}
-        self.counts |= {name: self.counts.get(name, 0) + n for name, n in added.items()}
+        for name, n in zip(names, numbers, strict=True):
+            if n:
+                self.counts[name] = self.counts.get(name, 0) + n
         for k in sorted({*range(min(count, FIRST - len(self.first))), *range(count)[-1:]}):
             self.last = {
                 key: self.words[key][values[k]] if key in self.words else float(values[k])

@@ -50,7 +50,7 @@ class Recorder(Writer, Sink):
         super().__init__(store)
         self.problem = problem
         self.view = Observables(problem)
-        self.stop = stop
+        self.stop = stop or threading.Event()
         self.growing = {name: Table(store, name) for name in store.state.header["tables"]}
         # Versions and processors that wrote the store before.
         self.begun_with: list[dict[str, Any]] = []
@@ -59,7 +59,7 @@ class Recorder(Writer, Sink):
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Take rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
-        if self.stop is not None and self.stop.is_set():
+        if self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
@@ -84,7 +84,7 @@ class Recorder(Writer, Sink):
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Commit now and then; stop at a commit if asked to."""
-        asked = self.stop is not None and self.stop.is_set()
+        asked = self.stop.is_set()
         if asked or time.monotonic() - self.committed_at > COMMIT_EVERY:
             self.commit(progress, snapshot())
         if asked:
@@ -216,7 +216,7 @@ def run_into(
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
         take_up(recorder)
-        if stop is not None and stop.is_set():
+        if recorder.stop.is_set():
             raise Interrupted
         integration.run(recorder, progress)
         attrs = attributes.attributes(integration.progress())

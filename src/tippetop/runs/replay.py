@@ -84,7 +84,7 @@ def into_store(
         )
     integration = _taken_up(path, times, accept_other_version)
     began = integration.t_end
-    steps = integration.monitor.steps
+    steps = integration.steps_made
     clock = time.perf_counter() - compiling.seconds
     # from its folder: so it survives another working directory, and moving both stores
     of = os.path.relpath(os.path.realpath(path), os.path.realpath(out.parent))
@@ -107,7 +107,7 @@ def into_store(
     return {
         "rows": len(times),
         "began": began,
-        "steps": integration.monitor.steps - steps,
+        "steps": integration.steps_made - steps,
         "seconds": time.perf_counter() - compiling.seconds - clock,
         **about,
     }
@@ -148,27 +148,18 @@ def _refuse(times: EvenTimes, end: float) -> None:
     until = times.until
     step = times.step
     least = 8 * math.ulp(until)
-    for holds, sentence in (
-        (
-            start <= until,
-            f"the rows must not end before they begin, but are from {start:g} to {until:g} s.",
-        ),
-        (
-            start >= 0 and until <= end,
-            f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s.",
-        ),
-        (
-            step >= least,
+    found = f"but are from {start:g} to {until:g} s."
+    if not start <= until:
+        raise InputError(f"the rows must not end before they begin, {found}")
+    if not (start >= 0 and until <= end):
+        raise InputError(f"the rows must be within 0 and {end:.15g} s, {found}")
+    if not step >= least:
+        raise InputError(
             f"`step` must be at least {least:.3g} s, eight times the distance of doubles at "
-            f"{until:g} s, but is {step:g}.",
-        ),
-        (
-            until - start <= MOST_ROWS * step,
-            f"`step` must give at most {MOST_ROWS:.0e} rows, but is {step:g} s.",
-        ),
-    ):
-        if not holds:
-            raise InputError(sentence)
+            f"{until:g} s, but is {step:g}."
+        )
+    if not until - start <= MOST_ROWS * step:
+        raise InputError(f"`step` must give at most {MOST_ROWS:.0e} rows, but is {step:g} s.")
 
 
 def _take_up(path: Path, integration: Integration, start: float) -> None:

@@ -112,13 +112,12 @@ def _normal_force(progress: RunProgress) -> dict[str, Any]:
 def outcome(progress: RunProgress) -> dict[str, str]:
     """Return the outcome, a name of CLASSES; empty for a system that friction cannot turn over."""
     problem = progress.problem
-    view = progress.view
     system = problem.system
     if progress.sentence or not (system.inverts and system.classes):
         return {}
     if progress.lifted_at is not None and problem.on_liftoff != "fly":
         return {"outcome": "lifted-off"}
-    values = view.evaluate(progress.last)
+    values = progress.view.evaluate(progress.last)
     settled = np.array([progress.settled_since is not None])
     second = float(problem.scales.of(SECOND))
     return {"outcome": CLASSES[classes_of(system, values, second, settled, problem.body())[0]]}
@@ -157,9 +156,9 @@ def reason(progress: RunProgress) -> str:
 
 def _beyond(progress: RunProgress) -> str:
     """Return that the run continued after a liftoff, where the model ends (no fixed tip)."""
-    events = progress.problem.system.events
     lifted = progress.lifted_at
-    if lifted is None or not any(event.ends == Status.LIFTOFF.value for event in events):
+    ends = {event.ends for event in progress.problem.system.events}
+    if lifted is None or Status.LIFTOFF.value not in ends:
         return ""
     return f", but outside the model since the liftoff at t = {lifted:.9g} s"
 

@@ -176,11 +176,10 @@ def _put_back(target: Path, integration: Integration, kept: dict[str, Any]) -> N
 
 def _rows(integration: Integration) -> dict[str, int]:
     """Return the rows of each table at the moment where an integration is."""
-    problem = integration.problem
     return {
         "trajectory": integration.filled,
         "events": integration.log.rows,
-        "keyframes": integration.monitor.steps // problem.keyframe_steps,
+        "keyframes": integration.steps_made // integration.problem.keyframe_steps,
         **integration.story.rows(),
     }
 

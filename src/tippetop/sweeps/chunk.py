@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Column, without_rows
+from ..columns import Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
 from ..mechanics.event import Event
@@ -51,7 +51,7 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
         )
     measured = measure(base_of(task.tables, task.own), task.columns, task.keep, threads)
     table = columns(measured, task.keep)
-    return {name: column.values for name, column in table.items()}
+    return {name: each.values for name, each in table.items()}
 
 
 def base_of(tables: dict[str, Any], own: Records) -> Problem:
@@ -64,13 +64,15 @@ def measure(
 ) -> outcomes.Outcomes:
     """Run tops as far as the columns that are kept require."""
     names = keep or []
-    chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
-    wanted = [*names, "t_end"] if chaos else keep
     events = EVENTS in names
-    if events:
-        wanted = [*names, "t_end", *base.events]
-    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos, events=events)
+    return ensemble.measure(
+        tops,
+        threads=threads,
+        wanted=[*names, *base.events] if events else keep,
+        lyapunov=outcomes.LYAPUNOV in names,
+        events=events,
+    )
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
@@ -84,8 +86,7 @@ def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Co
     found = {n: c for n, c in table.items() if kept is None or {n, _group(n)} & kept}
     if EVENTS in (kept or ()):
         for name, (dims, values, attrs) in event_table(measured).items():
-            column = Column(("row", "part", *dims[1:]), values[:, None], attrs)
-            found[f"{EVENTS}/{name}"] = column
+            found[f"{EVENTS}/{name}"] = Column(("row", "part", *dims[1:]), values[:, None], attrs)
     return found
 
 
@@ -97,10 +98,8 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     # the orientation has other columns
     plain = Variables(tops.base.form, orientation=False)
     return {
-        f"final_{name}": Column(
-            ("top",),
-            values[name] * tops.unit(unit),
-            {"units": unit.symbol, "long_name": f"{name} at the end"},
+        f"final_{name}": column(
+            values[name] * tops.unit(unit), unit, f"{name} at the end", ("top",)
         )
         for name, unit in plain.units.items()
     }

@@ -148,9 +148,8 @@ class Plan:
         for key in tables["run"].keys() & {"events", "columns"}:
             names = {record.name for records in own for record in records}
             tables["run"][key] = [name for name in tables["run"][key] if name not in names]
-        of_base = {"scenario": tables}
         design = Design(tuple(map(_axis, shape.axis)), shape.sample)
-        plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, **of_base})
+        plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, "scenario": tables})
         if sentences := _run_faults(plan) + _keep_faults(plan):
             raise InputError(sentences)
         return plan

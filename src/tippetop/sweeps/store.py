@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column
+from ..columns import Column, column
+from ..mechanics.units import ONE
 from ..scenario.identity import DIGESTS, digests_of
 from ..store import ledger, provenance, zarr3
 from ..store.ledger import Ledger
@@ -43,9 +44,9 @@ def _header(plan: Plan) -> dict[str, Any]:
     columns = chunk.column_schema(plan.base, plan.keep)
     sizes = {"top": (plan.n, plan.chunk), "row": (0, PER_FILE), "part": (plan.chunks, 1)}
     tables: dict[str, dict[str, Any]] = {}
-    for name, column in {**coordinates, **columns}.items():
+    for name, each in {**coordinates, **columns}.items():
         path = name if "/" in name else f"{GROUP}/{name}"
-        tables.setdefault(path.partition("/")[0], {})[path] = zarr3.array(column, sizes)
+        tables.setdefault(path.partition("/")[0], {})[path] = zarr3.array(each, sizes)
     attributes = {
         "content": GROUP,
         "title": f"sweep: {plan.base.system.title}",
@@ -87,12 +88,9 @@ def _coordinates(plan: Plan) -> dict[str, Column]:
     rules = plan.base.rules
     first = np.zeros(1, int)
     about = {
-        key: (rules[key].unit.symbol, rules[key].long_name)
+        key: (rules[key].unit, rules[key].long_name)
         if key in rules
-        else ("1", derived_axes.DERIVED[key].long_name)
+        else (ONE, derived_axes.DERIVED[key].long_name)
         for key in {**plan.design.numbers(first), **plan.columns(first)}
     }
-    return {
-        key: Column(("top",), np.zeros(0), {"units": units, "long_name": long_name})
-        for key, (units, long_name) in about.items()
-    }
+    return {key: column(np.zeros(0), *words, ("top",)) for key, words in about.items()}

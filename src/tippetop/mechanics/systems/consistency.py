@@ -55,15 +55,17 @@ def inconsistencies(system: System) -> list[str]:
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
         variables = list(phase.form.units._asdict().items())
-        words = [name, *(event.name for event in phase.events)]
-        logged = {one.name for one in system.events} | {way.event for way in phase.exits}
-        detected = [CLOCK, STALL, *(event.name for event in phase.events if event.formula)]
+        events = phase.events
+        left = [way.event for way in phase.exits]
+        words = [name, *(event.name for event in events)]
+        logged = {*left, *(one.name for one in system.events)}
+        detected = [CLOCK, STALL, *(event.name for event in events if event.formula)]
         names = [
-            *(f"event `{event.name}`" for event in phase.events),
+            *(f"event `{event.name}`" for event in events),
             *(f"quantity `{quantity.name}`" for quantity in phase.quantities),
             *(f"exit by `{way.event}`" for way in phase.exits),
         ]
-        faults += rivals(phase.events) + named(
+        faults += rivals(events) + named(
             {
                 f"{where} must have each name once, but has twice":
                     [name for name, count in Counter(names).items() if count > 1],
@@ -74,24 +76,24 @@ def inconsistencies(system: System) -> list[str]:
                 f"{where} must have events with a function as `formula` and a `direction` of -1, "
                 "0 or 1, but has": [
                     event.name
-                    for event in phase.events
+                    for event in events
                     if event.direction not in (-1, 0, 1) or not callable(event.formula or len)
                 ],
                 f"{where} must have events with the directions of the phases before, but has": [
                     event.name
-                    for event in phase.events
+                    for event in events
                     if directions.setdefault(event.name, event.direction) != event.direction
                 ],
                 f"{where} must have events with a formula, as no jump logs them, but has":
-                    [one.name for one in phase.events if not (one.formula or system.is_hybrid)],
+                    [one.name for one in events if not (one.formula or system.is_hybrid)],
                 f"{where} must end in each event that the system does not log, but has no exit by":
-                    [one.name for one in phase.events if one.name not in logged],
+                    [one.name for one in events if one.name not in logged],
                 f"{where} must end in its events that have a formula, but has exits by":
-                    [way.event for way in phase.exits if way.event not in detected],
+                    [name for name in left if name not in detected],
                 f"{where} must end in events with a `direction`, but has exits by": [
                     event.name
-                    for event in phase.events
-                    if not event.direction and event.name in [way.event for way in phase.exits]
+                    for event in events
+                    if not event.direction and event.name in left
                 ],
                 f"{where} must integrate what the first phase does, but integrates": [
                     one.name
