@@ -213,10 +213,6 @@ def other_spin(table):
     table["omega_z [rad/s]"] /= 2
 
 
-def centre_of_ball(table):
-    table[VECTORS["position"]] += arm(table)
-
-
 def velocity_of_centre_of_ball(table):
     table[VECTORS["velocity"]] += np.cross(table[VECTORS["omega"]], arm(table))
 
@@ -246,9 +242,7 @@ def rotated(q, v):
         (other_start, "check the start, the frames, the units and the order of the quaternion"),
         (far, r"position \[m\] at 0 s must be near the reference, but differs by 5; check"),
         (other_spin, r"omega \[rad/s\] at 0 s must be near the reference"),
-        (centre_of_ball, "differs by 0.006; it is that of the centre of the ball"),
         (velocity_of_centre_of_ball, r"velocity \[m/s\].*it is that of the centre of the ball"),
-        (body_axes, "it is in body axes: name the columns omega_body_x"),
     ],
 )
 def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
@@ -269,12 +263,12 @@ def test_other_conventions_are_noticed_in_every_case_and_without_the_first_row(
 ):
     table, c = result(name, count=1001), benchmark.case(name).problem.body().c
     table[VECTORS["position"]] += arm(table) * c / 0.006
-    with pytest.raises(InputError, match="that of the centre of the ball"):
+    with pytest.raises(InputError, match="it is that of the centre of the ball"):
         benchmark.score(write(tmp_path, table.iloc[first:], name))
     if name != "rocking-cylinder":  # it turns about an axis that is fixed in both frames
         table = result(name, count=1001)
         body_axes(table)
-        with pytest.raises(InputError, match="in body axes"):
+        with pytest.raises(InputError, match="it is in body axes: name the columns omega_body_x"):
             benchmark.score(write(tmp_path, table.iloc[first:], name))
 
 

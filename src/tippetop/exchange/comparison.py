@@ -250,15 +250,12 @@ def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     given = np.isfinite(curve)
     t = t[given]
     curve = curve[given]
-    beyond = {f"{level:g}": t[curve > level] for level in LEVELS}
     return {
         "max": float(curve.max()),
         "at": float(t[curve.argmax()]),
         "mean": float(curve.mean()),
         "rms": float(np.sqrt(np.mean(curve**2))),
-        "leaves": {
-            level: float(times[0]) if len(times) else None for level, times in beyond.items()
-        },
+        "leaves": {f"{level:g}": next(iter(t[curve > level].tolist()), None) for level in LEVELS},
     }
 
 

@@ -14,6 +14,8 @@ from .motion_table import Table
 
 ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}
 UPS = ("z", "y")
+Rows = np.ndarray | None
+"""One row per time; None for a quantity that a table lacks."""
 UNIT = 0.02  # by which the length of a quaternion or an axis may differ from 1
 
 
@@ -63,19 +65,19 @@ class Motion(NamedTuple):
     """
 
     t: np.ndarray
-    theta: np.ndarray | None = None
-    phi: np.ndarray | None = None
-    psi: np.ndarray | None = None
-    theta_dot: np.ndarray | None = None
-    phi_dot: np.ndarray | None = None
-    omega3: np.ndarray | None = None
-    axis: np.ndarray | None = None
-    orientation: np.ndarray | None = None
-    place: np.ndarray | None = None
-    velocity: np.ndarray | None = None
-    omega: np.ndarray | None = None
-    force: np.ndarray | None = None
-    marker: np.ndarray | None = None
+    theta: Rows = None
+    phi: Rows = None
+    psi: Rows = None
+    theta_dot: Rows = None
+    phi_dot: Rows = None
+    omega3: Rows = None
+    axis: Rows = None
+    orientation: Rows = None
+    place: Rows = None
+    velocity: Rows = None
+    omega: Rows = None
+    force: Rows = None
+    marker: Rows = None
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
@@ -106,14 +108,14 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     return Motion(**found)
 
 
-def _filled(given: np.ndarray | None, other: np.ndarray | None) -> np.ndarray | None:
+def _filled(given: Rows, other: Rows) -> Rows:
     """Return measurements, with the other ones in their gaps; None if both are missing."""
     if given is None or other is None:
         return other if given is None else given
     return np.where(np.isnan(given), other, given)
 
 
-def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
+def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> Rows:
     """Return unit quaternions wxyz, (rows, 4); NaN in gaps."""
     order = convention.quaternion
     if order is None and any(table.has(f"q_{i}") for i in range(4)):
@@ -151,7 +153,7 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
     return rows / size[:, None]
 
 
-def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> np.ndarray | None:
+def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> Rows:
     """Return components in our frame, (rows, 3), NaN if not given; None if all are missing."""
     if not any(table.has(name) for name in names):
         return None

@@ -203,11 +203,10 @@ def assert_tippe_top(law: Any, start: dict[str, float], **options: Any) -> None:
         tt.Spheroid(a=0.02, b=0.02, c=0.006, **numbers),
     )
     options = {"start": start, "until": 0.5, **options}
-    if law is None:
-        runs = [tt.run(top, system=top.resting, **options) for top in tops]
-    else:
-        runs = [tt.run(top, law, **options) for top in tops]
-    one, two = (run.trajectory for run in runs)
+    one, two = (
+        tt.run(top, law, system=top.resting if law is None else None, **options).trajectory
+        for top in tops
+    )
     for name in ("axis", "L", "energy", "modified_energy", "normal_force", "x", "orientation"):
         size = np.max(np.abs(one[name].values))
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-12 * size)
