@@ -12,7 +12,17 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from ..columns import capitalised
-from .style import DASHES, draw_curves, heading, ink, legend, panel, ticks_of_inclination
+from .style import (
+    DASHES,
+    broken,
+    compact,
+    draw_curves,
+    heading,
+    ink,
+    legend,
+    panel,
+    ticks_of_inclination,
+)
 
 
 CLASSES = {
@@ -79,11 +89,16 @@ def draw_map(sweep_map: Any) -> Axes:
     return axes
 
 
+def _upright(label: str) -> str:
+    """Return the label of a vertical axis, in lines for a compact figure."""
+    return broken(label, 30) if compact() else label
+
+
 def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     """Draw a map over two axes; return the entries of its legend."""
     axes.grid(visible=False)
     x, y = sweep_map.axes
-    axes.set(ylabel=y.label, yscale="log" if y.log else "linear", ylim=y.edges[[0, -1]])
+    axes.set(ylabel=_upright(y.label), yscale="log" if y.log else "linear", ylim=y.edges[[0, -1]])
     kind = sweep_map.kind
     field = next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
@@ -92,7 +107,7 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     elif np.isfinite(field).any():
         cmap, label = FIELDS[kind]
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=cmap, rasterized=True)
-        axes.get_figure(root=True).colorbar(mesh, ax=axes, label=label, pad=0.02)
+        axes.get_figure(root=True).colorbar(mesh, ax=axes, label=_upright(label), pad=0.02)
         if kind == "normal-force":
             touches = np.where(field <= TOUCH, 0.0, np.nan)
             liftoff = {"liftoff: $g_n$ reaches 0": ink().alarm}
@@ -144,7 +159,7 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
         ylabel, columns = CURVES[sweep_map.kind]
         curves = [(text, x.centres, fields[name]) for name, text in columns.items()]
         draw_curves(axes, curves, marker="." if len(x.centres) < 200 else "")
-        axes.set_ylabel(ylabel)
+        axes.set_ylabel(_upright(ylabel))
         if sweep_map.kind != "inversion":
             axes.axhline(0, color=ink().alarm, lw=0.9)
     for words, values, dashes in _borders(sweep_map):
@@ -161,4 +176,4 @@ def _borders(sweep_map: Any) -> Iterator[tuple[str, np.ndarray, Any]]:
     for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
         symbol, _, words = label.partition(": ")
         symbol = symbol.replace("λ", r"\lambda").replace("_de", "_{de}")
-        yield f"${symbol}$: {words}", values, dashes
+        yield f"${symbol}$" if compact() else f"${symbol}$: {words}", values, dashes
