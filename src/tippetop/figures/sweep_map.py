@@ -56,7 +56,7 @@ TITLES = {
 FIELDS = {
     "inversion": ("viridis", "time of inversion t (s)"),
     "normal-force": ("cividis", "least normal force $g_n\\,/\\,mg$"),
-    "lyapunov": ("inferno", "largest growth rate of a small error (s⁻¹)"),
+    "lyapunov": ("inferno", "growth rate of an error (s⁻¹)"),
 }
 """Colour map and label of numbers."""
 CURVES = {
@@ -89,16 +89,15 @@ def draw_map(sweep_map: Any) -> Axes:
     return axes
 
 
-def _upright(label: str) -> str:
-    """Return the label of a vertical axis, in lines for a compact figure."""
-    return broken(label, 30) if compact() else label
-
-
 def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     """Draw a map over two axes; return the entries of its legend."""
     axes.grid(visible=False)
     x, y = sweep_map.axes
-    axes.set(ylabel=_upright(y.label), yscale="log" if y.log else "linear", ylim=y.edges[[0, -1]])
+    axes.set(
+        ylabel=broken(y.label, 30) if compact() else y.label,
+        yscale="log" if y.log else "linear",
+        ylim=y.edges[[0, -1]],
+    )
     kind = sweep_map.kind
     field = next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
@@ -107,7 +106,7 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     elif np.isfinite(field).any():
         cmap, label = FIELDS[kind]
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=cmap, rasterized=True)
-        axes.get_figure(root=True).colorbar(mesh, ax=axes, label=_upright(label), pad=0.02)
+        axes.get_figure(root=True).colorbar(mesh, ax=axes, label=label, pad=0.02)
         if kind == "normal-force":
             touches = np.where(field <= TOUCH, 0.0, np.nan)
             liftoff = {"liftoff: $g_n$ reaches 0": ink().alarm}
@@ -159,7 +158,7 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
         ylabel, columns = CURVES[sweep_map.kind]
         curves = [(text, x.centres, fields[name]) for name, text in columns.items()]
         draw_curves(axes, curves, marker="." if len(x.centres) < 200 else "")
-        axes.set_ylabel(_upright(ylabel))
+        axes.set_ylabel(ylabel)
         if sweep_map.kind != "inversion":
             axes.axhline(0, color=ink().alarm, lw=0.9)
     for words, values, dashes in _borders(sweep_map):
