@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 
 F = TypeVar("F", bound=Callable)
+TOO_DEEP = "tables or lists are nested too deeply."
 
 
 def finite(name: str, value: Any) -> float:
@@ -143,14 +144,17 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as TOML contains it: numbers of Python and lists."""
+    """Return a value as TOML contains it: numbers of Python and lists. Raises InputError."""
     import numpy as np
 
     if hasattr(value, "__array__") and not isinstance(value, str | Mapping):
         return np.asarray(value).tolist()
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+    try:
+        if isinstance(value, Mapping):
+            return {str(key): plain(item) for key, item in value.items()}
+        return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+    except RecursionError:
+        raise InputError(TOO_DEEP) from None
 
 
 def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:

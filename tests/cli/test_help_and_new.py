@@ -1,5 +1,7 @@
 """tippetop help, new, completion."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,3 +35,18 @@ def test_new_writes_a_scenario_that_checks_and_replaces_nothing(
     assert typed(f"new heavy-top --out {out}") == 5
     assert typed(f"new heavy-top --out {out} --overwrite") == 0
     assert typed(f"new --out {tmp_path}/MY.txt") == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [("run invert", "inverting"), ("plot R.zarr sphe", "sphere"), ("plot R.zarr lyap", "lyapunov")],
+)
+def test_bash_completes_presets_and_kinds_of_figures(words: str, completed: str) -> None:
+    """In a process of its own, which reads no other command line."""
+    tippetop = f"{sys.executable} -m tippetop"
+    script = (
+        f"source <({tippetop} completion bash); COMP_WORDS=(tippetop {words}); "
+        "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _tippetop; echo ${COMPREPLY[@]}"
+    )
+    found = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == [completed]

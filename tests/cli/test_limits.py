@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 from unittest.mock import Mock
 
 import pytest
@@ -17,6 +18,7 @@ from nightly import at_night
 from stores import ended, wait_until
 from typed import typed
 
+import tippetop as tt
 from tippetop.errors import InputError
 from tippetop.runs import starting
 from tippetop.scenario import reading
@@ -98,6 +100,15 @@ def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:
     file.write_text(text)
     with pytest.raises(InputError, match="nested too deeply"):
         reading.read(str(file))
+
+
+def test_deep_arguments_are_refused() -> None:
+    tables: dict[str, Any] = {}
+    for _ in range(20_000):
+        tables = {"a": tables}
+    for call in (lambda: tt.run(tables), lambda: tt.run("inverting", parameters={"m": tables})):
+        with pytest.raises(InputError, match="nested too deeply"):
+            call()
 
 
 @pytest.mark.parametrize(

@@ -79,4 +79,4 @@ def test_it_has_a_map(axes: list, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     np.testing.assert_array_equal(made.fields["lyapunov"].ravel(), rates)
     picture = draw_map(made).get_figure(root=True)
     labels = [panel.get_ylabel() for panel in picture.axes]
-    assert "largest growth rate of a small error (s⁻¹)" in labels
+    assert "growth rate of an error (s⁻¹)" in labels

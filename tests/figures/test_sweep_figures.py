@@ -11,6 +11,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from tippetop.figures import sweep_map
+from tippetop.figures.style import styled
 from tippetop.sweeps.maps import SHOWN, Map, MapAxis
 
 
@@ -60,6 +61,24 @@ def test_every_cell_has_the_colour_of_its_class() -> None:
         expected = mpl.colors.to_rgba(sweep_map.colours()[SHOWN[int(field[i, j])]])
         np.testing.assert_allclose(colours[j, i], expected, atol=1 / 255)
     assert set(sweep_map.colours()) == set(SHOWN)
+
+
+def test_labels_and_curves_of_a_small_map_are_within_it() -> None:
+    """Many classes and borders, and a long label: the panel keeps half of the height."""
+    y = MapAxis(Y.key, "viscous friction coefficient of the law μ (s m⁻¹)", Y.edges, True)
+    slope = np.log(X.span / 120.0)[:, None] + 0 * Y.span
+    borders = {f"λ = λ_{name}: an inverted spin is stable above": slope for name in "use"}
+    field = np.arange(6.0).reshape(3, 2) + 1
+    for kind in ("class", "normal-force"):
+        with styled(size=(3.4, 2.6)):
+            figure = drawn(a_map(kind, (X, y), {"class": field}, borders=borders))
+            figure.draw_without_rendering()
+        (box,) = (
+            axes.get_tightbbox().transformed(figure.transFigure.inverted())
+            for axes in figure.axes[:1]
+        )
+        assert box.y1 < 1
+        assert figure.axes[0].get_position().height > 0.5
 
 
 def contours(figure: Figure) -> list[np.ndarray]:

@@ -53,6 +53,14 @@ def test_a_top_that_begins_below_its_plane_is_doubtful() -> None:
     assert "beyond pi/2: this body has fallen" in sentence
 
 
+def test_a_start_at_rest_under_exact_coulomb_friction_can_be_confirmed() -> None:
+    law = ["friction=", "friction.law=coulomb", "friction.mu=0.3"]
+    (sentence,) = doubts(starting.load("inverting", law))
+    assert "confirms this start" in sentence
+    for confirmed in ("nu_x=0", "centre_at_rest=false"):
+        assert doubts(starting.load("inverting", [*law, f"initial.{confirmed}"])) == []
+
+
 def test_torques_that_bring_a_body_to_rest_are_doubtful() -> None:
     (sentence,) = doubts(starting.load("inverting", ["friction.mu_r=1e-4", "friction.mu_d=1e-4"]))
     assert sentence.startswith("`friction.mu_r` and `friction.mu_d` can bring this body to rest")

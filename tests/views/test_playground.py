@@ -214,6 +214,8 @@ def test_the_address_keeps_the_settings(tab: Any, open_page: Any) -> None:
     other.evaluate("location.hash = '#preset=nonsense&law=none&omega3=1e99&m=x&theta='")
     other.wait_for_function(f"{scenario}.includes('omega3 = 350')")
     assert "m = 0.02\n" in other.evaluate(scenario)
+    other.evaluate("location.hash = '#__proto__=1&law=constructor&omega3=61'")
+    other.wait_for_function(f"{scenario}.includes('omega3 = 61')")
     assert other.faults == []
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..errors import InputError, suggestion
@@ -129,9 +128,16 @@ def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
     shell
         bash, zsh or fish.
     """
-    from .application import application
+    from ..figures.catalogue import FIGURES, SWEEP_KINDS
+    from ..scenario.reading import presets
+    from .application import COMMANDS, application
 
-    script = application().generate_completion(shell=shell)
+    app = application()
+    scenarios: Any = Literal[tuple(presets())] | str
+    kinds: Any = Literal[tuple(FIGURES | SWEEP_KINDS)] | str
+    for command in COMMANDS:  # this process reads no further command line
+        hints = app[command].default_command.__annotations__
+        hints.update(scenario=scenarios, system=scenarios, words=kinds)
     # where bash knows no word it completes files: scenarios and stores
-    sys.stdout.write(script.replace("complete -F", "complete -o default -F"))
+    print(app.generate_completion(shell=shell).replace("complete -F", "complete -o default -F"))
     return 0

@@ -102,8 +102,8 @@ def band(dataset: Any, events: Any, title: str) -> Axes:
     if not np.isfinite(high).all():
         words += "; none on the stem, in the air"
     ax.fill_between(t, low, high, color=colours.upper, alpha=0.18, lw=0, label=words)
-    ax.plot(t, high, color=colours.upper, lw=0.5)
-    ax.plot(t, low, color=colours.lower, lw=0.5)
+    ax.plot(t, high, color=colours.upper, lw=0.5, label="its upper edge")
+    ax.plot(t, low, color=colours.lower, lw=0.5, label="its lower edge")
     least = np.where(np.isfinite(high), dataset["theta_star"].values, np.nan)
     ax.plot(t, least, color=colours.quiet, lw=0.8, ls="--", label="θ of least V")
     if "theta" in dataset:

@@ -12,7 +12,17 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from ..columns import capitalised
-from .style import DASHES, draw_curves, heading, ink, legend, panel, ticks_of_inclination
+from .style import (
+    DASHES,
+    broken,
+    compact,
+    draw_curves,
+    heading,
+    ink,
+    legend,
+    panel,
+    ticks_of_inclination,
+)
 
 
 CLASSES = {
@@ -46,7 +56,7 @@ TITLES = {
 FIELDS = {
     "inversion": ("viridis", "time of inversion t (s)"),
     "normal-force": ("cividis", "least normal force $g_n\\,/\\,mg$"),
-    "lyapunov": ("inferno", "largest growth rate of a small error (s⁻¹)"),
+    "lyapunov": ("inferno", "growth rate of an error (s⁻¹)"),
 }
 """Colour map and label of numbers."""
 CURVES = {
@@ -83,7 +93,11 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     """Draw a map over two axes; return the entries of its legend."""
     axes.grid(visible=False)
     x, y = sweep_map.axes
-    axes.set(ylabel=y.label, yscale="log" if y.log else "linear", ylim=y.edges[[0, -1]])
+    axes.set(
+        ylabel=broken(y.label, 30) if compact() else y.label,
+        yscale="log" if y.log else "linear",
+        ylim=y.edges[[0, -1]],
+    )
     kind = sweep_map.kind
     field = next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
@@ -161,4 +175,4 @@ def _borders(sweep_map: Any) -> Iterator[tuple[str, np.ndarray, Any]]:
     for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
         symbol, _, words = label.partition(": ")
         symbol = symbol.replace("λ", r"\lambda").replace("_de", "_{de}")
-        yield f"${symbol}$: {words}", values, dashes
+        yield f"${symbol}$" if compact() else f"${symbol}$: {words}", values, dashes

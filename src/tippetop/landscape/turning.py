@@ -112,7 +112,7 @@ def turning_angles(
 def band(
     parameters: Mapping[str, float], run: xr.Dataset, system: str | System = "tippe-top"
 ) -> xr.Dataset:
-    """Compute the nutational band along a run, NaN while the body flies. [T 4.21, 5.26]
+    """Compute the predicted band along a run, NaN while the body flies. [T 4.21, 5.26]
 
     Parameters
     ----------

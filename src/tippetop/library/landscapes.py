@@ -157,7 +157,7 @@ def turning_angles(
 
 
 def band(run: Run) -> "xr.Dataset":
-    """Compute the nutational band along a run from D(t), lambda and E~(t).
+    """Compute the predicted band along a run, V <= E~, from D(t), lambda and E~(t).
 
     Parameters
     ----------

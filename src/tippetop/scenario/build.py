@@ -84,7 +84,7 @@ def problem(
     rules = rules_of(scenario, system)
     kinds = tuple(event.name for event in system.events)
     parameters = dict(scenario.parameters)
-    initial = {k: v for k, v in scenario.initial if v is not None and v is not False}
+    initial = {k: v for k, v in scenario.initial if v is not None}
     turns = run.columns is None or any(name in TURN for name in run.columns)
     del given["output_step"], given["output_times"]
     given |= {

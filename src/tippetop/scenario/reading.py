@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..arguments import plain
+from ..arguments import TOO_DEEP, plain
 from ..errors import InputError, suggestion
 
 
@@ -58,16 +58,19 @@ def read(source: str) -> dict[str, Any]:
         return plain(_parsed(text))
     except InputError:
         raise
-    except RecursionError:
-        raise InputError(f"`{source}` has tables or lists that are nested too deeply.") from None
     except OSError as error:
         raise InputError(f"`{source}` cannot be read: {error.strerror or error}.") from None
     except ValueError as error:
         raise InputError(f"`{source}` is not valid TOML in UTF-8: {error}.") from None
 
 
-_parsed = lru_cache(maxsize=64)(tomllib.loads)
-"""Returns the tables of a TOML text. Raises ValueError, or RecursionError if it is too deep."""
+@lru_cache(maxsize=64)
+def _parsed(text: str) -> dict[str, Any]:
+    """Return the tables of a TOML text. Raises ValueError."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(TOO_DEEP) from None
 
 
 def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str, Any]:
@@ -134,7 +137,7 @@ def _value(key: str, text: str) -> Any:
     """Return the value of an assignment: TOML, or a text without quotes. Raises InputError."""
     try:
         return _parsed(f"value = {text}")["value"]
-    except (ValueError, RecursionError):
+    except ValueError:
         if key == "initial.from" or not re.search(r"[\"'\[\]{}=,#]", text):
             return text
         raise InputError(

@@ -81,7 +81,7 @@ def tables_of(system: System, law: Any = None) -> dict[str, Any]:
     """Return the models of the tables that a scenario of a system and a law may have, by name."""
     words = "the centre of mass does not move sideways"
     flags: Any = {
-        a.name: (bool, Field(False, description=words)) for a in system.alternatives if a.flag
+        a.name: (bool, Field(None, description=words)) for a in system.alternatives if a.flag
     }
     tables = {"parameters": number_table(system.parameters)}
     if law is not None:

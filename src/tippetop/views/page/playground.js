@@ -149,7 +149,7 @@ export class Playground {
     const { m, R, alpha, I1, I3 } = preset.parameters;
     this.body.set({ m, R, alpha, gamma: I1 / I3, inertia: I3 / (m * R * R), g: preset.parameters.g });
     const law = link.get("law") ?? "";
-    part("law").value = law in facts.laws ? law : preset.law;
+    part("law").value = Object.hasOwn(facts.laws, law) ? law : preset.law;
     this.friction.values = { ...USUAL, mu: 0.3, ...preset.parameters };
     this.lawChanged();
     this.contact.values = { e_n: preset.e_n, ...STEM, ...preset.stem };
@@ -158,7 +158,7 @@ export class Playground {
     this.start.set({ omega3: preset.initial.omega3 ?? 0, theta: preset.initial.theta ?? 0, until: preset.until });
     const numbers = [...link].filter(([, text]) => text && isFinite(Number(text)));
     for (const group of this.groups) {
-      const own = numbers.filter(([key]) => key in group.all);
+      const own = numbers.filter(([key]) => Object.hasOwn(group.all, key));
       group.set(Object.fromEntries(own.map(([key, text]) => [key, Number(text)])));
     }
     part("preset").value = preset.name;
