@@ -150,6 +150,7 @@ def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
     }
     alone = tt.run(scenario)
     assert alone.summary.status == "ended"
+    assert "made energy" in alone.summary.reason
     assert not hasattr(alone.summary, "outcome")
     tops = tt.ensemble(scenario, {"nu_x": [-0.66, 0.0]})
     classes, words = (tops[name].attrs["flag_meanings"].split() for name in ("class", "status"))
