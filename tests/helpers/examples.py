@@ -19,8 +19,6 @@ CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3
 """S. Rauch-Wojciechowski and N. Rutstam, Regul. Chaotic Dyn. 18 (2013)."""
 HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 """A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
-SLENDER = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
-"""A heavy top whose periods were computed by quadrature in 30 digits."""
 GLIDING = Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 """CANONICAL as a ball that glides."""
 PRESETS = {
