@@ -428,6 +428,15 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
             "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
         },
+        "each name once, but has twice exit by `ground`": changed(
+            "fall", exits=SYSTEMS["bouncing-point"].phases["fall"].exits * 2
+        ),
+        "each name once, but has twice event `bounce`, event `rests`": changed(
+            "rest", events=page["words"] * 2
+        ),
+        "`direction` of the event `bounce` must be -1 or 1, for it is `lasting`": changed(
+            "rest", events=(dataclasses.replace(page["words"][0], lasting=True),)
+        ),
         "sky": left("sky", ("rest",)),
         "must keep the common state": changed(
             "rest", enter=lambda x, b: x, leave=lambda q, b: State(q.h + 1, q.v)
