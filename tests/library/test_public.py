@@ -207,7 +207,7 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert found.summary.certificate.against == "longdouble"
 
 
-@pytest.mark.parametrize("preset", ["inverting", "gliding-cylinder"])
+@pytest.mark.parametrize("preset", ["inverting", "gliding-cylinder", "flying"])
 def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Path) -> None:
     recorded, saved = tmp_path / "recorded.zarr", tmp_path / "saved.zarr"
     record(tt.load(preset, until=1.0), recorded)
@@ -217,8 +217,8 @@ def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Pat
     run.save(saved, overwrite=True)
     stored = tt.open(saved)
     assert isinstance(stored, tt.StoredRun)
-    for name in ("trajectory", "events"):
-        assert getattr(stored, name).identical(getattr(run, name)), name
+    for name, table in run.datasets().items():
+        assert stored.datasets()[name].identical(table), name
     assert stored.summary.to_dict() == run.summary.to_dict()
     assert repr(stored) == repr(run).replace("<Run of", "<StoredRun of")
 
