@@ -318,20 +318,10 @@ def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
     assert given.sum() < 0.5 * given.size
 
 
-LATE = {
-    "theta": 0.1930406939565264,
-    "phi_dot": 213.19654689741958,
-    "omega3": 147.31406907076985,
-    "nu_x": -0.036966204229469724,
-    "nu_y": 0.16341042960004895,
-}
-"""The canonical inversion at its 233rd turning, 4.354 s."""
-
-
 @pytest.mark.parametrize(
     ("start", "mu", "until", "step"),
     [
-        (LATE, 0.3, 2.0, 8e-4),
+        (examples.LATE, 0.3, 2.0, 1.2e-3),
         *(at_night({}, *case) for case in ((0.3, 6.5, 2e-4), (0.15, 8.6, 1e-3))),
     ],
 )
