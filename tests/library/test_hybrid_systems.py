@@ -180,15 +180,6 @@ def test_each_step_of_each_phase_has_a_row() -> None:
     assert run.trajectory.sizes["time"] == run.summary.steps + 1
 
 
-def test_a_replay_continues_in_its_phase(tmp_path: Path) -> None:
-    run = bounces(output="keyframes", keyframe_steps=2, out=tmp_path / "run.zarr")
-    rows, whole = (
-        run.replay(0.5, 1.5, 0.125),
-        bounces(output_times=np.arange(0.5, 1.6, 0.125).tolist()),
-    )
-    np.testing.assert_array_equal(rows.h.values, whole.trajectory.h.values[: len(rows.time)])
-
-
 def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
     b = page["belt"]
     frequency, torn, middle = (
