@@ -1,4 +1,4 @@
-"""Impacts under Coulomb's law: against an integration of 30 digits, the reference, closed forms;
+"""Impacts under Coulomb's law: against more digits, integrations, closed forms;
 they never make energy.
 """
 

@@ -1,5 +1,5 @@
-"""Runs through phases of the contact: their invariants, what the starts of slides may not change,
-published anchors.
+"""Runs through phases of the contact: what the starts and ends of slides may not change, and
+published runs.
 """
 
 import numpy as np

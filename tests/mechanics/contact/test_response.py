@@ -1,6 +1,4 @@
-"""Mobility, bias and reactions at a contact, against the equations of Newton and Euler solved as
-linear ones.
-"""
+"""Mobility, bias and reactions at a contact, against the equations of Newton and Euler."""
 
 from typing import Any, NamedTuple
 
