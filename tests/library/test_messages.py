@@ -229,6 +229,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: reconstruct(tt.run("rolling-cylinder", until=0.1)), "must be one of a tippe top"),
     (lambda: minimal_surface(TOP, D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
     (lambda: minimal_surface(TOP, D=[], lam=4e-6), "`D` must be a number or"),
+    (lambda: minimal_surface(TOP, D=1e-4, lam=[[1e-6]]), "`lam.*` must be a number or"),
     (lambda: minimal_surface(TOP, L3=1, lam=4e-6), r"`L3` is no .* D and lam.\n`D` must be given"),
     (lambda: minimal_surface(CYLINDER, **MOMENTA), "must be one of tippe-top|must be a TippeTop"),
     (lambda: potential(TOP, [0.1, 1.5], **MOMENTA), r"`z` must lie in \[-1, 1\], but is 1.5"),
