@@ -111,15 +111,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     evaluated, owners = _values_at(base.system, base.form.name)
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
-    values: Any = None
-    if problems.n == 1 and not owners:
-        try:  # numbers are faster than arrays of one
-            body = problems.body_of_pars(pars[:, 0].tolist())
-            values = evaluated(*variables.split(start[:, 0].tolist()), body)
-        except ArithmeticError:
-            pass
-    if values is None:
-        values = evaluated(*variables.split(start), problems.body_of_pars(pars))
+    values = evaluated(*variables.split(start), problems.body_of_pars(pars))
     table = np.empty((len(values), problems.n))
     for row, value in zip(table, values, strict=True):
         row[:] = value
