@@ -31,7 +31,7 @@ def plain(fit: Fit, observation: Observation) -> dict[str, Any]:
         "reason": " ".join(fit.reason),
         "noise": fit.noise,
         "rows": len(observation.t),
-        "rows_used": {name: used for name, (used, _) in observation.cells.items()},
+        "rows_used": observation.used,
         "evaluations": fit.evaluations,
     }
 
@@ -51,8 +51,8 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
         f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()
     )
     rows.append(f"residuals: {noise} (root mean square)")
-    cells = (f"{name} {used} of {given}" for name, (used, given) in observation.cells.items())
-    rows.append(f"rows used: {', '.join(cells)}")
+    used = ", ".join(f"{name} {count}" for name, count in observation.used.items())
+    rows.append(f"rows used: {used} of {len(observation.t)}")
     return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
 
 

@@ -1,7 +1,7 @@
 """The predictions of a scenario for a table of measurements, and their derivatives."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -65,11 +65,7 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
-    cells
-        In how many rows each quantity of a table is used, and how many have it.
     """
-
-    cells: Mapping[str, tuple[int, int]] = {}
 
     def __init__(
         self,
@@ -118,6 +114,13 @@ class Observation:
                 [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
             )
         )
+
+    @property
+    def used(self) -> dict[str, int]:
+        """In how many rows each kind of measurement is used."""
+        return {
+            kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
+        }
 
     def refine(self) -> None:
         """Predict with the tolerance of the scenario from now on."""
