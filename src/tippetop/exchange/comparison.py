@@ -25,7 +25,6 @@ MAIN = ("attitude", "axis", "theta", "place", "omega3")
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
 ROUNDING = 1e-13  # smaller differences have no order of convergence
-TOUCH = 1e-6  # [radius] largest gap of a contact
 
 
 class Compared(NamedTuple):
@@ -223,7 +222,7 @@ def _relative(values: np.ndarray) -> np.ndarray:
 
 
 def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, Any]:
-    """Return the penetration of the floor by the other motion, and the times when it leaves it."""
+    """Return by how much the other motion penetrates the floor, and leaves it [m]."""
     axis: Any = there.axis
     if (
         there.place is None
@@ -233,14 +232,10 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
         return {}
     z = axis[:, 2]
     gap = there.place[:, 2] - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
-    off = gap > TOUCH * contact.size(body)
-    leaves = there.t[1:][off[1:] & ~off[:-1]]
     return {
         "contact": {
             "penetration": float(max(0.0, -np.nanmin(gap))),
             "gap": float(max(0.0, np.nanmax(gap))),
-            "leaves": leaves[:100].tolist(),
-            "times_off": len(leaves),
         }
     }
 
