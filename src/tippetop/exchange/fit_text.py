@@ -32,7 +32,6 @@ def plain(fit: Fit, observation: Observation) -> dict[str, Any]:
         "noise": fit.noise,
         "rows": len(observation.t),
         "rows_used": observation.used,
-        "evaluations": fit.evaluations,
     }
 
 

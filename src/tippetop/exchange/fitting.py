@@ -62,8 +62,6 @@ class Fit(NamedTuple):
         two parts, across it.
     noise
         Name -> its standard deviation.
-    evaluations
-        The number of motions that were computed.
     """
 
     estimates: dict[str, Estimate]
@@ -73,7 +71,6 @@ class Fit(NamedTuple):
     reason: list[str]
     residuals: dict[str, np.ndarray]
     noise: dict[str, float]
-    evaluations: int
 
 
 def fit(
@@ -247,7 +244,6 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
         reasons,
         parts,
         noise,
-        misfit.evaluations,
     )
 
 
