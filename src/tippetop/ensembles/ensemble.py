@@ -94,8 +94,6 @@ def measure(
                     worker.is_stopped = True
         for done in running:
             done.result()
-        measured.steps_made += int(tallies.lane["steps"].sum())
-        measured.steps_possible += sum(worker.steps_possible for worker in workers)
         _write(measured, numbers, tallies, workers[0].rows)
         if measured.passages:
             log_events(measured, measured.passages, tallies.lane["lasts_since"])
