@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..arguments import measured, not_among, plain
-from ..errors import InputError, first_sentences
+from ..errors import InputError
 from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
@@ -69,9 +69,7 @@ def problem(
         scenario: Any = model.model_validate(tables)
     except ValidationError as error:
         errors = error.errors(include_url=False)
-        raise InputError(
-            first_sentences(errors, lambda e: scenario_sentence(e, system, tables))
-        ) from None
+        raise InputError(errors, lambda e: scenario_sentence(e, system, tables)) from None
     given: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run}
     run = RunOptions(**given)
     system = system.with_requested(run.columns or ())

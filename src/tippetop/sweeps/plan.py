@@ -14,7 +14,7 @@ from pydantic import Field, ValidationError
 from ..arguments import path_of
 from ..ensembles import ensemble
 from ..ensembles.outcomes import LYAPUNOV
-from ..errors import InputError, first_sentences
+from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..mechanics.quantity import number_of
 from ..mechanics.units import ONE, Unit
@@ -123,9 +123,7 @@ class Plan:
         try:
             shape = PlanTable.model_validate(document)
         except ValidationError as error:
-            raise InputError(
-                first_sentences(error.errors(include_url=False), scenario_sentence)
-            ) from None
+            raise InputError(error.errors(include_url=False), scenario_sentence) from None
         base = made(_base(shape, folder))
         sentences = []
         keys = [axis.of for axis in shape.axis]
