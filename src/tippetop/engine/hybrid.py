@@ -576,7 +576,7 @@ class HybridDriver(Driver):
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
         if self.short > 2:
-            shortest *= float(self.problem.scales.of(SECOND))
+            shortest *= self.problem.unit(SECOND)
             self.sentence = (
                 f"phases change more often than every {shortest:.1g} s, at last "
                 f"from `{track.name}` to `{n.phase}` by `{jump.exit.event}`"

@@ -37,7 +37,7 @@ def stays(problem: Problem, values: dict[str, np.ndarray]) -> bool:
     if not isinstance(body, Touch) or "omega3" not in values:
         return True
     theta = float(values["theta"][0])
-    omega3 = float(values["omega3"][0]) / float(problem.scales.of(SECOND))
+    omega3 = float(values["omega3"][0]) / problem.unit(SECOND)
     return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
 
 

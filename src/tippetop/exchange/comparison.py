@@ -157,7 +157,7 @@ def reference(run: Solution) -> dict[str, np.ndarray]:
     if not isinstance(body, contact.Touch):
         return columns
     view = Observables(problem)
-    scale = float(problem.scales.of(METRE_PER_SECOND))
+    scale = problem.unit(METRE_PER_SECOND)
     state = view.state(run.rows)
     theta = columns["theta"]
     none = np.zeros(len(run.times))

@@ -80,7 +80,7 @@ class Observation:
         self.noise = noise
         if problem.contact is not None:
             raise InputError(UNSUPPORTED)
-        self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
+        self.second, self.metre = map(problem.unit, (SECOND, METRE))
         longest = LONGEST * self.second
         # [s] Within which the time of the table's clock is searched
         self.reach = REACH * float(self.t[-1] - self.t[0])

@@ -97,8 +97,7 @@ class Problems:
 
     def body(self, number: Callable) -> Any:
         """Return the bodies in SI units, with numbers passed through `number`."""
-        friction = self.base.friction
-        friction = friction._replace(**self.given("friction")) if self.columns else friction
+        friction = self.base.friction._replace(**self.given("friction"))
         return self.base.system.body_of(self.given("parameters"), friction, number)
 
     @cached_property

@@ -37,7 +37,7 @@ def estimate(problem: Problem) -> dict[str, float]:
     which neither the start nor the first steps show.
     """
     initial = problem.initial
-    second = float(problem.scales.of(SECOND))
+    second = problem.unit(SECOND)
     spin = initial.get("omega3", initial.get("psi_dot", 0.0))
     fastest = max(abs(float(spin)), abs(float(initial.get("phi_dot", 0.0))), 1.0 / second)
     steps = problem.until * fastest * STEPS_PER_RADIAN

@@ -95,7 +95,7 @@ class EventLog:
 
     def __init__(self, problem: Problem, view: Observables, first: np.ndarray, tallies: Tallies):
         self.view = view
-        self.second = float(problem.scales.of(SECOND))
+        self.second = problem.unit(SECOND)
         self.events = tuple(problem.system.events)
         self.tallies = tallies
         self.kinds = problem.system.kinds

@@ -37,8 +37,7 @@ def at_start(problem: Problem) -> dict[str, float]:
         first = driver_of(problem).first
     values = Observables(problem).evaluate(first)
     start = {
-        q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
-        for q in problem.system.quantities
+        q.name: float(values[q.name][0]) * problem.unit(q.unit) for q in problem.system.quantities
     }
     theta = problem.initial.get("theta", 0.0)
     return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}

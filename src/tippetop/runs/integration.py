@@ -69,7 +69,7 @@ class Integration:
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
-        self.second = float(problem.scales.of(SECOND))
+        self.second = problem.unit(SECOND)
         self.first = self.last = self.driver.first
         self.drift = Drift(problem.alone, self.first.T)
         self.force = Extremes()

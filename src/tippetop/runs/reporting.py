@@ -97,7 +97,7 @@ def _normal_force(progress: RunProgress) -> dict[str, Any]:
     problem = progress.problem
     if not math.isfinite(force.least):
         return {}
-    newton, second = (float(problem.scales.of(unit)) for unit in (NEWTON, SECOND))
+    newton, second = map(problem.unit, (NEWTON, SECOND))
     return {
         "normal_force": {
             "min": force.least * newton,
@@ -119,7 +119,7 @@ def outcome(progress: RunProgress) -> dict[str, str]:
         return {"outcome": "lifted-off"}
     values = progress.view.evaluate(progress.last)
     settled = np.array([progress.settled_since is not None])
-    second = float(problem.scales.of(SECOND))
+    second = problem.unit(SECOND)
     return {"outcome": CLASSES[classes_of(system, values, second, settled, problem.body())[0]]}
 
 
