@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
@@ -49,7 +50,7 @@ class Compared(NamedTuple):
     curves: dict[str, np.ndarray]
     theta: np.ndarray
     reference: np.ndarray
-    numbers: dict[str, Any]
+    numbers: PlainData
 
     @property
     def step(self) -> float | None:
@@ -120,7 +121,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         kept = conserved(there, problem, body)
         touching = _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
-    numbers: dict[str, Any] = {
+    numbers: PlainData = {
         "file": str(path),
         "rows": rows,
         "from": float(t[0]),
@@ -221,7 +222,7 @@ def _relative(values: np.ndarray) -> np.ndarray:
     return values / values[np.isfinite(values)][0] - 1
 
 
-def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, Any]:
+def _contact(there: Motion, problem: Problem, body: contact.Touch) -> PlainData:
     """Return by how much the other motion penetrates the floor, and leaves it [m]."""
     axis: Any = there.axis
     if (
@@ -240,7 +241,7 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
     }
 
 
-def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
+def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
     """Return the largest difference and its time, means, and when it exceeds each level."""
     given = np.isfinite(curve)
     t = t[given]
@@ -259,9 +260,7 @@ def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
     return missing if value is None else format(value, form)
 
 
-def _start_faults(
-    numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention
-) -> str:
+def _start_faults(numbers: PlainData, curves: dict[str, np.ndarray], convention: Convention) -> str:
     """Return a message if the first row differs from the start of the reference."""
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
@@ -274,7 +273,7 @@ def _start_faults(
     return ""
 
 
-def orders_of(compared: Sequence[Compared]) -> list[dict[str, Any]]:
+def orders_of(compared: Sequence[Compared]) -> list[PlainData]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
     They are those of the time in which the coarser motion is within 0.1 rad.
@@ -285,7 +284,7 @@ def orders_of(compared: Sequence[Compared]) -> list[dict[str, Any]]:
     for (long, coarse), (short, fine) in itertools.pairwise(stepped):
         if long == short:
             continue
-        orders: dict[str, Any] = {"steps": [long, short]}
+        orders: PlainData = {"steps": [long, short]}
         for name in ("theta", "attitude", "axis", "place"):
             if name not in coarse.curves or name not in fine.curves:
                 continue

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column
 from ..errors import InputError
 from ..problem import Problem
@@ -36,7 +37,7 @@ THRESHOLDS = {
 }
 
 
-def broken_promises(attrs: dict[str, Any]) -> list[str]:
+def broken_promises(attrs: PlainData) -> list[str]:
     """Return one message for each promise that a run with these root attributes does not keep."""
     broken = contract_violations(attrs["report"], attrs["tolerance"])
     if "certificate" in attrs:
@@ -44,7 +45,7 @@ def broken_promises(attrs: dict[str, Any]) -> list[str]:
     return [f"the accuracy contract is broken: {sentence}" for sentence in broken]
 
 
-def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
+def contract_violations(report: PlainData, tolerance: float) -> list[str]:
     """Return one message for each drift in a report that exceeds the contract."""
     if tolerance > MAX_TOLERANCE:
         return []
@@ -66,7 +67,7 @@ def certificate(
     problem: Problem,
     window: float | None = None,
     progress: Callable[[RunProgress], None] | None = None,
-) -> dict[str, Any]:
+) -> PlainData:
     """Repeat a run in the next wider precision and compare.
 
     Parameters
@@ -101,7 +102,7 @@ def certificate(
     expected = groups(reference)
     columns = _differences(tables["trajectory"], expected["trajectory"])
     largest = {name: _largest(values) for name, values in columns.items() if name != "time"}
-    result: dict[str, Any] = {
+    result: PlainData = {
         "against": wide.precision,
         "window": [0.0, min(until, run.report["t_end"])],
         "same_end": run.status is reference.status,
@@ -133,7 +134,7 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
     return [text for name, text in THRESHOLDS.items() if met[name]]
 
 
-def certificate_violations(result: dict[str, Any]) -> list[str]:
+def certificate_violations(result: PlainData) -> list[str]:
     """Return one message for each way in which the wider run contradicts the run."""
     if result["against"] is None:
         return []
@@ -175,7 +176,7 @@ def _turnings(solution: Solution) -> dict[str, Column]:
     return {"time": Column(("event",), table.time, {"units": "s"})}
 
 
-def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:
+def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> PlainData:
     """Compare tables row by row; of tables with different numbers of rows, return the numbers."""
     rows, expected = counts = [len(next(iter(each.values())).values) for each in (table, reference)]
     if rows != expected:

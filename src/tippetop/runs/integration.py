@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.integrator import compiling
 from ..engine.observables import Observables
@@ -256,7 +257,7 @@ class Integration:
 
     # --- snapshots -------------------------------------------------------------------------------
 
-    def snapshot(self) -> dict[str, Any]:
+    def snapshot(self) -> PlainData:
         """Return all that is needed to continue bit by bit, as plain JSON data."""
         return self._encoded(self._state())
 
@@ -270,7 +271,7 @@ class Integration:
             end["joint"] = self.driver.joint(event.name for event in self.problem.system.events)
         return {"slice": self.last_slice, "end": end}
 
-    def encoded(self, ending: dict[str, Any]) -> dict[str, Any]:
+    def encoded(self, ending: dict[str, Any]) -> PlainData:
         """Return an ending as plain JSON data."""
         start = ending["slice"]
         end = hexfloat.encode(ending["end"])
@@ -290,10 +291,10 @@ class Integration:
             "story": self.story.report(),
         }
 
-    def _encoded(self, state: dict[str, Any]) -> dict[str, Any]:
+    def _encoded(self, state: dict[str, Any]) -> PlainData:
         return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
-    def restore(self, kept: dict[str, Any]) -> None:
+    def restore(self, kept: PlainData) -> None:
         """Continue from a snapshot. Raises ValueError if it was made with other equations."""
         if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but are others here")

@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.driver import Extremes
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, classes_of
@@ -55,7 +55,7 @@ class RunProgress:
     drift: dict[str, float]
     force: Extremes
     events: LogReport
-    phases: dict[str, Any] | None
+    phases: PlainData | None
     sentence: str
 
     @cached_property
@@ -74,7 +74,7 @@ class RunProgress:
         return self.events.kept().get("lifted_at")
 
 
-def report(progress: RunProgress) -> dict[str, Any]:
+def report(progress: RunProgress) -> PlainData:
     """Return the measured part of `info --json`, as far as the run has come."""
     events = progress.events.report()
     if is_peg(progress.problem.parameters):
@@ -91,7 +91,7 @@ def report(progress: RunProgress) -> dict[str, Any]:
     }
 
 
-def _normal_force(progress: RunProgress) -> dict[str, Any]:
+def _normal_force(progress: RunProgress) -> PlainData:
     """Return the extremes of the normal force; empty without such a force."""
     force = progress.force
     problem = progress.problem

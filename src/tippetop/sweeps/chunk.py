@@ -1,9 +1,10 @@
 """A chunk of a sweep: the task of a worker, and the rows that it returns, without integrators."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
@@ -31,7 +32,7 @@ class Task(NamedTuple):
     """A chunk to compute."""
 
     chunk: int
-    tables: dict[str, Any]  # of the base scenario
+    tables: PlainData  # of the base scenario
     columns: dict[str, np.ndarray]  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
@@ -54,7 +55,7 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
     return {name: each.values for name, each in table.items()}
 
 
-def base_of(tables: dict[str, Any], own: Records) -> Problem:
+def base_of(tables: PlainData, own: Records) -> Problem:
     """Return the problem of a scenario's tables, with events and columns of the user."""
     return build.problem(tables, build.system_of(tables).with_records(*own))
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import greek, units_text
 from ..engine.settling import NEAR
 from ..engine.status import Status
@@ -175,7 +176,7 @@ def shown_classes(path: Path, table: Any) -> np.ndarray:
     return np.where(waits, SHOWN.index("near-upright"), classes)
 
 
-def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
+def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
     """Return the cells of an axis: one for each number, or bins of drawn numbers."""
     values = np.unique([v for v in axis.values if np.isfinite(v)] if axis.values else axis.between)
     if not len(values):
@@ -194,7 +195,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     return MapAxis(axis.key, labelled(attrs), np.exp(edges) if log else edges, log)
 
 
-def labelled(attrs: dict[str, Any]) -> str:
+def labelled(attrs: PlainData) -> str:
     """Return name and unit of an axis."""
     words = greek(attrs["long_name"]).partition(":")[0]
     return words if attrs["units"] == "1" else f"{words} ({units_text(attrs['units'])})"

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
 from ..store import root
@@ -61,7 +62,7 @@ def gridded(table: Any) -> Any:
     return xr.Dataset(columns, axes, table.attrs).set_coords(others)
 
 
-def report(path: str | Path) -> dict[str, Any]:
+def report(path: str | Path) -> PlainData:
     """Return the content of a sweep's store, as `info --json` prints it."""
     table = open_sweep(path)
     folder = Path(path)
@@ -96,7 +97,7 @@ def report(path: str | Path) -> dict[str, Any]:
     }
 
 
-def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
+def lines(facts: PlainData) -> list[tuple[str, str]]:
     """Return name and text of each line of a report."""
     plan = facts["plan"]
     sizes = zip(facts["dimensions"], facts["shape"], strict=True)
