@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arguments import PlainData
+from ..columns import Arrays
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
@@ -47,7 +48,7 @@ class Compared(NamedTuple):
 
     path: Path
     t: np.ndarray
-    curves: dict[str, np.ndarray]
+    curves: Arrays
     theta: np.ndarray
     reference: np.ndarray
     numbers: PlainData
@@ -147,7 +148,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     )
 
 
-def reference(run: Solution) -> dict[str, np.ndarray]:
+def reference(run: Solution) -> Arrays:
     """Return the columns of a run, and further quantities of a table, SI."""
     problem = run.problem
     body = problem.body()
@@ -174,11 +175,9 @@ def reference(run: Solution) -> dict[str, np.ndarray]:
     return columns
 
 
-def differences(
-    there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
-    result: dict[str, np.ndarray] = {}
+    result: Arrays = {}
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi"):
@@ -194,7 +193,7 @@ def differences(
     return result
 
 
-def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, np.ndarray]:
+def conserved(there: Motion, problem: Problem, body: contact.Touch) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
@@ -260,7 +259,7 @@ def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
     return missing if value is None else format(value, form)
 
 
-def _start_faults(numbers: PlainData, curves: dict[str, np.ndarray], convention: Convention) -> str:
+def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) -> str:
     """Return a message if the first row differs from the start of the reference."""
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):

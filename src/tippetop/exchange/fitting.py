@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from .misfit import ROUNDING, Misfit
@@ -69,7 +70,7 @@ class Fit(NamedTuple):
     converged: bool
     trustworthy: bool
     reason: list[str]
-    residuals: dict[str, np.ndarray]
+    residuals: Arrays
     noise: dict[str, float]
 
 
@@ -167,7 +168,7 @@ def _refuse(misfit: Misfit) -> None:
         )
 
 
-def _excess(parts: dict[str, np.ndarray]) -> float:
+def _excess(parts: Arrays) -> float:
     """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
     lags = np.arange(1, LAGS + 1)
     worst = 0.0
@@ -247,7 +248,7 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     )
 
 
-def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
+def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
     """Return sentences on residuals that are not noise, or not of the stated size."""
     observation = misfit.observation
     reasons = []

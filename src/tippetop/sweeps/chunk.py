@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column, column, without_rows
+from ..columns import Arrays, Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
 from ..mechanics.event import Event
@@ -16,7 +16,7 @@ from ..scenario import build
 from ..store import provenance
 
 
-Rows = dict[str, np.ndarray]  # the columns of a chunk by name
+Rows = Arrays  # the columns of a chunk by name
 # names in `keep` for several columns; those of the orientation are left out unless they are named
 FINAL = "final_state"
 DRIFT = "drift"
@@ -33,7 +33,7 @@ class Task(NamedTuple):
 
     chunk: int
     tables: PlainData  # of the base scenario
-    columns: dict[str, np.ndarray]  # numbers of the tops
+    columns: Arrays  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
     own: Records = ((), ())
@@ -61,7 +61,7 @@ def base_of(tables: PlainData, own: Records) -> Problem:
 
 
 def measure(
-    base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
+    base: Problem, numbers: Arrays, keep: list[str] | None, threads: int = 1
 ) -> outcomes.Outcomes:
     """Run tops as far as the columns that are kept require."""
     names = keep or []

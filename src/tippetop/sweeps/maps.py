@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import greek, units_text
+from ..columns import Arrays, greek, units_text
 from ..engine.settling import NEAR
 from ..engine.status import Status
 from ..ensembles.outcomes import CLASSES
@@ -67,8 +67,8 @@ class Map:
     kind: str
     title: str
     axes: tuple[MapAxis, ...]
-    fields: dict[str, np.ndarray]
-    borders: dict[str, np.ndarray]
+    fields: Arrays
+    borders: Arrays
     notes: list[str]
     classes: tuple[str, ...] = SHOWN  # the names of the field `class`
 
@@ -136,7 +136,7 @@ def make_map(path: Path, kind: str) -> Map:
 
 def borders_of(
     plan: Plan, axes: tuple[MapAxis, ...], further: dict[str, float], every: int = 1
-) -> dict[str, np.ndarray]:
+) -> Arrays:
     """Return log(|lambda|/threshold) over the spans of axes, by the label of the threshold.
 
     A threshold that is on one side of all points is left out.
