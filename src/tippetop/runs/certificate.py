@@ -128,9 +128,9 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
         return {kinds[table][column][k] for k in tables[table][column].values}
 
     sticks = words("impacts", "mode") - {"slip"} if problem.law.torque else {}
-    rests = words("phases", "reason") & {"rests", "gives"} or (sticks and problem.law.regions)
     labels = words("phases", "phase")
-    met = {"disc": rests or "rest" in labels, "both": "both" in labels, "impact": sticks}
+    rests = "rest" in labels or (sticks and problem.law.regions)
+    met = {"disc": rests, "both": "both" in labels, "impact": sticks}
     return [text for name, text in THRESHOLDS.items() if met[name]]
 
 
