@@ -370,7 +370,6 @@ class Driver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        self.forget()
         self.put(state, clock)
         self.forget()
         self.tallies.lane[0] = tuple(kept["tally"])
