@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..problem import Problem
 from . import phases
 from .attributes import groups
-from .reporting import RunProgress
+from .reporting import Progress
 from .run import Solution, solve, with_rows_at
 
 
@@ -66,7 +66,7 @@ def contract_violations(report: PlainData, tolerance: float) -> list[str]:
 def certificate(
     problem: Problem,
     window: float | None = None,
-    progress: Callable[[RunProgress], None] | None = None,
+    progress: Progress | None = None,
 ) -> PlainData:
     """Repeat a run in the next wider precision and compare.
 

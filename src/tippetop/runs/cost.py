@@ -12,7 +12,7 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
 from .integration import Integration
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .sinks import Sink
 
 
@@ -101,7 +101,7 @@ def _timed(
 
 
 @contextmanager
-def bar_of_run() -> Iterator[Callable[[RunProgress], None]]:
+def bar_of_run() -> Iterator[Progress]:
     """Provide a run's progress callback that draws a bar in a terminal."""
 
     with Bar("s", "t = {done:.4g} s") as bar:

@@ -21,7 +21,7 @@ from . import keyframes
 from .drift import Drift
 from .event_log import EventLog
 from .phases import Story
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .sinks import Sink
 
 
@@ -83,7 +83,7 @@ class Integration:
         self.status: Status | None = None
         self.last_slice: dict[str, Any] | None = None
 
-    def run(self, sink: Sink, progress: Callable[[RunProgress], None] | None = None) -> None:
+    def run(self, sink: Sink, progress: Progress | None = None) -> None:
         """Integrate to the end.
 
         Parameters

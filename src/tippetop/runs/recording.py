@@ -23,7 +23,7 @@ from . import attributes, keyframes, phases, reporting
 from .events import EventTable, event_columns
 from .integration import Integration
 from .phases import Rows
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .run import Solution
 from .sinks import Sink
 
@@ -38,7 +38,6 @@ SIGNIFICANT = "significant"
 COMMIT_EVERY = 5.0
 # After this time [s] a stop does not wait for the end of a slice: its rows are made again.
 PATIENCE = 2.0
-Progress = Callable[[RunProgress], None]
 
 
 class Recorder(Writer, Sink):

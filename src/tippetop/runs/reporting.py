@@ -1,6 +1,7 @@
 """The progress of a run, as an immutable record, and its report: measurements, outcome, reason."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +73,10 @@ class RunProgress:
     def lifted_at(self) -> float | None:
         """Return when the body lifted off [s], if it did."""
         return self.events.kept().get("lifted_at")
+
+
+Progress = Callable[[RunProgress], None]
+"""A progress callback, which is called after every slice."""
 
 
 def report(progress: RunProgress) -> PlainData:
