@@ -58,16 +58,20 @@ def refuse_foreign(path: Path) -> None:
 
 def _no_store(place: Path) -> str:
     """Return why a path is not a store of tippetop."""
-    if not os.path.lexists(place):
-        return "does not exist: `tippetop run SCENARIO --out STORE` makes a store"
-    if os.path.isfile(place):
-        return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
-    if os.path.lexists(place / DOCUMENT):
+    try:
+        (place / DOCUMENT).stat()
         return (
             "must be a store of tippetop, but is another zarr folder or of a preview (format 1): "
             "make it again, or read its numbers with xarray.open_zarr"
         )
-    return "must be a store of tippetop, but is another folder, or cannot be read"
+    except FileNotFoundError:
+        if not place.exists():
+            return "does not exist: `tippetop run SCENARIO --out STORE` makes a store"
+    except NotADirectoryError:
+        return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
+    except OSError as error:
+        return f"must be a store of tippetop, but cannot be read: {error.strerror or error}"
+    return "must be a store of tippetop, but is another folder"
 
 
 def has_keyframes(attrs: Mapping[str, Any]) -> bool:
