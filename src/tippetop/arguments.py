@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable)
 TOO_DEEP = "tables or lists are nested too deeply."
+PlainData = dict[str, Any]
+"""A table of what TOML and JSON contain: of a scenario, the attributes of a store, a report."""
 
 
 def finite(name: str, value: Any) -> float:

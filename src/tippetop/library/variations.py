@@ -5,14 +5,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import dotted_keys, flag, instance, measured_values, path_of, plain, takes, whole
-from ..ensembles import ensemble as ensembles
+from ..ensembles import outcomes, top_events
+from ..ensembles.ensemble import measure, vary
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import ONE, SECOND
-from ..problem import Problem
-from ..progress import Report
+from ..problem import Problem, derivative_faults
+from ..progress import Report, reporting
+from ..runs import attributes
 from ..sweeps.plan import Plan
 from ..sweeps.sweep import sweep as swept
 from .extensions import given_records
@@ -106,16 +108,17 @@ def ensemble(
     flag("orientation", orientation)
     flag("lyapunov", lyapunov)
     flag("event_table", event_table)
-    found, events = ensembles.of_problem(
-        base,
-        dotted,
-        threads=threads,
-        progress=progress,
-        orientation=orientation,
-        lyapunov=lyapunov,
-        events=event_table,
-    )
-    return (found, events) if event_table else found
+    if lyapunov and (sentences := derivative_faults(base)):
+        raise InputError(sentences)
+    tops = vary(base, dotted, orientation=orientation)
+    with reporting(progress, "tops") as report:
+        measured = measure(
+            tops, threads=threads, progress=report, lyapunov=lyapunov, events=event_table
+        )
+    found = outcomes.dataset(measured)
+    if not event_table:
+        return found
+    return found, attributes.dataset(top_events.event_table(measured), found.attrs)
 
 
 @takes(swept)

@@ -2,17 +2,18 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column
 from ..errors import InputError
 from ..problem import Problem
 from . import phases
 from .attributes import groups
-from .reporting import RunProgress
+from .reporting import Progress
 from .run import Solution, solve, with_rows_at
 
 
@@ -36,7 +37,7 @@ THRESHOLDS = {
 }
 
 
-def broken_promises(attrs: dict[str, Any]) -> list[str]:
+def broken_promises(attrs: PlainData) -> list[str]:
     """Return one message for each promise that a run with these root attributes does not keep."""
     broken = contract_violations(attrs["report"], attrs["tolerance"])
     if "certificate" in attrs:
@@ -44,7 +45,7 @@ def broken_promises(attrs: dict[str, Any]) -> list[str]:
     return [f"the accuracy contract is broken: {sentence}" for sentence in broken]
 
 
-def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
+def contract_violations(report: PlainData, tolerance: float) -> list[str]:
     """Return one message for each drift in a report that exceeds the contract."""
     if tolerance > MAX_TOLERANCE:
         return []
@@ -65,8 +66,8 @@ def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
 def certificate(
     problem: Problem,
     window: float | None = None,
-    progress: Callable[[RunProgress], None] | None = None,
-) -> dict[str, Any]:
+    progress: Progress | None = None,
+) -> PlainData:
     """Repeat a run in the next wider precision and compare.
 
     Parameters
@@ -101,7 +102,7 @@ def certificate(
     expected = groups(reference)
     columns = _differences(tables["trajectory"], expected["trajectory"])
     largest = {name: _largest(values) for name, values in columns.items() if name != "time"}
-    result: dict[str, Any] = {
+    result: PlainData = {
         "against": wide.precision,
         "window": [0.0, min(until, run.report["t_end"])],
         "same_end": run.status is reference.status,
@@ -127,13 +128,13 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
         return {kinds[table][column][k] for k in tables[table][column].values}
 
     sticks = words("impacts", "mode") - {"slip"} if problem.law.torque else {}
-    rests = words("phases", "reason") & {"rests", "gives"} or (sticks and problem.law.regions)
     labels = words("phases", "phase")
-    met = {"disc": rests or "rest" in labels, "both": "both" in labels, "impact": sticks}
+    rests = "rest" in labels or (sticks and problem.law.regions)
+    met = {"disc": rests, "both": "both" in labels, "impact": sticks}
     return [text for name, text in THRESHOLDS.items() if met[name]]
 
 
-def certificate_violations(result: dict[str, Any]) -> list[str]:
+def certificate_violations(result: PlainData) -> list[str]:
     """Return one message for each way in which the wider run contradicts the run."""
     if result["against"] is None:
         return []
@@ -175,7 +176,7 @@ def _turnings(solution: Solution) -> dict[str, Column]:
     return {"time": Column(("event",), table.time, {"units": "s"})}
 
 
-def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:
+def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> PlainData:
     """Compare tables row by row; of tables with different numbers of rows, return the numbers."""
     rows, expected = counts = [len(next(iter(each.values())).values) for each in (table, reference)]
     if rows != expected:

@@ -1,8 +1,8 @@
 """Facts about a scenario before it is run: invariants, regime, fate."""
 
 from dataclasses import replace
-from typing import Any
 
+from ..arguments import PlainData
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
 from ..problem import Problem
@@ -10,7 +10,7 @@ from ..scenario.doubts import contact_start, starts_at_pole
 from .cost import estimate
 
 
-def assessment(problem: Problem) -> dict[str, Any]:
+def assessment(problem: Problem) -> PlainData:
     """Return the quantities at the start (SI, with units), predictions, and the expected cost."""
     start = at_start(problem)
     quantities = {
@@ -37,20 +37,19 @@ def at_start(problem: Problem) -> dict[str, float]:
         first = driver_of(problem).first
     values = Observables(problem).evaluate(first)
     start = {
-        q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
-        for q in problem.system.quantities
+        q.name: float(values[q.name][0]) * problem.unit(q.unit) for q in problem.system.quantities
     }
     theta = problem.initial.get("theta", 0.0)
     return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
 
 
-def comments(problem: Problem) -> dict[str, Any]:
+def comments(problem: Problem) -> PlainData:
     """Return the part of a report that follows from theory: the name of the motion."""
     motion = problem.system.motion
     return {} if motion is None else {"motion": motion(problem.body(), at_start(problem))}
 
 
-def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
+def _outlook(problem: Problem, start: dict[str, float]) -> PlainData:
     """Return thresholds, regime and predicted fate, as far as the theory of the system goes."""
     if problem.system.outlook is None:
         return {}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import path_of
+from ..arguments import PlainData, path_of
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError, StoreError
@@ -69,7 +69,7 @@ def load_any(source: str | os.PathLike, assignments: list[str] | None = None) ->
     return build.problem(reading.override(build.tables_of(attrs), assignments))
 
 
-def problem(tables: dict[str, Any], source: Any, known: System | None = None) -> Problem:
+def problem(tables: PlainData, source: Any, known: System | None = None) -> Problem:
     """Return the checked Problem of a scenario's tables, read from `source`.
 
     Their `initial.from` may name the store of a run, from the folder of the source.
@@ -127,7 +127,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     return build.problem(tables | {"initial": dict(run.initial)}, known, origin)
 
 
-def _ended(path: Path) -> dict[str, Any]:
+def _ended(path: Path) -> PlainData:
     """Return the root attributes of the store of a run that ended ordinarily. Raises StoreError."""
     attrs = root.attributes(path)
     if "content" in attrs or "replay" in attrs:

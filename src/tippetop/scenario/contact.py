@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from ..arguments import PlainData
 from ..errors import InputError
 from ..mechanics.contact.body import size
 from ..mechanics.contact.contact_phases import LEAST_PATCH
@@ -23,7 +24,7 @@ HIGHEST = 1e6  # gap of a start, by the radius: beyond it a landing has no digit
 UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is not there by rounding
 
 
-def system_with_contact(system: System, tables: dict[str, Any]) -> System:
+def system_with_contact(system: System, tables: PlainData) -> System:
     """Return the system of a scenario, with a contact that may open if the scenario requires it.
 
     `[contact]`, `[stem]`, a Coulomb law without `eps`, and `on_liftoff = "fly"` require it.
@@ -168,8 +169,8 @@ def contact_faults(problem: Problem) -> list[str]:
 
 
 def on_stem(
-    initial: dict[str, Any], parameters: Mapping[str, float], rules: ContactLaw | None
-) -> dict[str, Any]:
+    initial: PlainData, parameters: Mapping[str, float], rules: ContactLaw | None
+) -> PlainData:
     """Return the start with the gap at which the stem touches, where none is given.
 
     Only where the stem would be under the plane if the sphere touched it.
@@ -189,6 +190,6 @@ def touches(problem: Problem) -> bool:
     return rules.stem and gap > 0 and gap == _least_gap(problem.initial, problem.body().R, rules)
 
 
-def _least_gap(initial: dict[str, Any], R: float, rules: ContactLaw) -> float:
+def _least_gap(initial: PlainData, R: float, rules: ContactLaw) -> float:
     """Return the gap of the sphere where the stem touches [m]; it may be negative."""
     return rules.r - R - rules.h * math.cos(float(initial.get("theta", 0.0)))
