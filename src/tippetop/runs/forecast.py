@@ -3,11 +3,17 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
 from ..problem import Problem
 from ..scenario.doubts import contact_start, starts_at_pole
 from .cost import estimate
+
+
+ROUNDING = 2.0**-52
+"""Relative change of each number of a state; a quantity that it changes by its size is 0."""
 
 
 def assessment(problem: Problem) -> dict[str, Any]:
@@ -30,16 +36,17 @@ def assessment(problem: Problem) -> dict[str, Any]:
 
 
 def at_start(problem: Problem) -> dict[str, float]:
-    """Return the quantities at the start by name, SI."""
+    """Return the quantities at the start by name, SI; 0 where rounding of the state hides them."""
     first = problem.start()[None, :]
     if problem.contact is not None:  # its phase decides the reaction
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
-    values = Observables(problem).evaluate(first)
-    start = {
-        q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
-        for q in problem.system.quantities
-    }
+    errors = np.random.default_rng(0).choice([-ROUNDING, ROUNDING], (16, first.shape[1]))
+    values = Observables(problem).evaluate(np.vstack([first, first + first * errors]))
+    start = {}
+    for q in problem.system.quantities:
+        numbers = values[q.name] * float(problem.scales.of(q.unit))
+        start[q.name] = 0.0 if abs(numbers[0]) <= np.ptp(numbers) else float(numbers[0])
     theta = problem.initial.get("theta", 0.0)
     return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
 
