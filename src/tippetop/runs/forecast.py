@@ -41,8 +41,9 @@ def at_start(problem: Problem) -> dict[str, float]:
     if problem.contact is not None:  # its phase decides the reaction
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
-    errors = np.random.default_rng(0).choice([-ROUNDING, ROUNDING], (16, first.shape[1]))
-    values = Observables(problem).evaluate(np.vstack([first, first + first * errors]))
+    signs = np.random.default_rng(0).choice([-1, 1], (16, first.size))
+    signs[0] = 0
+    values = Observables(problem).evaluate(first * (1 + ROUNDING * signs))
     start = {}
     for q in problem.system.quantities:
         numbers = values[q.name] * float(problem.scales.of(q.unit))
