@@ -14,10 +14,12 @@ from ..engine.derivatives.growth import growth
 from ..engine.observables import event_functions
 from ..engine.settling import slides
 from ..engine.tallies import EventRows, Tallies, new_tallies
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
 from ..runs import attributes
+from ..runs.certificate import broken_by_tops
+from ..scenario.doubts import doubts
 from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, Lanes
 from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude, dataset
@@ -260,8 +262,11 @@ def of_problem(
     if lyapunov and (sentences := derivative_faults(base)):
         raise InputError(sentences)
     tops = vary(base, variations, orientation=orientation)
+    if tops.valid[:1].any():
+        warn(doubts(problem_of(tops, 0)), 4)
     with reporting(progress, "tops") as tell:
         measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov, events=events)
         found = dataset(measured)
         table = attributes.dataset(event_table(measured), found.attrs) if events else None
-        return found, table
+    warn(broken_by_tops(found, base.tolerance), 4)
+    return found, table
