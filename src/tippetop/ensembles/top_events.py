@@ -35,7 +35,7 @@ def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray
     rows, states = map(np.concatenate, zip(*found, strict=True))
     order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend
     some, first = np.unique(rows["phase"][order], return_index=True)
-    for top, numbers in zip(some.tolist(), np.split(order, first[1:]), strict=True):
+    for top, numbers in zip(some.tolist(), np.split(order, first)[1:], strict=True):
         log = log_of(tops, top)
         its = rows[numbers]
         log.tallies.lane["lasts_since"] = lasts_since[top]

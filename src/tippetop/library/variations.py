@@ -139,7 +139,7 @@ def sweep(
         The store to make or to continue.
     events, columns
         As for `ensemble`. To continue the sweep, pass the same ones. Other processes compute with
-        formulas of modules that they can import, not with those of a notebook or a script.
+        named functions of modules that they can import, not with those of a notebook or a script.
     workers
         Processes on this machine that compute. One: this process itself; by default as many as
         usable cores, or threads of this process where little is to be done.

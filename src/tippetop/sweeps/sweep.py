@@ -78,7 +78,10 @@ def _unknown_to_others(base: Problem) -> str:
     except Exception:  # a formula may be any object
         is_named = False
     if not is_named:
-        return "formulas of `events` and `columns` must come from a module that workers can import"
+        return (
+            "formulas of `events` and `columns` must be named functions (`def`, not `lambda`) of a "
+            "module that workers can import"
+        )
     package = "must come from an installed package for workers to know it"
     if not known_to_others(find(base.system.name)):
         return f"the system `{base.system.name}` {package}"
