@@ -23,7 +23,9 @@ def log_of(tops: Problems, top: int) -> EventLog:
     """Return an empty log of one top."""
     problem = problem_of(tops, top)
     tallies = new_tallies(event_rows((), (), ()), np.ones((0, 1)))
-    return EventLog(problem, Observables(problem), problem.start()[None], tallies)
+    log = EventLog(problem, Observables(problem), problem.start()[None], tallies)
+    log.kept = []  # the tallies of the lanes have these numbers
+    return log
 
 
 def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray) -> None:
