@@ -60,6 +60,12 @@ def system(**fields: Any) -> Call:
     return lambda: register(SYSTEM.replace(**{"name": "mine", **fields}))
 
 
+def misplaced(key: str) -> dict[str, Any]:
+    """The tables of a run, with `form` in the wrong one or `until` in none."""
+    tables = {"system": "tippe-top", "parameters": BODY, "friction": {"law": "viscous", "mu": 0.3}}
+    return {**tables, "run": {"until": 0.05}} | {key: {"until": 0.05, "form": "euler"}}
+
+
 def law(coefficient: Any = lambda v2, z, law: law.mu, name: str = "Mine", **body: Any) -> Any:
     """A law with numbers mu and v, not registered."""
     body = {
@@ -126,6 +132,8 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(output="frames"), "`output` must be"),
     (lambda: run(output="steps", keyframe_steps=10), 'must be "keyframes" where `keyframe_steps`'),
     (lambda: run(start=0.1), "^`start` must be a mapping"),
+    (lambda: tt.run(misplaced("run")), "key `run.form`; did you mean `form`"),
+    (lambda: tt.run(misplaced("until")), "key `until`; did you mean `run.until`"),
     (lambda: run(start={"theta": None}), r"`initial\.theta` must be a number, but is None"),
     (lambda: run(friction={"mu": 0.1, "eps": 1.0}), "friction.eps"),
     (lambda: tt.run(BAD_TABLES, parameters={"m": 0.2}, until=0.1), "`parameters`"),

@@ -77,6 +77,24 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     assert tab.faults == []
 
 
+def test_the_camera_follows_as_closely_with_few_pictures_a_second(tab: Any) -> None:
+    """Where it is after a second does not depend on their number."""
+    near = [
+        tab.evaluate(
+            """n => {
+                const camera = new tippetop.stage.scene.camera.constructor();
+                camera.mode = "follow";
+                for (let i = 0; i < n; i++) camera.follow([5, 0, 0.9], 0.2 / n);
+                return camera.target[0];
+            }""",
+            pictures,
+        )
+        for pictures in (1, 3, 60)
+    ]
+    np.testing.assert_allclose(near, near[0], rtol=1e-12)
+    assert 4.5 < near[0] < 5
+
+
 def test_the_colours_of_phases_are_explained(tab: Any) -> None:
     """By the colours of the line of times, with the part of the time that each takes; without
     phases by nothing.

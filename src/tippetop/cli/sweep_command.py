@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..arguments import PlainData
 from .streams import complain, print_json, report, visible
-from .text import table, units_of
+from .text import table, units_of, warn
 from .values import Place, Whole
 
 
@@ -100,5 +100,6 @@ def examine(tables: PlainData, folder: Path) -> tuple[PlainData, dict[str, str]]
         "tops_per_chunk": plan.chunk,
         "expected": expected,
         "plan": plan.document,
+        "warnings": warn(plan.doubts),
     }
     return facts, units_of(build.resolved(plan.base)) | {"compiling": "s"}

@@ -49,10 +49,9 @@ def contract_violations(report: PlainData, tolerance: float) -> list[str]:
     """Return one message for each drift in a report that exceeds the contract."""
     if tolerance > MAX_TOLERANCE:
         return []
-    growth = math.sqrt(max(1.0, report["t_end"] / DRIFT_GROWS_AFTER))
     messages = []
     for name, drift in report["drift"].items():
-        bound = MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT) * growth
+        bound = _bound(name, report["t_end"])
         if drift is None:  # JSON has no NaN
             drift = math.nan
         if not drift <= bound:  # also true for NaN
@@ -61,6 +60,25 @@ def contract_violations(report: PlainData, tolerance: float) -> list[str]:
                 f"the drift of {label} must be at most {bound:.1e}, but is {drift:.1e}."
             )
     return messages
+
+
+def broken_by_tops(table: Any, tolerance: float) -> list[str]:
+    """Return a message if tops of a table, (top,), drift beyond the contract; else nothing."""
+    t_end = table.get("t_end", math.inf)  # which a plan may leave out
+    beyond = [
+        table[column] > _bound(column[6:], t_end)
+        for column in table
+        if column.startswith("drift_") and tolerance <= MAX_TOLERANCE
+    ]
+    count = np.count_nonzero(np.any(beyond, axis=0))
+    tops = f"{count} of {table.sizes['top']} tops: see their columns drift_NAME"
+    return [f"the accuracy contract is broken by {tops}."] if count else []
+
+
+def _bound(name: str, t_end: Any) -> Any:
+    """Return the largest drift of an invariant that runs may show which end then [s]."""
+    growth = np.sqrt(np.maximum(1.0, t_end / DRIFT_GROWS_AFTER))
+    return MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT) * growth
 
 
 def certificate(

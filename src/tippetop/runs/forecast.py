@@ -2,12 +2,18 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from ..arguments import PlainData
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
 from ..problem import Problem
 from ..scenario.doubts import contact_start, starts_at_pole
 from .cost import estimate
+
+
+ROUNDING = 2.0**-52
+"""Relative change of each number of a state; a quantity that it changes by its size is 0."""
 
 
 def assessment(problem: Problem) -> PlainData:
@@ -30,15 +36,18 @@ def assessment(problem: Problem) -> PlainData:
 
 
 def at_start(problem: Problem) -> dict[str, float]:
-    """Return the quantities at the start by name, SI."""
+    """Return the quantities at the start by name, SI; 0 where rounding of the state hides them."""
     first = problem.start()[None, :]
     if problem.contact is not None:  # its phase decides the reaction
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
-    values = Observables(problem).evaluate(first)
-    start = {
-        q.name: float(values[q.name][0]) * problem.unit(q.unit) for q in problem.system.quantities
-    }
+    signs = np.random.default_rng(0).choice([-1, 1], (16, first.size))
+    signs[0] = 0
+    values = Observables(problem).evaluate(first * (1 + ROUNDING * signs))
+    start = {}
+    for q in problem.system.quantities:
+        numbers = values[q.name] * problem.unit(q.unit)
+        start[q.name] = 0.0 if abs(numbers[0]) <= np.ptp(numbers) else float(numbers[0])
     theta = problem.initial.get("theta", 0.0)
     return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
 

@@ -1,5 +1,6 @@
 """The plan of a sweep: a TOML file becomes the checked numbers of many tops."""
 
+import contextlib
 import math
 import operator
 import os
@@ -22,6 +23,7 @@ from ..problem import Problem, derivative_faults, key_faults
 from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
+from ..scenario.doubts import doubts
 from ..scenario.identity import user_records
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
@@ -209,6 +211,13 @@ class Plan:
         if "output_times" in run:
             run["output_times"] = [t for t in run["output_times"] if t <= run["until"]]
         return base_of(tables, self.own)
+
+    @property
+    def doubts(self) -> list[str]:
+        """Doubts about the first top; none if it is invalid."""
+        with contextlib.suppress(InputError):
+            return doubts(self.problem(0))
+        return []
 
     @cached_property
     def seconds_per_top(self) -> float:

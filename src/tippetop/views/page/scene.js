@@ -203,7 +203,8 @@ export class Scene {
    * Draws a pose.
    * @param {Pose} pose
    * @param {Palette} colours
-   * @param {{dark: boolean, turned: number, jump: boolean}} how `turned`: angle of the spin during one picture [rad]
+   * @param {{dark: boolean, turned: number, passed: number}} how `turned`: angle of the spin during one picture [rad];
+   * `passed`: time since the last [s], infinite after a jump
    */
   draw(pose, colours, how) {
     const { gl, body, motion } = this;
@@ -214,7 +215,7 @@ export class Scene {
     const centre = times(k, pose.position);
     const above = times(k * (body.kind === "ball" ? body.balls[0].offset : 0), turned[2]);
     const looked = plus(centre, above);
-    this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.jump);
+    this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.passed);
     if (!gl || gl.isContextLost()) return;
     const rays = this.rays(gl, KINDS[body.kind]);
     const view = this.camera.frame();
