@@ -43,12 +43,11 @@ def at_start(problem: Problem) -> dict[str, float]:
         first = driver_of(problem).first
     signs = np.random.default_rng(0).choice([-1, 1], (16, first.size))
     signs[0] = 0
-    rows = Observables(problem).evaluate(first * (1 + ROUNDING * signs))
-    values = {name: v[0] * (abs(v[0]) > np.ptp(v)) + 0.0 for name, v in rows.items()}
-    start = {
-        q.name: float(values[q.name]) * float(problem.scales.of(q.unit))
-        for q in problem.system.quantities
-    }
+    values = Observables(problem).evaluate(first * (1 + ROUNDING * signs))
+    start = {}
+    for q in problem.system.quantities:
+        numbers = values[q.name] * float(problem.scales.of(q.unit))
+        start[q.name] = 0.0 if abs(numbers[0]) <= np.ptp(numbers) else float(numbers[0])
     theta = problem.initial.get("theta", 0.0)
     return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
 
