@@ -232,6 +232,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: thresholds(CYLINDER), "must be a TippeTop or a HeavyTop, but is Cylinder"),
     (lambda: thresholds("invertin"), "neither a TOML file nor a preset"),
     (lambda: regime(CYLINDER, 1.0), "must be a TippeTop"),
+    (lambda: reconstruct(run(start={"theta_dot": 1.0})), "`initial.theta_dot` must be 0"),
     (lambda: reconstruct(3), "`run` must be a Run, but is 3"),
     (lambda: reconstruct(made()), r"some hundred in each nutation, but has [12] between two"),
     (lambda: reconstruct(tt.run("rolling-cylinder", until=0.1)), "must be one of a tippe top"),

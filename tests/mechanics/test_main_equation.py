@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from nightly import at_night
 
+import tippetop as tt
 from tippetop.engine.observables import Observables
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory.main_equation import reconstruct
@@ -59,3 +60,10 @@ def test_main_equation_gives_the_motion_back(
     assert known.mean() > 0.95
     assert np.abs(np.arccos(found.z[known]) - np.arccos(z[known])).max() < digits
     assert found.mismatch < digits
+
+
+def test_a_piece_that_leaves_the_numbers_is_no_warning() -> None:
+    """Pieces that are too long are tried with z beyond 1."""
+    run = tt.run("ciocci-2b", until=0.5)
+    found = tt.theory.reconstruct(run)
+    assert np.nanmax(np.abs(found.theta.values - run.trajectory.theta.values)) < 1e-8

@@ -128,4 +128,4 @@ def _frames(table: Any, of: str) -> Iterator[Any]:
     names = [*first, *sorted(table.variables.keys() - {*first})] if first else [*table.variables]
     for piece in chunks.blocks(table[names], of):
         frame = dataframe(piece)
-        yield frame.reset_index(drop=frame.index.name not in names)
+        yield frame.reset_index(drop=frame.index.names[0] not in names)
