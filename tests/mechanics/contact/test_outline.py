@@ -6,6 +6,7 @@ from typing import Any
 import laws
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import tippetop as tt
 from tippetop.mechanics.contact.body import Touch, height, touching_ball
@@ -13,6 +14,7 @@ from tippetop.mechanics.contact.outline import Rim, Spheroid
 from tippetop.mechanics.friction import Frictionless, Viscous
 from tippetop.mechanics.systems import outlook
 from tippetop.mechanics.theory.modes import is_unstable
+from tippetop.scenario import build
 
 
 STEP = 1e-30
@@ -90,3 +92,38 @@ def test_what_check_says_of_spins_is_true(a: float, c: float, inverted: bool) ->
         spins = dict.fromkeys((1.0, 30.0, 1000.0), not words.endswith("unstable"))
     for omega3, stable in spins.items():
         assert is_unstable(omega3, b, inverted=inverted) == (not stable), (omega3, words)
+
+
+# --- the uniform body ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("top", "end", "radius"),
+    [
+        (tt.Spheroid(0.06, 0.03, 0.02), 0.03, lambda x: 0.02 * np.sqrt(1 - (x / 0.03) ** 2)),
+        (tt.Disc("8 g", 0.011, "2 mm"), 0.002, lambda x: 0.011 + np.sqrt(0.002**2 - x**2)),
+        (tt.Disc(m=1.0, ring=1e-9, tube=1.0), 1.0, lambda x: np.sqrt(1 - x**2)),
+    ],
+)
+def test_a_body_is_uniform_by_default(top: Any, end: float, radius: Any) -> None:
+    """Its moments are sums over slices across the axis."""
+    whole, I3, more = (
+        quad(lambda x, n=n, k=k: radius(x) ** n * x**k, -end, end, epsabs=0, epsrel=1e-10)[0]
+        for n, k in ((2, 0), (4, 0), (2, 2))
+    )
+    expected = top.m * (I3 / 4 + more) / whole, top.m * I3 / (2 * whole)
+    np.testing.assert_allclose([top.I1, top.I3], expected, rtol=1e-8)
+    assert top.g == 9.81
+
+
+def test_the_uniform_body_is_that_of_a_scenario_too() -> None:
+    tables: dict[str, Any] = {"system": "rolling-spheroid", "run": {"until": 1.0}}
+    given = {"m": "60 g", "a": 0.03, "b": 0.02, "I3": "0.9*2/5*m*b^2"}
+    problem = build.problem({**tables, "parameters": given})
+    assert problem.parameters == tt.Spheroid(**given)._asdict()
+    assert problem.parameters["I1"] == 1.56e-5
+    for numbers, match in (({"c": 1e-3}, "I1` must be given where c is not 0"), ({"a": None}, "a")):
+        with pytest.raises(tt.InputError, match=match):
+            tt.Spheroid(**{**given, **numbers})
+        with pytest.raises(tt.InputError, match=match):
+            build.problem({**tables, "parameters": {**given, **numbers}})

@@ -25,11 +25,12 @@ def seen_by(shape: Any, body: Any, friction: Any) -> Touch:
 class Spheroid(Top):
     """A spheroid: an egg or a lentil, with half length a along its axis, and half width b.
 
-    Each number may be a text: with a unit, "60 g", or arithmetic of the others: the moments of
-    inertia of a uniform body are I1="m*(a^2 + b^2)/5" and I3="2/5*m*b^2".
+    Each number may be a text: with a unit, "60 g", or arithmetic of the others. By default the body
+    is uniform.
 
     >>> import tippetop as tt
-    >>> egg = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0, I1=1.56e-5, I3=9.6e-6, g=9.81)
+    >>> tt.Spheroid(m=0.06, a=0.03, b=0.02)
+    Spheroid(m=0.06, a=0.03, b=0.02, c=0.0, I1=1.56e-05, I3=9.6e-06, g=9.81)
     """
 
     gliding = "spheroid"
@@ -40,25 +41,29 @@ class Spheroid(Top):
     a: Number = number(METRE, "half length along the axis", symbol="a", above=0)
     b: Number = number(METRE, "half width", symbol="b", above=0)
     c: Number = number(
-        METRE, "distance of the centre from the centre of mass along 3hat", symbol="c"
+        METRE, "distance of the centre from the centre of mass along 3hat", symbol="c", default=0.0
     )
-    I1: Number = reuse(TippeTop.parameters["I1"])
-    I3: Number = reuse(TippeTop.parameters["I3"])
-    g: Number = reuse(TippeTop.parameters["g"])
+    I1: Number = reuse(TippeTop.parameters["I1"], default="m*(a^2 + b^2)/5", where_zero="c")
+    I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero="c")
+    g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Touch:
         """Return the body that formulas take."""
         return seen_by(outline.Spheroid(self.a, self.b, self.c), self, friction)
 
 
+VOLUME = "(2*ring^2 + pi*ring*tube + 4/3*tube^2)"
+"""The volume of a disc with a rounded rim, over pi*tube."""
+
+
 class Disc(Top):
     """A disc that touches with its rounded rim: a circle of radius `ring`, rounded by `tube`.
 
-    Each number may be a text: with a unit, "40 g", or arithmetic of the others: the moments of
-    inertia of a thin uniform disc are I1="m*ring^2/4" and I3="m*ring^2/2".
+    Each number may be a text: with a unit, "40 g", or arithmetic of the others. By default the body
+    is uniform, its faces are flat.
 
     >>> import tippetop as tt
-    >>> coin = tt.Disc(m=0.01, ring=0.01, tube=1e-3, c=0, I1=2.5e-7, I3=5e-7, g=9.81)
+    >>> coin = tt.Disc(m="8 g", ring="11 mm", tube="1 mm")
     """
 
     gliding = "disc"
@@ -69,11 +74,23 @@ class Disc(Top):
     ring: Number = number(METRE, "radius of the circle in the rim", symbol="r", above=0)
     tube: Number = number(METRE, "radius of the rounding of the rim", symbol="t", least=0)
     c: Number = number(
-        METRE, "distance of the centre of the circle from the centre of mass along 3hat", symbol="c"
+        METRE,
+        "distance of the centre of the circle from the centre of mass along 3hat",
+        symbol="c",
+        default=0.0,
     )
-    I1: Number = reuse(TippeTop.parameters["I1"])
-    I3: Number = reuse(TippeTop.parameters["I3"])
-    g: Number = reuse(TippeTop.parameters["g"])
+    I1: Number = reuse(
+        TippeTop.parameters["I1"],
+        default=f"I3/2 + m*tube^2*(2/3*ring^2 + pi/4*ring*tube + 4/15*tube^2)/{VOLUME}",
+        where_zero="c",
+    )
+    I3: Number = reuse(
+        TippeTop.parameters["I3"],
+        default="m*(ring^4 + pi*ring^3*tube + 4*ring^2*tube^2 + 3/4*pi*ring*tube^3 + 8/15*tube^4)"
+        f"/{VOLUME}",
+        where_zero="c",
+    )
+    g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Touch:
         """Return the body that formulas take."""
