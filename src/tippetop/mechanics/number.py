@@ -78,7 +78,7 @@ class Number:
         unit = cast(Any, self.unit)
         if not isinstance(unit, Unit):
             raise InputError([f"`unit` {of} must be a Unit, but is {unit!r:.60}."])
-        if isinstance(self.default, Real) and self.broken(self.default):
+        if not isinstance(self.default, str | None) and self.broken(self.default):
             raise InputError([f"`default` {of} {self.must()}, but is {self.default:g}."])
 
     @cached_property

@@ -20,7 +20,7 @@ from ..units import (
     METRE_PER_SECOND2,
     ONE,
 )
-from .outline import Ball, Bent, Series
+from .outline import Ball, Bent, at
 
 
 class Touch(NamedTuple):
@@ -67,7 +67,7 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     if isinstance(b.outline, Ball):
         return b
     shape = shape_of(b)
-    f = shape.height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
+    f = at(z, s2, shape.height)
     bent = Bent(shape, -f.second, -f.third)
     return b._replace(R=f.value - z * f.first, c=-f.first, outline=bent)
 
@@ -107,9 +107,7 @@ def size(b: Touch) -> Any:
 
 def height_range(b: Touch) -> Any:
     """Return a bound of the difference of two heights of the centre of mass [m]."""
-    if isinstance(b.outline, Ball):
-        return 2 * abs(b.c)
-    return 2 * (shape_of(b).size + abs(shape_of(b).c))
+    return 2 * abs(b.c) if isinstance(b.outline, Ball) else shape_of(b).reach
 
 
 class Top(Record, abstract=True):

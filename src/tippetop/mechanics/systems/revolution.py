@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
@@ -17,12 +17,19 @@ from . import outlook
 from .tippe_top import TippeTop
 
 
-def seen_by(shape: Any, body: Any, friction: Any) -> Touch:
-    """Return the body with an outline that formulas take."""
-    return Touch(body.m, (), (), body.I1, body.I3, body.g, friction, outline=shape)
+class Outlined(Top, abstract=True):
+    """A body of revolution with an outline: its shape takes some of its numbers."""
+
+    shape: ClassVar[Any]
+    faults = staticmethod(contact.inertia_faults)
+
+    def seen(self: Any, friction: Any) -> Touch:
+        """Return the body that formulas take."""
+        shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
+        return Touch(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 
 
-class Spheroid(Top):
+class Spheroid(Outlined):
     """A spheroid: an egg or a lentil, with half length a along its axis, and half width b.
 
     Each number may be a text: with a unit, "60 g", or arithmetic of the others. By default the body
@@ -35,7 +42,7 @@ class Spheroid(Top):
 
     gliding = "spheroid"
     resting = "rolling-spheroid"
-    faults = staticmethod(contact.inertia_faults)
+    shape = outline.Spheroid
 
     m: Number = reuse(TippeTop.parameters["m"])
     a: Number = number(METRE, "half length along the axis", symbol="a", above=0)
@@ -47,16 +54,12 @@ class Spheroid(Top):
     I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero="c")
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
-    def seen(self, friction: Any) -> Touch:
-        """Return the body that formulas take."""
-        return seen_by(outline.Spheroid(self.a, self.b, self.c), self, friction)
-
 
 VOLUME = "(2*ring^2 + pi*ring*tube + 4/3*tube^2)"
 """The volume of a disc with a rounded rim, over pi*tube."""
 
 
-class Disc(Top):
+class Disc(Outlined):
     """A disc that touches with its rounded rim: a circle of radius `ring`, rounded by `tube`.
 
     Each number may be a text: with a unit, "40 g", or arithmetic of the others. By default the body
@@ -68,7 +71,7 @@ class Disc(Top):
 
     gliding = "disc"
     resting = "rolling-disc"
-    faults = staticmethod(contact.inertia_faults)
+    shape = outline.Rim
 
     m: Number = reuse(TippeTop.parameters["m"])
     ring: Number = number(METRE, "radius of the circle in the rim", symbol="r", above=0)
@@ -92,10 +95,6 @@ class Disc(Top):
     )
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
-    def seen(self, friction: Any) -> Touch:
-        """Return the body that formulas take."""
-        return seen_by(outline.Rim(self.ring, self.tube, self.c), self, friction)
-
 
 LEAST_SINE2 = 1e-6
 """sin(theta)^2 of a disc that lies flat: there the contact runs round its rim ever faster."""
@@ -116,8 +115,7 @@ JELLETT = replace(gliding.JELLETT_QUANTITY, long_name="-L.a, which is constant f
 
 
 def systems(
-    body: type[Top],
-    shape: Any,
+    body: type[Outlined],
     title: str,
     source: str,
     predict: Callable,
@@ -130,6 +128,7 @@ def systems(
 
     `predict` is their outlook; `more` are fields of both systems.
     """
+    units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
 
     def starting(angles: Any) -> Callable:
         start = gliding.start_of(angles)
@@ -151,9 +150,7 @@ def systems(
             undefined_at_poles=of_ball.UNDEFINED_AT_POLES,
             parameters=body.parameters,
             body=body.body_of,
-            body_units=lambda law: contact.body_units(law)._replace(
-                R=(), c=(), outline=shape(*(METRE,) * len(shape._fields))
-            ),
+            body_units=lambda law: contact.body_units(law)._replace(R=(), c=(), outline=units),
             scales=lambda b: (b.m, b.outline.size),
             normalised_to={"m": 1.0},
             long_names=gliding.LONG_NAMES,
@@ -190,7 +187,6 @@ def systems(
 
 SPHEROID, ROLLING_SPHEROID = systems(
     Spheroid,
-    outline.Spheroid,
     "spheroid",
     "Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. Nature 416, 385 (2002)",
     outlook.spheroid,
@@ -198,7 +194,6 @@ SPHEROID, ROLLING_SPHEROID = systems(
 )
 DISC, ROLLING_DISC = systems(
     Disc,
-    outline.Rim,
     "disc with a rounded rim",
     "Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
     outlook.disc,
