@@ -40,8 +40,8 @@ def at_start(problem: Problem) -> dict[str, float]:
         q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
         for q in problem.system.quantities
     }
-    theta = problem.initial.get("theta", 0.0)
-    return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
+    given = {name: problem.initial.get(name, 0.0) for name in ("theta", "phi_dot")}
+    return start | {"at_pole": float(starts_at_pole(problem)), **given}
 
 
 def comments(problem: Problem) -> dict[str, Any]:

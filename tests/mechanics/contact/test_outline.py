@@ -127,3 +127,77 @@ def test_the_uniform_body_is_that_of_a_scenario_too() -> None:
             tt.Spheroid(**{**given, **numbers})
         with pytest.raises(tt.InputError, match=match):
             build.problem({**tables, "parameters": {**given, **numbers}})
+
+
+# --- predictions --------------------------------------------------------------------------------
+
+EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02)
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_a_rolling_egg_stands_by_the_spin_that_check_names(inverted: bool) -> None:
+    """By runs on either side of it, of a body that is heavier at one end."""
+    top = EGG._replace(c=0.002)
+    name, pole = ("inverted", np.pi) if inverted else ("upright", 0.0)
+    known = outlook.spheroid(top.body(), {"at_pole": False}, rolls=True).thresholds
+    limit = known[f"spin_{name}"].value
+    for share, falls in ((0.98, True), (1.02, False)):
+        start = {"theta": abs(pole - 1e-5), "omega3": share * limit}
+        run = tt.run(top, start=start, until=3.0, output="steps")
+        away = np.abs(run.trajectory.theta.values - pole)
+        assert (away.max() > 1e-2) == falls
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_a_gliding_egg_stands_by_the_spin_of_the_uniform_spheroid(share: float) -> None:
+    """omega_3^2 = 5 g a^3/b^4, by runs on either side of it."""
+    limit = np.sqrt(5 * EGG.g * EGG.a**3 / EGG.b**4)
+    law, predicted = tt.friction.Viscous(mu=1.0), outlook.spheroid
+    known = predicted(EGG.body(law), {"at_pole": False}).thresholds["spin_upright"]
+    assert known.value == pytest.approx(limit, rel=1e-12)
+    run = tt.run(EGG, law, start={"theta": 1e-3, "omega3": share * limit}, until=20.0)
+    assert (run.trajectory.theta.values[-1] > 1e-3) == (share < 1)
+
+
+def test_where_a_body_rests_its_height_is_stationary() -> None:
+    top = tt.Spheroid(0.06, 0.03, 0.02, c=0.004, I1=1.56e-5, I3=9.6e-6)
+    known = outlook.spheroid(top.body(), {"at_pole": False}).thresholds
+    theta = np.linspace(0, np.pi, 100_001)
+    heights = height(np.cos(theta), touching_ball(np.cos(theta), np.sin(theta) ** 2, top.body()))
+    tilted = known["height_tilted"]
+    assert tilted.value == pytest.approx(heights.min(), rel=1e-8)
+    assert f"{theta[heights.argmin()]:.4f}" in tilted.long_name
+    assert "least" in tilted.long_name
+    for name, place in (("upright", 0), ("inverted", -1)):
+        assert known[f"height_{name}"].value == pytest.approx(heights[place])
+
+
+@pytest.mark.parametrize("rolls", [False, True])
+def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
+    coin = tt.Disc(m=0.01, ring=0.02, tube=0.002, c=1e-3, I1=1e-6, I3=2e-6)
+    start = {"theta": 1.1, "phi_dot": 12.0}
+    known = outlook.disc(coin.body(), {"at_pole": False, **start}, rolls=rolls).thresholds
+    start["omega3"] = known["spin_steady"].value
+    law = None if rolls else tt.friction.Coulomb(mu=1.01 * known["mu_steady"].value)
+    rows = tt.run(
+        coin, law, start={**start, **({} if rolls else {"nu_x": 0.0})}, until=1.0
+    ).trajectory
+    np.testing.assert_allclose(rows.theta, 1.1, rtol=0, atol=1e-12)
+    if rolls:
+        np.testing.assert_allclose(rows.friction_needed, known["mu_steady"].value, rtol=1e-12)
+
+
+@pytest.mark.parametrize("rolls", [False, True])
+@pytest.mark.parametrize("name", ["spinning-egg", "spinning-coin"])
+def test_what_is_of_spheres_only_is_refused(name: str, rolls: bool) -> None:
+    name = name.replace("spinning", "rolling") if rolls else name
+    for call in (
+        tt.theory.thresholds,
+        lambda top: tt.theory.regime(top, 1e-6),
+        lambda top: tt.theory.asymptotic_states(top, 1e-6),
+        lambda top: tt.landscapes.minimal_surface(top, D=0.0, lam=0.0),
+        lambda top: tt.landscapes.potential(top, 0.0, D=0.0, lam=0.0),
+    ):
+        with pytest.raises(tt.InputError) as raised:
+            call(name)
+        assert len(raised.value.sentences) == 1

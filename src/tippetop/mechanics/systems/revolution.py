@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, ClassVar
 
 from ..contact import body as contact
@@ -157,7 +158,6 @@ def systems(
             vectors=gliding.VECTORS,
             checks=body.faults,
             source=source,
-            outlook=predict,
             **more,
             **others,
         )
@@ -170,7 +170,8 @@ def systems(
         title=f"{title} that glides",
         alternatives=gliding.ALTERNATIVES,
         on_request=(in_scalars(gliding.MODIFIED_ENERGY_RATE),),
-        opening=Opening(outlined=True, domains=domains),
+        opening=Opening(outlined=True, domains=domains, outlook=predict),
+        outlook=predict,
         laws=LAWS,
     )
     rolls = of_phase(
@@ -180,6 +181,7 @@ def systems(
         name=body.resting,
         title=f"{title} in pure rolling",
         alternatives=(gliding.BY_PSI_DOT,),
+        outlook=partial(predict, rolls=True),
         integrals=("energy",),
     )
     return slides, rolls
