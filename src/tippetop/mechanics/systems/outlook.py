@@ -13,8 +13,8 @@ from ..contact.body import Touch, tip_inertia
 from ..contact.restitution import ContactLaw
 from ..friction import has_parts, is_frictionless, nowhere_vanishes
 from ..system import Outlook
+from ..theory import eggs_and_discs
 from ..theory import heavy_top_motion as motions
-from ..theory import outlined
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
 from ..theory.spinning import thresholds_of_surface
@@ -209,12 +209,12 @@ def spheroid(
 ) -> Outlook:
     """Predict a smooth body with an outline: rest, and spins at its poles."""
     known = rolls or (nowhere_vanishes(b.friction) and not has_parts(b.friction))
-    found = outlined.limits(b, spins=known, rolls=rolls)
+    found = eggs_and_discs.limits(b, spins=known, rolls=rolls)
     if not known:
         return Outlook(NO_THEORY, "", found)
     how = "in pure rolling" if rolls else "under friction" if law is None else "while it slides"
     spins = [
-        f"the {name} spin is {_stable(*outlined.spin_limit(z, b, rolls=rolls))}"
+        f"the {name} spin is {_stable(*eggs_and_discs.spin_limit(z, b, rolls=rolls))}"
         for name, z in SPINS.items()
     ]
     return Outlook(f"{how} {', '.join(spins)}", STAYS if start["at_pole"] else "", found)
@@ -227,9 +227,9 @@ def _stable(how: str, limit: float) -> str:
 
 def disc(b: Touch, start: Start, law: ContactLaw | None = None, *, rolls: bool = False) -> Outlook:
     """Predict rest and steady rolling of a disc, not its end, which is disputed."""
-    found = outlined.limits(b, spins=False)
+    found = eggs_and_discs.limits(b, spins=False)
     if start["phi_dot"]:
-        omega3, mu = outlined.steady_rolling(start["theta"], start["phi_dot"], b)
+        omega3, mu = eggs_and_discs.steady_rolling(start["theta"], start["phi_dot"], b)
         words = "steady rolling at theta and phi_dot of the start"
         found["spin_steady"] = Threshold(omega3, RADIAN_PER_SECOND, f"omega3 of {words}")
         found["mu_steady"] = Threshold(mu, ONE, f"Coulomb friction that {words} needs")
