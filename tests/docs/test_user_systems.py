@@ -120,7 +120,7 @@ def spheroid(z: Any, s2: Any, b: Any) -> Any:
          "smooth.* near z = 0"),
         (lambda z, s2, b: tt.extending.root(s2) * b.a + b.b, {}, "smooth.* near z = 1"),
         (lambda z, s2, b: spheroid(z, s2, b) + b.a * z**3, {}, "convex.* at z = 1"),
-        (lambda z, s2, b: spheroid(z, s2, b) - 1.5 * b.a * z, {}, "inside.* at z = 1"),
+        (lambda z, s2, b: spheroid(z, s2, b) - 1.5 * b.a * z, {}, "centre of mass.* at z = 1"),
         (lambda z, s2, b: spheroid(z, s2, b) + 1e-3, {}, "same in all units"),
         (lambda z, s2, b: spheroid(z, s2, b), {"I3": 1.0}, "at most 2"),
     ],

@@ -25,6 +25,7 @@ SHAPES = [
     Rim(0.7, 0.0, 0.0),
 ]
 Z = np.linspace(-0.99, 0.99, 67)
+STILL = {"at_pole": 0.0, "theta": 1.0, "phi_dot": 0.0}
 
 
 def body(shape: Any, **numbers: float) -> Touch:
@@ -84,7 +85,7 @@ def test_what_check_says_of_spins_is_true(a: float, c: float, inverted: bool) ->
     """By the linear modes: of prolate, round and oblate bodies."""
     top = tt.Spheroid(m=0.06, a=a, b=0.02, c=c, I1="m*(a^2 + b^2)/5", I3="2/5*m*b^2", g=9.81)
     b = top.body(Viscous(0.5))
-    words = outlook.spheroid(b, {"at_pole": False}).regime.split(", ")[inverted]
+    words = outlook.revolution(b, STILL).regime.split(", ")[inverted]
     if limit := re.search(r"is stable (above|below) (\S+) rad/s", words):
         above, spin = limit[1] == "above", float(limit[2])
         spins = {0.99 * spin: not above, 1.01 * spin: above}
@@ -139,7 +140,7 @@ def test_a_rolling_egg_stands_by_the_spin_that_check_names(inverted: bool) -> No
     """By runs on either side of it, of a body that is heavier at one end."""
     top = EGG._replace(c=0.002)
     name, pole = ("inverted", np.pi) if inverted else ("upright", 0.0)
-    known = outlook.spheroid(top.body(), {"at_pole": False}, rolls=True).thresholds
+    known = outlook.revolution(top.body(), STILL, rolls=True).thresholds
     limit = known[f"spin_{name}"].value
     for share, falls in ((0.98, True), (1.02, False)):
         start = {"theta": abs(pole - 1e-5), "omega3": share * limit}
@@ -152,8 +153,8 @@ def test_a_rolling_egg_stands_by_the_spin_that_check_names(inverted: bool) -> No
 def test_a_gliding_egg_stands_by_the_spin_of_the_uniform_spheroid(share: float) -> None:
     """omega_3^2 = 5 g a^3/b^4, by runs on either side of it."""
     limit = np.sqrt(5 * EGG.g * EGG.a**3 / EGG.b**4)
-    law, predicted = tt.friction.Viscous(mu=1.0), outlook.spheroid
-    known = predicted(EGG.body(law), {"at_pole": False}).thresholds["spin_upright"]
+    law = tt.friction.Viscous(mu=1.0)
+    known = outlook.revolution(EGG.body(law), STILL).thresholds["spin_upright"]
     assert known.value == pytest.approx(limit, rel=1e-12)
     run = tt.run(EGG, law, start={"theta": 1e-3, "omega3": share * limit}, until=20.0)
     assert (run.trajectory.theta.values[-1] > 1e-3) == (share < 1)
@@ -161,7 +162,7 @@ def test_a_gliding_egg_stands_by_the_spin_of_the_uniform_spheroid(share: float) 
 
 def test_where_a_body_rests_its_height_is_stationary() -> None:
     top = tt.Spheroid(0.06, 0.03, 0.02, c=0.004, I1=1.56e-5, I3=9.6e-6)
-    known = outlook.spheroid(top.body(), {"at_pole": False}).thresholds
+    known = outlook.revolution(top.body(), STILL).thresholds
     theta = np.linspace(0, np.pi, 100_001)
     heights = height(np.cos(theta), touching_ball(np.cos(theta), np.sin(theta) ** 2, top.body()))
     tilted = known["height_tilted"]
@@ -176,7 +177,7 @@ def test_where_a_body_rests_its_height_is_stationary() -> None:
 def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
     coin = tt.Disc(m=0.01, ring=0.02, tube=0.002, c=1e-3, I1=1e-6, I3=2e-6)
     start = {"theta": 1.1, "phi_dot": 12.0}
-    known = outlook.disc(coin.body(), {"at_pole": False, **start}, rolls=rolls).thresholds
+    known = outlook.revolution(coin.body(), STILL | start, rolls=rolls).thresholds
     start["omega3"] = known["spin_steady"].value
     law = None if rolls else tt.friction.Coulomb(mu=1.01 * known["mu_steady"].value)
     rows = tt.run(

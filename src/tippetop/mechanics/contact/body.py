@@ -107,7 +107,9 @@ def size(b: Touch) -> Any:
 
 def height_range(b: Touch) -> Any:
     """Return a bound of the difference of two heights of the centre of mass [m]."""
-    return 2 * abs(b.c) if isinstance(b.outline, Ball) else shape_of(b).reach
+    if isinstance(b.outline, Ball):
+        return 2 * abs(b.c)
+    return 2 * (shape_of(b).size + abs(getattr(shape_of(b), "c", 0.0)))
 
 
 class Top(Record, abstract=True):

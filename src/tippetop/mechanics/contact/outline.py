@@ -17,13 +17,10 @@ import numpy as np
 from ..operand import Operand, sqrt
 
 
-class Series(NamedTuple):
+class Series(namedtuple("Derivatives", "value first second third")):
     """A number and its first three derivatives by z, for + - * /, whole powers and roots."""
 
-    value: Operand
-    first: Operand
-    second: Operand
-    third: Operand
+    __slots__ = ()
 
     def __add__(self, other: Operand) -> "Series":
         if not isinstance(other, Series):
@@ -59,20 +56,15 @@ class Series(NamedTuple):
     def __neg__(self) -> "Series":
         return self * -1
 
-    def __radd__(self, other: Operand) -> "Series":
-        return self + other
-
     def __rsub__(self, other: Operand) -> "Series":
         return self * -1 + other
-
-    def __rmul__(self, other: Operand) -> "Series":
-        return self * other
 
     def __rtruediv__(self, other: Operand) -> "Series":
         return Series(other, 0, 0, 0) / self
 
-
-Series.__array_ufunc__ = None  # type: ignore[attr-defined]  # arrays leave their arithmetic to it
+    __radd__ = __add__
+    __rmul__ = __mul__
+    __array_ufunc__ = None  # arrays leave their arithmetic to it
 
 
 def root(x: Series) -> Series:
@@ -107,11 +99,6 @@ class Spheroid(NamedTuple):
         """Return the size [m]."""
         return self.a + self.b
 
-    @property
-    def reach(self) -> Operand:
-        """Return a bound of the difference of two heights of the centre of mass [m]."""
-        return 2 * (self.size + abs(self.c))
-
     def height(self, z: Series, s2: Series) -> Series:
         """Return the height of the centre of mass, by z and sin(theta)^2."""
         return root(z * z * self.a**2 + s2 * self.b**2) - z * self.c
@@ -128,11 +115,6 @@ class Rim(NamedTuple):
     def size(self) -> Operand:
         """Return the size [m]."""
         return self.ring + self.tube
-
-    @property
-    def reach(self) -> Operand:
-        """Return a bound of the difference of two heights of the centre of mass [m]."""
-        return 2 * (self.size + abs(self.c))
 
     def height(self, z: Series, s2: Series) -> Series:
         """Return the height of the centre of mass, by z and sin(theta)^2."""
@@ -164,10 +146,5 @@ def shape_by(height: Callable, names: Iterable[str]) -> Any:
                 places = np.array([0.0, 1.0, -1.0])
                 across, up, down = (at(z, 1 - z * z, self.height).value for z in places)
             return across + (up + down) / 2
-
-        @property
-        def reach(self) -> Operand:
-            """Return a bound of the difference of two heights of the centre of mass [m]."""
-            return 2 * self.size
 
     return Shape

@@ -31,7 +31,7 @@ from ..theory.thresholds import (
     thresholds_of_sleeping,
 )
 from ..theory.tumbling import lambda_t
-from ..units import JELLETT, ONE, RADIAN_PER_SECOND
+from ..units import JELLETT, RADIAN_PER_SECOND
 
 
 Start = Mapping[str, float]
@@ -204,36 +204,29 @@ def _round(law: Any) -> str:
     return "a round cylinder: gliding decays to rolling"
 
 
-def spheroid(
+def revolution(
     b: Touch, start: Start, law: ContactLaw | None = None, *, rolls: bool = False
 ) -> Outlook:
-    """Predict a smooth body with an outline: rest, and spins at its poles."""
-    known = rolls or (nowhere_vanishes(b.friction) and not has_parts(b.friction))
-    found = eggs_and_discs.limits(b, spins=known, rolls=rolls)
-    if not known:
-        return Outlook(NO_THEORY, "", found)
-    how = "in pure rolling" if rolls else "under friction" if law is None else "while it slides"
-    spins = [
-        f"the {name} spin is {_stable(*eggs_and_discs.spin_limit(z, b, rolls=rolls))}"
-        for name, z in SPINS.items()
-    ]
-    return Outlook(f"{how} {', '.join(spins)}", STAYS if start["at_pole"] else "", found)
+    """Predict rest, spins at the poles and steady rolling of a body with an outline.
 
-
-def _stable(how: str, limit: float) -> str:
-    """Return which spins are stable."""
-    return f"stable {how} {limit:.6g} rad/s" if limit > 0 else how
-
-
-def disc(b: Touch, start: Start, law: ContactLaw | None = None, *, rolls: bool = False) -> Outlook:
-    """Predict rest and steady rolling of a disc, not its end, which is disputed."""
-    found = eggs_and_discs.limits(b, spins=False)
-    if start["phi_dot"]:
-        omega3, mu = eggs_and_discs.steady_rolling(start["theta"], start["phi_dot"], b)
-        words = "steady rolling at theta and phi_dot of the start"
-        found["spin_steady"] = Threshold(omega3, RADIAN_PER_SECOND, f"omega3 of {words}")
-        found["mu_steady"] = Threshold(mu, ONE, f"Coulomb friction that {words} needs")
-    return Outlook(NO_THEORY, "", found)
+    The end of a disc is disputed.
+    """
+    found = eggs_and_discs.limits(b)
+    acts = nowhere_vanishes(b.friction) and not has_parts(b.friction)
+    spins = []
+    if (rolls or acts) and eggs_and_discs.has_pole_balls(b):
+        for name, z in SPINS.items():
+            how, limit = eggs_and_discs.spin_limit(z, b, rolls=rolls)
+            if limit > 0:
+                words = f"{name} spin stable {how}"
+                found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, words)
+                how = f"stable {how} {limit:.6g} rad/s"
+            spins.append(f"the {name} spin is {how}")
+    if start["phi_dot"] and 0 < start["theta"] < math.pi:
+        found |= eggs_and_discs.steady_rolling(start["theta"], start["phi_dot"], b)
+    when = "in pure rolling" if rolls else "under friction" if law is None else "while it slides"
+    sentence = f"{when} {', '.join(spins)}" if spins else NO_THEORY
+    return Outlook(sentence, STAYS if start["at_pole"] else "", found)
 
 
 def _sleeps(b: Touch, start: Start) -> bool:

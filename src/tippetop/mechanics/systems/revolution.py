@@ -119,7 +119,6 @@ def systems(
     body: type[Outlined],
     title: str,
     source: str,
-    predict: Callable,
     *,
     events: tuple[Event, ...] = (),
     domains: tuple[Domain, ...] = (),
@@ -127,7 +126,7 @@ def systems(
 ) -> tuple[System, System]:
     """Return the gliding and the rolling system of a body with an outline.
 
-    `predict` is their outlook; `more` are fields of both systems.
+    `more` are fields of both systems.
     """
     units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
 
@@ -170,8 +169,8 @@ def systems(
         title=f"{title} that glides",
         alternatives=gliding.ALTERNATIVES,
         on_request=(in_scalars(gliding.MODIFIED_ENERGY_RATE),),
-        opening=Opening(outlined=True, domains=domains, outlook=predict),
-        outlook=predict,
+        opening=Opening(outlined=True, domains=domains, outlook=outlook.revolution),
+        outlook=outlook.revolution,
         laws=LAWS,
     )
     rolls = of_phase(
@@ -181,7 +180,7 @@ def systems(
         name=body.resting,
         title=f"{title} in pure rolling",
         alternatives=(gliding.BY_PSI_DOT,),
-        outlook=partial(predict, rolls=True),
+        outlook=partial(outlook.revolution, rolls=True),
         integrals=("energy",),
     )
     return slides, rolls
@@ -191,14 +190,12 @@ SPHEROID, ROLLING_SPHEROID = systems(
     Spheroid,
     "spheroid",
     "Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. Nature 416, 385 (2002)",
-    outlook.spheroid,
     classes=("tumbling", "upright", "inverted"),
 )
 DISC, ROLLING_DISC = systems(
     Disc,
     "disc with a rounded rim",
     "Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
-    outlook.disc,
     events=(FLAT,),
     domains=(NOT_FLAT,),
     classes=("tumbling",),

@@ -14,7 +14,6 @@ from ..friction import checked_name
 from ..number import Number, RecordType
 from ..system import System
 from ..units import METRE
-from . import outlook
 from .consistency import allowed, answer
 from .revolution import Outlined, Spheroid, systems
 from .tippe_top import TippeTop
@@ -52,17 +51,13 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
                 "the outline must be smooth, its height and three derivatives by z finite and "
                 f"continuous, but it is not near z = {z[2 * np.argmax(rough)]:.3f}."
             ]
-    least = np.minimum(f[0] - z * f[1], f[0] - z * f[1] + s * s * f[2])
+    R = f[0] - z * f[1]
+    least = np.min([f[0], R, R + s * s * f[2]], axis=0)
     where = np.argmin(least)
     if least[where] <= 0:
         return [
-            "the outline must be convex, both radii of curvature greater than 0, but one is "
-            f"{least[where]:.3g} m at z = {z[where]:.3f}."
-        ]
-    if np.min(f[0]) <= 0:
-        return [
-            "the centre of mass must lie inside the outline, but its height is "
-            f"{np.min(f[0]):.3g} m at z = {z[np.argmin(f[0])]:.3f}."
+            "the outline must be convex about the centre of mass, its height and both radii of "
+            f"curvature greater than 0, but one is {least[where]:.3g} m at z = {z[where]:.3f}."
         ]
     return []
 
@@ -109,4 +104,4 @@ def body_by_height(numbers: Mapping[str, Number], height: Callable) -> type[Outl
 def systems_of(body: type[Outlined]) -> tuple[System, System]:
     """Return the gliding and the rolling system of a user-defined body."""
     words = body.gliding.replace("-", " ")
-    return systems(body, words, "", outlook.spheroid, classes=("tumbling", "upright", "inverted"))
+    return systems(body, words, "", classes=("tumbling", "upright", "inverted"))

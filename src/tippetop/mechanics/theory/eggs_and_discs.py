@@ -25,52 +25,55 @@ def spin_limit(z: float, b: Touch, *, rolls: bool = False) -> tuple[str, float]:
     """
     ball = touching_ball(z, 0.0, b)
     high = height(z, ball)
-    rise = high - ball.R
-    if abs(rise) <= ROUNDED * high:
-        rise = 0.0
-    weight = b.m * b.g * rise
+    rise = (high - ball.R) * (abs(high - ball.R) > ROUNDED * high)
+    needed = b.m * b.g * rise
     if rolls:  # stable where lever*omega_3^2 > needed
         lever = (b.I3 + b.m * high * ball.R) ** 2 * (rise != 0)
-        needed = 4 * weight * (b.I1 + b.m * high**2)
+        needed *= 4 * (b.I1 + b.m * high**2)
     else:
         lever = b.I3 * high - b.I1 * ball.R
-        if abs(lever) <= ROUNDED * b.I3 * high:
-            lever = 0.0
-        needed = weight * high**2 / ball.R
+        lever *= abs(lever) > ROUNDED * b.I3 * high
+        needed *= high**2 / ball.R
     if lever * needed > 0:
         return "above" if needed > 0 else "below", math.sqrt(needed / lever)
     return ("neutral", "stable", "unstable")[int(np.sign(lever - needed))], math.nan
 
 
-@np.errstate(all="ignore")  # a disc has no ball at its poles
-def limits(b: Touch, *, spins: bool, rolls: bool = False) -> dict[str, Threshold]:
-    """Return heights at rest, the limits of stable spins if `spins`, and Painleve's bound."""
+@np.errstate(all="ignore")
+def has_pole_balls(b: Touch) -> bool:
+    """Return whether a body touches as a ball at its poles, where a disc lies flat."""
+    return bool(np.isfinite(touching_ball(1.0, 0.0, b).R))
+
+
+@np.errstate(all="ignore")
+def limits(b: Touch) -> dict[str, Threshold]:
+    """Return the heights at rest, the balls at the poles, and Painleve's bound."""
+    shape = shape_of(b)
     found = {}
+
+    def rest(name: str, theta: float, more: str = "") -> None:
+        high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
+        words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
+        found[name] = Threshold(high, METRE, words)
+
     for name, z in SPINS.items():
-        high = at(float(z), 0.0, shape_of(b).height).value
-        found[f"height_{name}"] = Threshold(high, METRE, f"centre of mass at rest, axis {name}")
-        if spins:
+        rest(f"height_{name}", math.acos(z))
+        if has_pole_balls(b):
             R = touching_ball(z, 0.0, b).R
-            found[f"radius_{name}"] = Threshold(R, METRE, f"ball that touches, axis {name}")
-            how, limit = spin_limit(z, b, rolls=rolls)
-            if limit > 0:
-                words = f"{name} spin stable {how}"
-                found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, words)
+            found[f"radius_{name}"] = Threshold(R, METRE, "radius of the ball that touches there")
     ball = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, b)
     c = ball.c
     for k, i in enumerate(np.flatnonzero(np.sign(c[:-1]) * np.sign(c[1:]) < 0)):
         theta = THETA[i] + (THETA[i + 1] - THETA[i]) * c[i] / (c[i] - c[i + 1])
-        high = at(np.cos(theta), np.sin(theta) ** 2, shape_of(b).height).value
         kind = "least" if ball.outline.bend[i] < 0 else "greatest"
-        words = f"centre of mass at rest at theta = {theta:.6g} rad, where it is {kind}"
-        found[f"height_tilted_{k}" if k else "height_tilted"] = Threshold(high, METRE, words)
+        rest(f"height_tilted_{k}" if k else "height_tilted", theta, f", where it is {kind}")
     bound = painleve_bound(b.m, b.I1, c, ball.R)
     found["mu_unique"] = Threshold(bound, ONE, "Coulomb friction with one contact force below")
     return found
 
 
-def steady_rolling(theta: float, phi_dot: float, b: Touch) -> tuple[float, float]:
-    """Return omega_3 [rad/s] of steady rolling at theta and phi', and the friction it needs."""
+def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshold]:
+    """Return omega_3 of steady rolling at theta and phi', and the friction that it needs."""
     s = math.sin(theta)
     z = math.cos(theta)
     ball = touching_ball(z, s * s, b)
@@ -78,4 +81,9 @@ def steady_rolling(theta: float, phi_dot: float, b: Touch) -> tuple[float, float
     q = ball.c - ball.R * z
     drive = b.I1 * z * phi_dot**2 - b.m * (ball.c * b.g + high * q * phi_dot**2)
     omega3 = drive / ((b.I3 + b.m * high * ball.R) * phi_dot)
-    return omega3, abs(phi_dot * s * (ball.R * omega3 + q * phi_dot)) / b.g
+    mu = abs(phi_dot * s * (ball.R * omega3 + q * phi_dot)) / b.g
+    words = "steady rolling at theta and phi_dot of the start"
+    return {
+        "spin_steady": Threshold(omega3, RADIAN_PER_SECOND, f"omega3 of {words}"),
+        "mu_steady": Threshold(mu, ONE, f"Coulomb friction that {words} needs"),
+    }
