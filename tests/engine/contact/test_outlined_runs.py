@@ -178,6 +178,25 @@ def test_a_disc_that_falls_flat_ends_by_an_event() -> None:
                 tt.run(coin, tt.friction.Frictionless(), start=start, until=1.0, **options)
 
 
+@pytest.mark.parametrize(
+    ("law", "options"),
+    [
+        (None, {}),
+        (tt.friction.Viscous(mu=1.0), {}),
+        (tt.friction.Coulomb(mu=1.0, mu_r=1e-9), {"contact": {}}),
+    ],
+)
+def test_a_disc_that_lies_nearly_flat_keeps_its_balance(law: Any, options: dict[str, Any]) -> None:
+    """Its ball has a radius of some hundred discs there, and R - c z cancels."""
+    theta = 0.004
+    phi_dot = 2 * np.sqrt(9.81 / (0.036 * theta))
+    start = {"theta": theta, "phi_dot": phi_dot, "omega3": -0.01} | ({"nu_x": 0.0} if law else {})
+    disc = tt.Disc(m=0.44, ring=0.036, tube=0.0015)
+    run = tt.run(disc, law, start=start, until=0.1, on_liftoff=None, **options)
+    assert np.ptp(run.trajectory.theta.values) > 1e-5
+    assert run.drift["energy_balance"] < 2e-15
+
+
 # --- the tippe top ------------------------------------------------------------------------------
 
 

@@ -85,6 +85,7 @@ class Bent(NamedTuple):
     shape: Any
     bend: Operand  # c'(z)
     twist: Operand  # c''(z)
+    height: Operand  # R - c z, which cancels where a disc is nearly flat
 
 
 class Spheroid(NamedTuple):
