@@ -54,7 +54,8 @@ def limits(b: Touch) -> dict[str, Threshold]:
     def rest(name: str, theta: float, more: str = "") -> None:
         high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
         words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
-        found[name] = Threshold(high, METRE, words)
+        if high > 0:  # a thick disc touches with its other edge there
+            found[name] = Threshold(high, METRE, words)
 
     for name, z in SPINS.items():
         rest(f"height_{name}", math.acos(z))
