@@ -10,7 +10,7 @@ from ..mechanics.contact.body import Top
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.number import Number
 from ..mechanics.system import System
-from ..mechanics.systems import user_outline
+from ..mechanics.systems import revolution, user_outline
 
 
 SYSTEMS = MappingProxyType(systems.SYSTEMS)
@@ -99,6 +99,7 @@ def outline(numbers: Mapping[str, Number], height: Callable) -> type[Top]:
         or not convex is refused when it is made.
     """
     body = user_outline.body_by_height(numbers, height)
-    for system in user_outline.systems_of(body):
+    title = body.gliding.replace("-", " ")
+    for system in revolution.systems(body, title, "", classes=revolution.SPHEROID.classes):
         register(system)
     return body

@@ -214,7 +214,7 @@ def revolution(
     found = eggs_and_discs.limits(b)
     acts = nowhere_vanishes(b.friction) and not has_parts(b.friction)
     spins = []
-    if (rolls or acts) and eggs_and_discs.has_pole_balls(b):
+    if (rolls or acts) and "radius_upright" in found:
         for name, z in SPINS.items():
             how, limit = eggs_and_discs.spin_limit(z, b, rolls=rolls)
             if limit > 0:

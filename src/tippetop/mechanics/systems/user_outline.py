@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
 from ..contact.body import inertia_faults
 from ..contact.outline import Series, at, shape_by
 from ..form import all_are
 from ..friction import checked_name
 from ..number import Number, RecordType
-from ..system import System
 from ..units import METRE
 from .consistency import allowed, answer
-from .revolution import Outlined, Spheroid, systems
+from .revolution import Outlined, Spheroid
 from .tippe_top import TippeTop
 
 
@@ -64,14 +62,16 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
 
 def body_by_height(numbers: Mapping[str, Number], height: Callable) -> type[Outlined]:
     """Return the class of the bodies with these numbers and this height. Raises InputError."""
-    if not all_are(numbers, Mapping, Number):
-        raise InputError(f"`numbers` must be a dict of Number, but is {numbers!r:.60}.")
+    shape = answer(
+        "`numbers` must be a dict of Number by their names",
+        lambda: shape_by(height, numbers),
+        lambda found: all_are(numbers, Mapping, Number),
+    )
     of_any = TippeTop.parameters
     fields = {"m": of_any["m"], "I1": of_any["I1"], "I3": of_any["I3"], **numbers}
     fields["g"] = Spheroid.parameters["g"]
     ordered = sorted(fields.items(), key=lambda item: item[1].default is not None)
     lengths = [rule.unit.powers[METRE.powers.index(1)] for rule in numbers.values()]
-    shape = answer("`numbers` must have names of numbers", lambda: shape_by(height, numbers))
     values = shape._make(np.float64(allowed(rule)) for rule in numbers.values())
     with np.errstate(all="ignore"):
         answer(
@@ -99,9 +99,3 @@ def body_by_height(numbers: Mapping[str, Number], height: Callable) -> type[Outl
             "faults": staticmethod(faults),
         },
     )
-
-
-def systems_of(body: type[Outlined]) -> tuple[System, System]:
-    """Return the gliding and the rolling system of a user-defined body."""
-    words = body.gliding.replace("-", " ")
-    return systems(body, words, "", classes=("tumbling", "upright", "inverted"))

@@ -39,13 +39,7 @@ def spin_limit(z: float, b: Touch, *, rolls: bool = False) -> tuple[str, float]:
     return ("neutral", "stable", "unstable")[int(np.sign(lever - needed))], math.nan
 
 
-@np.errstate(all="ignore")
-def has_pole_balls(b: Touch) -> bool:
-    """Return whether a body touches as a ball at its poles, where a disc lies flat."""
-    return bool(np.isfinite(touching_ball(1.0, 0.0, b).R))
-
-
-@np.errstate(all="ignore")
+@np.errstate(all="ignore")  # a disc has no ball at its poles
 def limits(b: Touch) -> dict[str, Threshold]:
     """Return the heights at rest, the balls at the poles, and Painleve's bound."""
     shape = shape_of(b)
@@ -59,8 +53,7 @@ def limits(b: Touch) -> dict[str, Threshold]:
 
     for name, z in SPINS.items():
         rest(f"height_{name}", math.acos(z))
-        if has_pole_balls(b):
-            R = touching_ball(z, 0.0, b).R
+        if np.isfinite(R := touching_ball(z, 0.0, b).R):
             found[f"radius_{name}"] = Threshold(R, METRE, "radius of the ball that touches there")
     ball = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, b)
     c = ball.c
