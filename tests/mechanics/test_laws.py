@@ -139,14 +139,14 @@ DECOMPOSITION = {
     ("heavy-top", "euler"): 63,
     ("gliding-cylinder", "angle"): 60,
     ("rolling-cylinder", "angle"): 46,
-    ("spheroid", "vector"): 137,
-    ("spheroid", "euler"): 182,
-    ("rolling-spheroid", "vector"): 178,
-    ("rolling-spheroid", "euler"): 145,
-    ("disc", "vector"): 129,
-    ("disc", "euler"): 174,
-    ("rolling-disc", "vector"): 169,
-    ("rolling-disc", "euler"): 136,
+    ("spheroid", "vector"): 134,
+    ("spheroid", "euler"): 178,
+    ("rolling-spheroid", "vector"): 176,
+    ("rolling-spheroid", "euler"): 143,
+    ("disc", "vector"): 125,
+    ("disc", "euler"): 169,
+    ("rolling-disc", "vector"): 167,
+    ("rolling-disc", "euler"): 134,
 }
 
 

@@ -48,8 +48,8 @@ def at_start(problem: Problem) -> dict[str, float]:
     for q in problem.system.quantities:
         numbers = values[q.name] * problem.unit(q.unit)
         start[q.name] = 0.0 if abs(numbers[0]) <= np.ptp(numbers) else float(numbers[0])
-    theta = problem.initial.get("theta", 0.0)
-    return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
+    given = {name: problem.initial.get(name, 0.0) for name in ("theta", "phi_dot")}
+    return start | {"at_pole": float(starts_at_pole(problem)), **given}
 
 
 def comments(problem: Problem) -> PlainData:

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
+from ..mechanics.number import completed, omission_faults
 from ..mechanics.quantity import worked_out
 from ..mechanics.system import Form, System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
@@ -63,6 +64,9 @@ def problem(
     name = law_name(tables)
     if name and name not in system.laws:
         load_entry_points()
+    body = tables.get("parameters", {})
+    if isinstance(body, Mapping):
+        tables = {**tables, "parameters": completed(body, system.parameters)}
     tables = worked_out(tables, units_of(system, tables))
     try:
         model = scenario_model(system, system.laws.get(name))
@@ -104,7 +108,7 @@ def problem(
         **given,
     )
     faults = [
-        *system.checks(parameters),
+        *(omission_faults(body, parameters, system.parameters) or system.checks(parameters)),
         *built.clashes(),
         *contact_faults(built),
         *_pole_faults(built),

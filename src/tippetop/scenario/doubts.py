@@ -55,7 +55,8 @@ def doubts(problem: Problem) -> list[str]:
                 f"{whole:.3g} kg m2: hardly a body of this mass and size; units are SI."
             )
     parts = [f"`friction.{name}`" for name in PARTS if getattr(problem.friction, name, 0.0) > 0]
-    if problem.law.torque and parts:
+    lies_flat = any(event.ends == "flat" for event in problem.system.events)
+    if problem.law.torque and parts and not lies_flat:
         sentences.append(
             f"{' and '.join(parts)} can bring this body to rest, for which there is no phase: a "
             "run then takes some 1e4 to 1e7 steps a second. End it before."

@@ -178,6 +178,25 @@ def test_a_disc_that_falls_flat_ends_by_an_event() -> None:
                 tt.run(coin, tt.friction.Frictionless(), start=start, until=1.0, **options)
 
 
+@pytest.mark.parametrize(
+    ("law", "options"),
+    [
+        (None, {}),
+        (tt.friction.Viscous(mu=1.0), {}),
+        (tt.friction.Coulomb(mu=1.0, mu_r=1e-9), {"contact": {}}),
+    ],
+)
+def test_a_disc_that_lies_nearly_flat_keeps_its_balance(law: Any, options: dict[str, Any]) -> None:
+    """Its ball has a radius of some hundred discs there, and R - c z cancels."""
+    theta = 0.004
+    phi_dot = 2 * np.sqrt(9.81 / (0.036 * theta))
+    start = {"theta": theta, "phi_dot": phi_dot, "omega3": -0.01} | ({"nu_x": 0.0} if law else {})
+    disc = tt.Disc(m=0.44, ring=0.036, tube=0.0015)
+    run = tt.run(disc, law, start=start, until=0.1, on_liftoff=None, **options)
+    assert np.ptp(run.trajectory.theta.values) > 1e-5
+    assert run.drift["energy_balance"] < 2e-15
+
+
 # --- the tippe top ------------------------------------------------------------------------------
 
 
@@ -210,6 +229,45 @@ def assert_tippe_top(law: Any, start: dict[str, float], **options: Any) -> None:
     for name in ("axis", "L", "energy", "modified_energy", "normal_force", "x", "orientation"):
         size = np.max(np.abs(one[name].values))
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-12 * size)
+
+
+# --- presets ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("rpm", "jumps"), [(1500, 0), (2000, 35)])
+def test_an_egg_jumps_if_it_spins_fast_enough(rpm: int, jumps: int) -> None:
+    run = tt.run("jumping-egg", start={"phi_dot": f"{rpm} rpm"})
+    assert run.summary.event_counts.get("liftoff", 0) == jumps
+    assert run.drift["energy_balance"] < 1e-13
+
+
+def test_the_disc_of_euler_lies_flat_in_the_end() -> None:
+    """Before, it goes round ever faster: phi'^2 sin(theta) is constant for small theta."""
+    run = tt.run("euler-disc")
+    assert run.summary.status == "ended"
+    assert run.summary.event_counts["flat"] == 1
+    assert run.drift["energy_balance"] < 1e-13
+    last = run.trajectory.isel(time=slice(-200, None))
+    scaled = np.sqrt(np.sin(last.theta)) * last.phi_dot
+    assert float(last.phi_dot[-1]) > 500
+    assert float(scaled.std() / scaled.mean()) < 0.02
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        tt.friction.Viscous(mu=3.0, mu_r=2e-4, mu_d=2e-4),
+        tt.friction.Contensou(mu=0.3, patch=4e-4, mu_r=4e-4),
+        tt.friction.Coulomb(mu=0.3, mu_r=4e-4, mu_d=2e-4),
+        at_night(tt.friction.Coulomb(mu=0.4, mu_r=5e-4)),
+    ],
+)
+def test_a_disc_that_loses_energy_ends_flat(law: Any) -> None:
+    disc = tt.Disc(m=0.1, ring=0.02, tube=0.001)
+    start = {"theta": 0.3, "phi_dot": 48.0, "nu_x": 0.0}
+    run = tt.run(disc, law, start=start, until=10.0)
+    assert (run.summary.status, run.summary.event_counts["flat"]) == ("ended", 1)
+    assert run.drift["energy_balance"] < 1e-13
 
 
 # --- what surrounds a run -----------------------------------------------------------------------

@@ -20,7 +20,7 @@ from ..units import (
     METRE_PER_SECOND2,
     ONE,
 )
-from .outline import Ball, Bent, Series
+from .outline import Ball, Bent, at
 
 
 class Touch(NamedTuple):
@@ -67,8 +67,8 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     if isinstance(b.outline, Ball):
         return b
     shape = shape_of(b)
-    f = shape.height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
-    bent = Bent(shape, -f.second, -f.third)
+    f = at(z, s2, shape.height)
+    bent = Bent(shape, -f.second, -f.third, f.value)
     return b._replace(R=f.value - z * f.first, c=-f.first, outline=bent)
 
 
@@ -109,7 +109,7 @@ def height_range(b: Touch) -> Any:
     """Return a bound of the difference of two heights of the centre of mass [m]."""
     if isinstance(b.outline, Ball):
         return 2 * abs(b.c)
-    return 2 * (shape_of(b).size + abs(shape_of(b).c))
+    return 2 * (shape_of(b).size + abs(getattr(shape_of(b), "c", 0.0)))
 
 
 class Top(Record, abstract=True):
@@ -210,13 +210,18 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 # --- geometry and velocities --------------------------------------------------------------------
 
 
+chosen_height = of_outline(
+    formula(lambda z, b, outline: b.R - b.c * z), lambda z, b, outline: outline.height
+)
+
+
 @formula
 def height(z, b):
     """Return the height of the centre of mass above the plane, s_z = R - c z [m].
 
     The body touches the plane.
     """
-    return b.R - b.c * z
+    return chosen_height(z, b, b.outline)
 
 
 @formula
@@ -225,10 +230,16 @@ def gap(x, b):
     return x.height - height(x.u.z, b)
 
 
+chosen_arm = of_outline(
+    formula(lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)),
+    lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, -outline.height),
+)
+
+
 @formula
 def arm(u, b):
     """Return a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
-    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+    return chosen_arm(u, b, b.outline)
 
 
 @formula
@@ -259,11 +270,22 @@ def angular_velocity_of(x, L3, b):
 
 
 @formula
-def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+def arm_velocity_of_ball(x, b, outline):
+    """Return `arm_velocity` of a sphere."""
     u_dot = axis_rate(x, b)
     w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
+
+
+chosen_arm_velocity = of_outline(
+    arm_velocity_of_ball, lambda x, b, outline: cross(angular_velocity(x, b), arm(x.u, b))
+)
+
+
+@formula
+def arm_velocity(x, b):
+    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+    return chosen_arm_velocity(x, b, b.outline)
 
 
 @formula
@@ -388,6 +410,9 @@ def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
     return L3 / b.I1 * phi_dot_s2 - z * axis_speed2
 
 
+sine2 = of_outline(formula(lambda s, outline: 1 - s.z * s.z), lambda s, outline: s.s2)
+
+
 @formula
 def contact_mobility(s, b):
     """Return the upward acceleration of the contact point per unit of g_n/m; must be positive.
@@ -395,7 +420,7 @@ def contact_mobility(s, b):
     [denominator of T 3.16]
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
-    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - height(s.z, b) * slip)
+    return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b.outline) - height(s.z, b) * slip)
 
 
 pull_on = of_outline(

@@ -190,7 +190,7 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
     third = -(b.c * dot(x.L, x.L) / b.I1**2 * u_dot.z)
     if not isinstance(b.outline, Ball):
         swing = cross(x.L, u_dot).z / b.I1
-        _, bend, twist = b.outline
+        _, bend, twist, _ = b.outline
         third += 3 * bend * (u_dot.z * swing) + twist * (u_dot.z * u_dot.z * u_dot.z)
     return third
 

@@ -43,6 +43,11 @@ def gains(u, F, torque, b):
     return plus(times(1 / b.m, F), cross(turns, arm(u, b))), turns
 
 
+chosen_arm2 = of_outline(
+    formula(lambda u, b, outline: arm2(u.z, b)), lambda u, b, outline: dot(arm(u, b), arm(u, b))
+)
+
+
 @formula
 def mobility_inverse_times(u, x, b, less=0):
     """Return K^-1 x, (3,): the force or impulse for x at the contact.
@@ -52,7 +57,7 @@ def mobility_inverse_times(u, x, b, less=0):
     """
     excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - less
     a = arm(u, b)
-    kappa = 1 / b.m + arm2(u.z, b) / b.I1
+    kappa = 1 / b.m + chosen_arm2(u, b, b.outline) / b.I1
     across = u.x * x.y - u.y * x.x  # k.x
     along_k = -(excess * across) / (kappa + excess * (u.x * u.x + u.y * u.y))
     along_a = b.m * dot(a, x) / b.I1
