@@ -84,8 +84,10 @@ def test_drawers_take_the_surface_of_the_equations(name: str) -> None:
     surface = shapes.surface_of(body, numbers)
     for q, low in zip(quaternions(20), shapes.lowest(quaternions(20), body, numbers), strict=True):
         axes = shapes.rotation(q) @ surface.axes
-        meridian = np.asarray(surface.meridian)
-        drawn = surface.centre @ surface.axes + film._farthest(-axes[2], surface.half, meridian)
+        profile = np.array(film._capsule(1.0, 1.0))
+        if len(surface.meridian):
+            profile = surface.meridian[::-1, 1::-1].T
+        drawn = surface.centre @ surface.axes + film._farthest(-axes[2], surface.half, profile)
         assert (axes @ drawn)[2] == pytest.approx(low[2], abs=0.005 * surface.half.max())
 
 

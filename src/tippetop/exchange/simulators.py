@@ -13,7 +13,7 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
-from ..runs.shape import Surface, angular_velocity, surface_of
+from ..runs.shape import Surface, angular_velocity, moments, surface_of
 from ..scenario import build
 from .motion import turned
 
@@ -67,14 +67,14 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
 
     state, carried = read.state(rows)
     x = contact.turning(state)
-    u = np.stack(x.u, axis=1).astype(float)
     L = vectors(ANGULAR_MOMENTUM, *x.L)
+    u = np.stack(x.u, axis=1).astype(float)
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
     w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
     if "I2" in problem.parameters:
-        w = angular_velocity(q, L, np.array(moments_of(problem)))
+        w = angular_velocity(q, L, moments(body, problem.parameters))
     if fixed:
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
@@ -85,12 +85,6 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     place = vectors(METRE, carried.x, y, state.height)
     velocity = vectors(METRE_PER_SECOND, *(getattr(state, name) for name in contact.VELOCITY))
     return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
-
-
-def moments_of(problem: Problem) -> list[float]:
-    """Return the principal moments of inertia about the centre of mass [kg m^2]."""
-    body = problem.body()
-    return [float(I) for I in (body.I1, problem.parameters.get("I2", body.I1), body.I3)]
 
 
 def _opened(problem: Problem) -> Problem:
@@ -132,7 +126,7 @@ def formats_of(problem: Problem) -> tuple[str, ...]:
     surface = surface_of(problem.body(), problem.parameters)
     if len(surface.meridian):
         return ()
-    return ("mjcf", "sdf") if surface.half.std() else ("mjcf", "urdf", "sdf")
+    return ("mjcf", "sdf") if np.ptp(surface.half) else ("mjcf", "urdf", "sdf")
 
 
 DIGITS = 12
@@ -185,7 +179,7 @@ class Model(NamedTuple):
     body: Any
     start: Start
     fixed: bool
-    moments: list[float]
+    moments: np.ndarray
     surfaces: dict[str, Surface]
     friction: tuple[float, float, float]
     bounce: float
@@ -231,7 +225,7 @@ def _model(problem: Problem) -> Model:
     touching = surface_of(body, problem.parameters)
     pointed = not touching.half.any()
     tip = TIP * abs(touching.centre[2])
-    name = "tip" if pointed else "ellipsoid" if touching.half.std() else "sphere"
+    name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
     surfaces = {name: touching._replace(half=np.full(3, tip)) if pointed else touching}
     if opens is not None and opens.stem:
         centre = touching.centre + np.array([0.0, 0.0, opens.h])
@@ -275,7 +269,7 @@ def _model(problem: Problem) -> Model:
         body,
         start_of(problem),
         fixed,
-        moments_of(problem),
+        moments(body, problem.parameters),
         surfaces,
         (mu, torsion, rolling),
         bounce,
@@ -286,7 +280,7 @@ def _model(problem: Problem) -> Model:
 
 def _ellipsoid(surface: Surface) -> str:
     """Return type, size and attitude of a geom in MJCF."""
-    if not surface.half.std():
+    if not np.ptp(surface.half):
         return f'type="sphere" size="{_numbers(surface.half[0])}"'
     angle = surface.turn / 2
     quaternion = _numbers([math.cos(angle), 0.0, 0.0, math.sin(angle)])
@@ -390,7 +384,7 @@ def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
 
 
 def _sdf_geometry(surface: Surface) -> str:
-    if not surface.half.std():
+    if not np.ptp(surface.half):
         return f"<sphere><radius>{_numbers(surface.half[0])}</radius></sphere>"
     return f"<ellipsoid><radii>{_numbers(surface.half)}</radii></ellipsoid>"
 

@@ -120,8 +120,9 @@ def frames(
     fig.set_dpi(100)
     fig.set_layout_engine("none")
     ax = fig.add_axes((0, 0, 1, 1))
+    centre = shape["surfaces"][0]["centre"] @ np.array(shape["axes"])
     for q, place, text in zip(orientations, places, texts, strict=True):
-        below = (place + _centre(rotation(q), shape))[:2] / shape["unit"]
+        below = (place + rotation(q) @ centre)[:2] / shape["unit"]
         dots = (FLOOR - below % STEP) @ SCREEN[:, :2].T
         ax.clear()
         ax.set(xlim=HALF * width / height, ylim=1 + HALF)
@@ -143,50 +144,36 @@ def pose(
     axes = rotation(np.asarray(row["orientation"])) @ np.transpose(shape["axes"])
     unit = shape["unit"]
     down = -axes[2]
+    profile = np.array(_capsule(1.0, 1.0))
+    if shape["meridian"]:
+        profile = np.transpose(shape["meridian"])[[1, 0], ::-1]
     surfaces = [
         (np.array(each["centre"]) / unit, np.array(each["half"]) / unit)
         for each in shape["surfaces"]
     ]
-    (offset, half), stems = surfaces[0], surfaces[1:]
-    meridian = np.array(shape["meridian"]) / unit
+    (offset, _), *stems = surfaces
     if "z" in row:
         height = float(row["z"]) / unit
     elif shape["fixed"]:
         height = -(axes @ offset)[2]
     else:  # the lowest point is on the floor
-        lows = [at + _farthest(down, size, meridian) for at, size in surfaces]
-        height = max(float(low @ down) for low in lows)
+        height = max(down @ (at + _farthest(down, size, profile)) for at, size in surfaces)
     # the ball, or the tip, stays in the middle
     mass = np.array([0, 0, height]) - axes @ offset * (1, 1, 0)
     thick = [(mass + axes @ at, size) for at, size in surfaces]
-    centre = thick[0][0]
     if shape["kind"] == "heavy":
-        half = np.array(shape["ellipsoid"]) / unit
-        across, _, along = half
-        thick = [(mass, half)]
-        tip = offset[2]
-        parts = [
-            _facets(mass, axes, *_capsule(across, along), None),
-            _facets(mass, axes, *_capsule(0.05, 0.05, tip, -along), IRON),
-            _facets(mass, axes, *_capsule(0.05, 0.05, along, along + 0.3), IRON),
-        ]
+        thick = [(mass, np.array(shape["ellipsoid"]) / unit)]
+    centre, half = thick[0]
+    parts = [_facets(centre, axes * half, *profile, None)]
+    if shape["kind"] == "heavy":
+        for ends in ((offset[2], -half[2]), (half[2], half[2] + 0.3)):
+            parts.append(_facets(mass, axes, *_capsule(0.05, 0.05, *ends), IRON))
     elif shape["kind"] == "cylinder":
         radius = half[0]
         wide = 0.7 * radius
-        profile = np.array([0, radius, radius, 0]), np.array([-wide, -wide, wide, wide])
+        can = np.array([0, radius, radius, 0]), np.array([-wide, -wide, wide, wide])
         paint = np.where(_even()[:, None], CREAM, BLUE)
-        parts = [_facets(centre, axes[:, [2, 0, 1]], *profile, paint)]
-    elif shape["kind"] == "lathe":
-        heights, radii = meridian[::-1, :2].T
-        ring = np.linspace(0, radii[1], 9)[:-1]
-        flat = [np.full(8, end) for end in heights[[0, -1]]]
-        radii, heights = (
-            np.r_[ring, radii[1:-1], ring[::-1]],
-            np.r_[flat[0], heights[1:-1], flat[1]],
-        )
-        parts = [_facets(centre, axes, radii, heights, None)]
-    else:
-        parts = [_facets(centre, axes * half, *_capsule(1.0, 1.0), None)]
+        parts = [_facets(centre, axes[:, [2, 0, 1]], *can, paint)]
     for at, size in stems:
         rod = np.sqrt(half[0] ** 2 - size[0] ** 2), at[2] - offset[2]
         parts.append(_facets(centre, axes, *_capsule(size[0], size[0], *rod), WOOD))
@@ -194,25 +181,22 @@ def pose(
     far_first = np.argsort(-corners.mean(axis=1) @ AHEAD)
     hangs = shape["fixed"] and (axes @ offset)[2] > 0  # then there is no floor
     shadows = np.array(
-        [_shadow(at, axes, size, meridian) for at, size in ([] if hangs else thick)]
+        [_shadow(at, axes, size, profile) for at, size in ([] if hangs else thick)]
     ).reshape(-1, FACETS, 3)
     screen = (corners[far_first] @ SCREEN.T, shadows @ SCREEN.T)
     return *screen, colours[far_first], mass @ SCREEN.T
 
 
-def _centre(axes: Array, shape: dict[str, Any]) -> Array:
-    """Return the centre of the surface that touches, from the centre of mass in space [m]."""
-    return axes @ np.transpose(shape["axes"]) @ shape["surfaces"][0]["centre"]
+def _farthest(direction: Array, half: Array, profile: Array) -> Array:
+    """Return the point of a surface that lies farthest in a direction, in axes of the surface.
 
-
-def _farthest(direction: Array, half: Array, meridian: Array) -> Array:
-    """Return the point of a surface that lies farthest in a direction, in axes of the surface."""
-    if not len(meridian):
-        scaled = half * direction
-        return half * scaled / (np.linalg.norm(scaled) or 1.0)
-    across = np.hypot(*direction[:2])
-    high, radius, _ = meridian[np.argmax(meridian[:, :2] @ [direction[2], across])]
-    return np.array([*(radius * direction[:2] / (across or 1.0)), high])
+    The surface has a profile of radii and heights, in units of its half axes.
+    """
+    x, y, z = half * direction
+    across = np.hypot(x, y)
+    radius, height = profile[:, np.argmax([across, z] @ profile)]
+    radius /= across or 1.0
+    return half * [radius * x, radius * y, height]
 
 
 def _capsule(across: float, along: float, low: float = 0, high: float = 0) -> tuple[Array, Array]:
@@ -252,19 +236,18 @@ def _facets(
     if paint is None:
         middle = (heights[1:] + heights[:-1])[:, None, None] / 2
         paint = np.where(middle > 0, CREAM, BLUE) * np.where(_even(), 1.0, 0.75)[:, None]
-        width = (radii[1:] + radii[:-1])[:, None, None] / 2
-        cap = (middle > 0.93 * heights.max()) & (width < 0.4 * radii.max())
-        paint = np.where(cap, ORANGE, paint)
+        top = (middle > 0.93 * heights.max()) & (radii[:-1, None, None] < 0.4)
+        paint = np.where(top, ORANGE, paint)
     seen = normal @ AHEAD < 0
     normal = normal[seen] / np.linalg.norm(normal[seen], axis=1, keepdims=True)
     bright = 0.42 + 0.64 * np.clip(normal @ LIGHT, 0, 1)[:, None]
     return corners[seen], np.clip(np.broadcast_to(paint, (*seen.shape, 3))[seen] * bright, 0, 1)
 
 
-def _shadow(centre: Array, axes: Array, half: Array, meridian: Array) -> Array:
+def _shadow(centre: Array, axes: Array, half: Array, profile: Array) -> Array:
     """Return the rim (FACETS, 3) of the shadow of a surface on the floor."""
     angle = np.linspace(0, 2 * np.pi, FACETS)[:, None]
     _, one, other = np.linalg.svd(LIGHT[None])[2]
     around = (np.cos(angle) * one + np.sin(angle) * other) @ axes
-    rim = centre + [axes @ _farthest(way, half, meridian) for way in around]
+    rim = centre + [axes @ _farthest(way, half, profile) for way in around]
     return rim - rim[:, 2:] / LIGHT[2] * LIGHT

@@ -58,8 +58,9 @@ class Surface(NamedTuple):
     """What touches the plane: an ellipsoid or, with a meridian, a surface of revolution.
 
     `centre` is seen from the centre of mass, in body axes; the half axes are turned against them by
-    `turn` about axis 3. A meridian has height and radius from the centre, and the inclination of
-    its normal, for each of its points, the upper ones first.
+    `turn` about axis 3. With the half axes as units, a meridian has height, radius and inclination
+    of its normal at POINTS equal steps of this, from above, and at a point of the axis before and
+    after these.
     """
 
     centre: np.ndarray
@@ -82,21 +83,36 @@ def surface_of(b: Any, parameters: Mapping[str, float]) -> Surface:
     if isinstance(outline, Spheroid):
         half = np.array([outline.b, outline.b, outline.a])
         return Surface(np.array([0.0, 0.0, outline.c]), half)
-    if not hasattr(outline, "height"):
+    if not revolves(b):
         centre, half = ([parameters[name] for name in names] for names in ("xyh", "abc"))
         return Surface(np.array(centre), np.array(half), parameters["delta"])
-    normal = np.linspace(0, np.pi, POINTS)
-    theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
-    at = touching_ball(np.cos(theta), np.sin(theta) ** 2, b)
-    radius, height = at.R * np.sin(theta), at.c - at.R * np.cos(theta)
-    more = ROUNDED * max(radius.max(), np.ptp(height) / 2)
-    radius, height = radius + more * np.sin(normal), height + more * np.cos(normal)
-    middle = (height[0] + height[-1]) / 2
-    rows = np.stack([height - middle, radius, normal], axis=1)
-    ends = [[sign * (rows[0, 0] + more), 0.0, end] for sign, end in ((1, 0.0), (-1, np.pi))]
-    half = np.array([radius.max(), radius.max(), rows[0, 0]])
+
+    def at(normal: Any) -> Any:
+        theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
+        ball = touching_ball(np.cos(theta), np.sin(theta) ** 2, b)
+        return np.array([ball.c - ball.R * np.cos(theta), ball.R * np.sin(theta)])
+
+    (top, _, bottom), (_, wide, _) = at(np.array([0.0, np.pi / 2, np.pi]))
+    more = ROUNDED * max(wide, (top - bottom) / 2)
+    across, along, middle = wide + more, (top - bottom) / 2 + more, (top + bottom) / 2
+    steps = np.linspace(0, np.pi, POINTS)
+    normal = np.arctan2(np.sin(steps) / across, np.cos(steps) / along)
+    height, radius = at(normal) + more * np.array([np.cos(normal), np.sin(normal)])
+    rows = np.stack([(height - middle) / along, radius / across, steps], axis=1)
+    ends = np.array([[1 + ROUNDED, 0.0, 0.0], [-1 - ROUNDED, 0.0, np.pi]])
     meridian = np.vstack([ends[:1], rows, ends[1:]])
+    half = np.array([across, across, along])
     return Surface(np.array([0.0, 0.0, middle]), half, meridian=meridian)
+
+
+def revolves(b: Any) -> bool:
+    """Return whether the surface of a body is one of revolution about axis 3."""
+    return isinstance(b.outline, Ball) or hasattr(shape_of(b), "height")
+
+
+def moments(b: Any, parameters: Mapping[str, float]) -> np.ndarray:
+    """Return the principal moments of inertia about the centre of mass, (3,) [kg m^2]."""
+    return np.array([b.I1, parameters.get("I2", b.I1), b.I3], float)
 
 
 def frames(orientation: np.ndarray) -> np.ndarray:
@@ -107,7 +123,7 @@ def frames(orientation: np.ndarray) -> np.ndarray:
 def lowest(orientation: np.ndarray, b: Any, parameters: Mapping[str, float]) -> np.ndarray:
     """Return the lowest point from the centre of mass in space, (n, 3) [m]."""
     frame = frames(orientation)
-    if hasattr(shape_of(b), "height") or isinstance(b.outline, Ball):
+    if revolves(b):
         u = Vector(*frame[:, 2].T)
         return np.stack(arm(u, by_axis(u, b)), axis=1)
     surface = surface_of(b, parameters)
@@ -117,12 +133,10 @@ def lowest(orientation: np.ndarray, b: Any, parameters: Mapping[str, float]) -> 
     return ((surface.centre @ surface.axes - reach)[:, None] @ frame)[:, 0]
 
 
-def angular_velocity(
-    orientation: np.ndarray, momentum: np.ndarray, moments: np.ndarray
-) -> np.ndarray:
-    """Return omega in space, (n, 3) [rad/s], of a body with three principal moments of inertia."""
+def angular_velocity(orientation: np.ndarray, L: np.ndarray, inertia: np.ndarray) -> np.ndarray:
+    """Return omega in space, (n, 3) [rad/s], of L and principal moments of inertia."""
     frame = frames(orientation)
-    return np.einsum("nij,nik,nk->nj", frame, frame / moments[:, None], momentum)
+    return np.einsum("nij,nik,nk->nj", frame, frame / inertia[:, None], L)
 
 
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:

@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import Touch, Turning, angular_velocity_of, tip_inertia
+from ..mechanics.contact.body import Touch, tip_inertia
 from ..mechanics.friction import slip_coefficient
 from ..mechanics.operand import Vector, cross
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import angular_velocity, body_of, lowest, shape
+from ..runs.shape import angular_velocity, body_of, lowest, moments, shape
 
 
 Columns = Mapping[str, np.ndarray]
 ORIENTATION = slice(0, 4)
 OMEGA = slice(4, 7)
 NEEDED = (
-    *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
+    *("time", "orientation", "L", "theta", "theta_dot", "phi", "nu_x", "nu_y"),
     *("x", "y", "z", "phase", "ball"),
 )
 """Columns without which there is no page; the force and the potential are drawn if they are there.
@@ -56,15 +56,12 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         spin = columns["theta_dot"]
         omega = Vector(none, spin, none)
         momentum = Vector(none, b.I1 * spin, none)
-    elif "I2" in parameters:
-        momentum = Vector(*columns["L"].T)
-        moments = np.array([parameters[name] for name in ("I1", "I2", "I3")])
-        omega = Vector(*angular_velocity(orientation, columns["L"], moments).T)
     else:
         momentum = Vector(*columns["L"].T)
-        inert = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip then
-        x = Turning(Vector(*columns["axis"].T), momentum)
-        omega = angular_velocity_of(x, b.I3 * columns["omega3"], inert)
+        inertia = moments(b, parameters)
+        if drawn["fixed"]:  # L is about the tip
+            inertia[:2] = tip_inertia(b)
+        omega = Vector(*angular_velocity(orientation, columns["L"], inertia).T)
     arm = Vector(*lowest(orientation, _touching(columns, attrs, b), parameters).T)
     slip = _slip(columns, n)
     turning = cross(omega, arm)

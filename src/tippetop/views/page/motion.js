@@ -1,6 +1,6 @@
 /** A motion between its samples. */
 import { axes, between } from "./rotation.js";
-import { mix, plus, times } from "./vector.js";
+import { minus, mix, unit } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 /** @typedef {import("./vector.js").Quaternion} Quaternion */
@@ -152,14 +152,13 @@ export class Motion {
  * @returns {Vector}
  */
 export function lowest(frame, { centre, half }, meridian) {
-  const [x, y, z] = frame.map((axis) => axis[2]);
-  const across = Math.hypot(x, y);
-  if (!meridian.length) {
-    const k = Math.hypot(half[0] * x, half[1] * y, half[2] * z) || 1;
-    return plus(centre, times(-1 / k, [half[0] ** 2 * x, half[1] ** 2 * y, half[2] ** 2 * z]));
+  let [x, y, z] = unit([half[0] * frame[0][2], half[1] * frame[1][2], half[2] * frame[2][2]]);
+  if (meridian.length) {
+    const across = Math.hypot(x, y);
+    const at = 1 + (Math.atan2(across, -z) / Math.PI) * (meridian.length - 3); // equal steps of the normal
+    const i = Math.min(Math.floor(at), meridian.length - 3);
+    const [height, radius] = mix(meridian[i], meridian[i + 1], at - i);
+    [x, y, z] = [(radius * x) / (across || 1), (radius * y) / (across || 1), -height];
   }
-  const at = 1 + (Math.atan2(across, -z) / Math.PI) * (meridian.length - 3); // equal steps of the normal
-  const i = Math.min(Math.floor(at), meridian.length - 3);
-  const [height, radius] = mix(meridian[i], meridian[i + 1], at - i);
-  return plus(centre, [(-radius * x) / (across || 1), (-radius * y) / (across || 1), height]);
+  return minus(centre, [half[0] * x, half[1] * y, half[2] * z]);
 }

@@ -20,7 +20,7 @@ import { UNITS, along, dot, length, minus, plus, times } from "./vector.js";
  * @property {number} unit the length that is 1 in the picture [m]
  * @property {Vector[]} axes of the surfaces, in axes of the body
  * @property {Surface[]} surfaces what may touch the plane, the stem last
- * @property {Vector[]} meridian of a lathe: height and radius [m] and inclination of the normal, the upper points first
+ * @property {Vector[]} meridian of a lathe, in units of its half axes: height, radius, inclination of the normal
  * @property {Vector | []} ellipsoid half axes of a heavy top [m]
  * @property {number} weight [N]
  * @property {boolean} fixed whether its tip is fixed
@@ -239,8 +239,7 @@ export class Scene {
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.ALWAYS);
     gl.disable(gl.BLEND);
-    const meridian = body.meridian.map(([height, radius, normal]) => [k * height, k * radius, normal]);
-    if (meridian.length) rays.set({ meridian });
+    if (body.kind === "lathe") rays.set({ meridian: body.meridian });
     rays.set({
       size,
       ...view,

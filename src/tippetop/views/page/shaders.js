@@ -17,7 +17,7 @@ uniform vec2 size;
 uniform vec3 eye, right, up, ahead, centre, lightDirection, middle;
 uniform float lens, near, far, stemRadius, stemHeight, spinBlur, grid, dark;
 uniform vec3 surface, halves; // centre and half axes of what is drawn
-uniform vec3 meridian[64]; // height, radius, inclination of the normal
+uniform vec3 meridian[64]; // height, radius, inclination of the normal, where half axes are units
 uniform mat3 body; // columns: axes of the surface
 uniform vec3 arrowStart[4], arrowVector[4], arrowColour[4];
 uniform vec3 skyColour, floorColour, lineColour, heavyColour, lightColour, markColour, stemColour;
@@ -34,12 +34,6 @@ float ball(vec3 o, vec3 d, vec3 c, float r) {
   return t > 0.0 ? t : NONE;
 }
 
-float ellipsoid(vec3 o, vec3 d) {
-  vec3 dd = (d * body) / halves;
-  float size = length(dd), t = ball(((o - surface) * body) / halves, dd / size, vec3(0), 1.0);
-  return t < NONE ? t / size : NONE;
-}
-
 vec3 section(float z) { // radius, its slope, and the inclination of the normal at a height
   int low = 0, high = 63;
   while (high - low > 1) {
@@ -52,7 +46,7 @@ vec3 section(float z) { // radius, its slope, and the inclination of the normal 
 }
 
 float lathe(vec3 o, vec3 d, out vec3 normal) { // distance to the axis less radius is convex along a ray: no step is too far
-  float b = dot(o, d), h = b * b - dot(o, o) + dot(halves, halves), t = max(-b - sqrt(max(h, 0.0)), 0.0);
+  float b = dot(o, d), h = b * b - dot(o, o) + 3.0, t = max(-b - sqrt(max(h, 0.0)), 0.0);
   if (h < 0.0) return NONE;
   for (int i = 0; i < 24; i++) {
     vec3 p = o + t * d, s = section(p.z);
@@ -140,17 +134,20 @@ vec3 pattern(vec3 p, float pixel) { // p on the unit sphere, axes of the body
 Hit solid(vec3 o, vec3 d, float pixel) { // the body itself
   Hit hit = Hit(NONE, vec3(0), vec3(0), 0.0);
   vec3 axis = body[2];
-  if (kind < 2) {
+  if (kind != 2) {
     vec3 c = surface;
     if (kind == 1) {
       vec3 a = centre - axis, b = centre + (halves.z + 0.28) * axis;
       float s = rod(o, d, a + 0.03 * axis, b, 0.03);
       if (s < hit.t) hit = Hit(s, rodNormal(o + s * d, a, b), stemColour, 0.6);
     }
-    float t = ellipsoid(o, d);
-    if (t < hit.t) {
-      vec3 p = (o + t * d - c) * body / halves;
-      hit = Hit(t, normalize(body * (p / halves)), pattern(p, pixel * t / halves.x), kind == 0 ? 0.55 : 0.6);
+    vec3 oo = ((o - c) * body) / halves, dd = (d * body) / halves, n;
+    float size = length(dd), t = kind == 3 ? lathe(oo, dd / size, n) : ball(oo, dd / size, vec3(0), 1.0);
+    if (t < NONE && t / size < hit.t) {
+      vec3 p = oo + t / size * dd;
+      t /= size;
+      if (kind != 3) n = p;
+      hit = Hit(t, normalize(body * (n / halves)), pattern(normalize(p), pixel * t / halves.x), kind == 1 ? 0.6 : 0.55);
     }
     if (stemRadius > 0.0) {
       vec3 e = c + stemHeight * axis;
@@ -161,10 +158,6 @@ Hit solid(vec3 o, vec3 d, float pixel) { // the body itself
         hit = Hit(s, n, mix(stemColour, markColour, flag), 0.5);
       }
     }
-  } else if (kind == 3) {
-    vec3 n, oo = (o - surface) * body, dd = d * body;
-    float t = lathe(oo, dd, n);
-    if (t < hit.t) hit = Hit(t, body * n, pattern(normalize((oo + t * dd) / halves), pixel * t / halves.x), 0.55);
   } else {
     vec3 oo = (o - surface) * body, dd = d * body;
     float radius = halves.x, A = dot(dd.xz, dd.xz), B = dot(oo.xz, dd.xz), C = dot(oo.xz, oo.xz) - radius * radius, h = B * B - A * C;
