@@ -14,6 +14,7 @@ from ..exchange.comparison import ROUNDING, Compared, energy, shown, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..problem import Problem
+from ..runs.shape import surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
@@ -371,7 +372,7 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
     body = problem.body()
     size = length_of(problem)
     rate = math.sqrt(body.g / size)
-    arm = body.c * axis_of(q)
+    arm = turned(q, surface_of(body, problem.parameters).centre)
     units = {
         "attitude [rad]": 1.0,
         "position [m]": size,

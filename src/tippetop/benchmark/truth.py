@@ -6,6 +6,7 @@ import numpy as np
 
 from ..exchange.motion import angle_between, theta_of
 from ..exchange.simulators import motion_of
+from ..mechanics.contact.body import size
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 
@@ -36,9 +37,8 @@ def sample_times(problem: Problem) -> np.ndarray:
 
 
 def length_of(problem: Problem) -> float:
-    """Return the radius of a body, or the distance from its tip to its centre of mass [m]."""
-    body = problem.body()
-    return float(body.R or abs(body.c))
+    """Return the size of a body: of a ball its radius [m]."""
+    return float(size(problem.body()))
 
 
 def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tuple[Truth, Solution]:
