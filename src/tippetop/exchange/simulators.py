@@ -107,7 +107,7 @@ def text_of(problem: Problem, to: str) -> str:
     cannot express, or without orientation.
     """
     planar = "axis" not in problem.system.vectors and problem.contact is None
-    if planar or not isinstance(problem.body(), contact.Touch):
+    if planar or not hasattr(problem.body(), "outline"):
         raise InputError(
             f"a body for a simulator must be a top, but this is `{problem.system.name}`."
         )

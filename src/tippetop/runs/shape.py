@@ -24,7 +24,7 @@ NEAR_POLE = 1e-4
 ROUNDED = 0.002
 
 
-def body_of(attrs: dict[str, Any]) -> Touch:
+def body_of(attrs: dict[str, Any]) -> Any:
     """Return the body of a store, SI; without a friction law where its contact changes its phase.
 
     Raises InputError for what cannot be drawn.
@@ -37,7 +37,7 @@ def body_of(attrs: dict[str, Any]) -> Touch:
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = system.laws.get(friction.get("law"), Frictionless)
     body = system.body_of(attrs["parameters"], law._make(friction[name] for name in law._fields))
-    if isinstance(body, Touch):
+    if hasattr(body, "outline"):
         return body
     needed = [name for name in Touch._fields if name not in Touch._field_defaults]
     missing = [name for name in needed if not hasattr(body, name)]
