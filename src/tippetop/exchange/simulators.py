@@ -68,7 +68,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     state, carried = read.state(rows)
     x = contact.turning(state)
     L = vectors(ANGULAR_MOMENTUM, *x.L)
-    u = np.stack(x.u, axis=1).astype(float)
+    u = np.stack(x.u[:3], axis=1).astype(float)
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
