@@ -13,6 +13,7 @@ import tippetop as tt
 from tippetop.exchange import simulators
 from tippetop.figures import film
 from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.outline import root
 from tippetop.mechanics.friction import Frictionless
 from tippetop.runs import shape as shapes
 
@@ -89,6 +90,25 @@ def test_drawers_take_the_surface_of_the_equations(name: str) -> None:
             profile = surface.meridian[::-1, 1::-1].T
         drawn = surface.centre @ surface.axes + film._farthest(-axes[2], surface.half, profile)
         assert (axes @ drawn)[2] == pytest.approx(low[2], abs=0.005 * surface.half.max())
+
+
+class Pear(NamedTuple):
+    """The outline of a body with a thick and a thin end."""
+
+    a: float = 0.03
+
+    def height(self, z: Any, s2: Any) -> Any:
+        return root(z * z * self.a**2 + s2 * 0.02**2) + z * s2 * 0.003
+
+
+@pytest.mark.parametrize("name", ["disc", "sharp", "pear"])
+def test_a_drawn_meridian_is_convex(name: str) -> None:
+    """So that no step along a ray passes it; with the cones at its ends, in single precision."""
+    body = STONE._replace(outline=Pear()) if name == "pear" else CASES[name][0]
+    height, radius, _ = np.float32(shapes.surface_of(body, {}).meridian).T
+    slopes = np.diff(radius) / np.diff(height)
+    assert len(radius) == 64
+    assert (np.diff(slopes) > -1e-3 * np.abs(slopes[1:])).all()
 
 
 def test_omega_is_that_of_three_moments() -> None:

@@ -19,9 +19,10 @@ from ..problem import column_names
 BIGGEST = 0.78
 # Points of a meridian, at equal steps of its normal; their distance from the poles [rad]
 POINTS = 62
-NEAR_POLE = 1e-4
-# By how much a drawn meridian is rounded, and pointed at its ends, as a part of its size
+NEAR_POLE = 1e-3
+# By how much a drawn meridian is rounded, as a part of its size, and the cones at its ends rise
 ROUNDED = 0.002
+LEAST_TIP = 1e-6
 
 
 def body_of(attrs: dict[str, Any]) -> Any:
@@ -58,9 +59,9 @@ class Surface(NamedTuple):
     """What touches the plane: an ellipsoid or, with a meridian, a surface of revolution.
 
     `centre` is seen from the centre of mass, in body axes; the half axes are turned against them by
-    `turn` about axis 3. With the half axes as units, a meridian has height, radius and inclination
-    of its normal at POINTS equal steps of this, from above, and at a point of the axis before and
-    after these.
+    `turn` about axis 3. A meridian has height and radius, in units of the half axes, and the
+    inclination of its normal, at POINTS equal steps of this, from above, and at a point of the axis
+    before and after these.
     """
 
     centre: np.ndarray
@@ -95,11 +96,11 @@ def surface_of(b: Any, parameters: Mapping[str, float]) -> Surface:
     (top, _, bottom), (_, wide, _) = at(np.array([0.0, np.pi / 2, np.pi]))
     more = ROUNDED * max(wide, (top - bottom) / 2)
     across, along, middle = wide + more, (top - bottom) / 2 + more, (top + bottom) / 2
-    steps = np.linspace(0, np.pi, POINTS)
-    normal = np.arctan2(np.sin(steps) / across, np.cos(steps) / along)
+    normal = np.linspace(0, np.pi, POINTS)
     height, radius = at(normal) + more * np.array([np.cos(normal), np.sin(normal)])
-    rows = np.stack([(height - middle) / along, radius / across, steps], axis=1)
-    ends = np.array([[1 + ROUNDED, 0.0, 0.0], [-1 - ROUNDED, 0.0, np.pi]])
+    rows = np.stack([(height - middle) / along, radius / across, normal], axis=1)
+    tips = 1 + np.maximum(ROUNDED * rows[[0, -1], 1], LEAST_TIP)  # steeper than the meridian there
+    ends = np.array([[tips[0], 0.0, 0.0], [-tips[1], 0.0, np.pi]])
     meridian = np.vstack([ends[:1], rows, ends[1:]])
     half = np.array([across, across, along])
     return Surface(np.array([0.0, 0.0, middle]), half, meridian=meridian)

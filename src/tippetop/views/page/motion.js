@@ -152,8 +152,9 @@ export class Motion {
  * @returns {Vector}
  */
 export function lowest(frame, { centre, half }, meridian) {
-  let [x, y, z] = unit([half[0] * frame[0][2], half[1] * frame[1][2], half[2] * frame[2][2]]);
-  if (meridian.length) {
+  let [x, y, z] = frame.map((axis) => axis[2]);
+  if (!meridian.length) [x, y, z] = unit([half[0] * x, half[1] * y, half[2] * z]);
+  else {
     const across = Math.hypot(x, y);
     const at = 1 + (Math.atan2(across, -z) / Math.PI) * (meridian.length - 3); // equal steps of the normal
     const i = Math.min(Math.floor(at), meridian.length - 3);

@@ -17,7 +17,7 @@ uniform vec2 size;
 uniform vec3 eye, right, up, ahead, centre, lightDirection, middle;
 uniform float lens, near, far, stemRadius, stemHeight, spinBlur, grid, dark;
 uniform vec3 surface, halves; // centre and half axes of what is drawn
-uniform vec3 meridian[64]; // height, radius, inclination of the normal, where half axes are units
+uniform vec3 meridian[64]; // height and radius, by the half axes, and inclination of the normal
 uniform mat3 body; // columns: axes of the surface
 uniform vec3 arrowStart[4], arrowVector[4], arrowColour[4];
 uniform vec3 skyColour, floorColour, lineColour, heavyColour, lightColour, markColour, stemColour;
@@ -146,8 +146,8 @@ Hit solid(vec3 o, vec3 d, float pixel) { // the body itself
     if (t < NONE && t / size < hit.t) {
       vec3 p = oo + t / size * dd;
       t /= size;
-      if (kind != 3) n = p;
-      hit = Hit(t, normalize(body * (n / halves)), pattern(normalize(p), pixel * t / halves.x), kind == 1 ? 0.6 : 0.55);
+      if (kind != 3) n = p / halves;
+      hit = Hit(t, normalize(body * n), pattern(normalize(p), pixel * t / halves.x), kind == 1 ? 0.6 : 0.55);
     }
     if (stemRadius > 0.0) {
       vec3 e = c + stemHeight * axis;
