@@ -141,6 +141,17 @@ def test_a_run_that_rolls_throughout_has_no_arrow_of_sliding(open_page: Any) -> 
     assert "roll: 100.0 %" in tab.locator("[data-part=key]").inner_text()
 
 
+@pytest.mark.parametrize("preset", ["spinning-egg", "rolling-coin"])
+def test_another_body_touches_the_plane(preset: str, open_page: Any) -> None:
+    """Where its force acts."""
+    tab = open_page(tt.run(preset, until=0.3).view().text)
+    for time in (0.0, 0.11, 0.29):
+        tab.evaluate("t => tippetop.set(t)", time)
+        (force,) = (a for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force")
+        assert force["start"][2] == pytest.approx(0, abs=0.005)
+    assert tab.faults == []
+
+
 def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
     """Its frame has no size before, and again when it is closed."""
     run = tt.run("inverting", until=0.2)

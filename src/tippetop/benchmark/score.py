@@ -15,6 +15,7 @@ from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..mechanics.contact.body import size
 from ..problem import Problem
+from ..runs.shape import surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
@@ -372,7 +373,7 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
     body = problem.body()
     length = size(body)
     rate = math.sqrt(body.g / length)
-    arm = body.c * axis_of(q)
+    arm = turned(q, surface_of(body, problem.parameters).centre)
     units = {
         "attitude [rad]": 1.0,
         "position [m]": length,

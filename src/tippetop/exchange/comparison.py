@@ -164,10 +164,12 @@ def reference(run: Solution) -> Arrays:
     theta = columns["theta"]
     none = np.zeros(len(run.times))
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
-    place = columns["x"], columns.get("y", none), contact.height(np.cos(theta), body)
+    z = np.cos(theta)
+    touching = contact.touching_ball(z, np.sin(theta) ** 2, body)
+    place = columns["x"], columns.get("y", none), contact.height(z, touching)
     across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
     columns["place"] = np.stack(place, axis=1)
-    rise = body.c * np.sin(theta) * columns["theta_dot"]
+    rise = touching.c * np.sin(theta) * columns["theta_dot"]
     columns["velocity"] = np.stack([*across, rise], axis=1)
     if "L" in columns:
         spin = columns["omega3"][:, None] * columns["axis"]

@@ -16,8 +16,6 @@ from scipy.integrate import solve_ivp
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
 from tippetop.runs.certificate import certificate_violations
-from tippetop.runs.shape import shape
-from tippetop.scenario.build import resolved
 
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "outlines.json").read_text())
@@ -302,15 +300,10 @@ def test_the_ensemble_is_that_of_single_runs() -> None:
         assert end == pytest.approx(alone, abs=1e-11)
 
 
-SPHERES = "must touch the plane with spheres"
-
-
-def test_no_picture_and_no_file_shows_a_ball_instead() -> None:
-    for name in ("spinning-egg", "rolling-egg", "spinning-coin", "rolling-coin"):
-        problem = tt.load(name)
-        with pytest.raises(tt.InputError, match=SPHERES):
-            text_of(problem, "mjcf")
-        with pytest.raises(tt.InputError, match=SPHERES):
-            shape(resolved(problem))
-        with pytest.raises(tt.InputError, match=SPHERES):
-            tt.run(name, until=0.1).plot("film")
+@pytest.mark.parametrize(
+    ("preset", "formats"), [("spinning-egg", ["urdf"]), ("rolling-coin", ["mjcf", "urdf", "sdf"])]
+)
+def test_no_file_has_a_ball_in_place_of_another_body(preset: str, formats: list[str]) -> None:
+    for to in formats:
+        with pytest.raises(tt.InputError, match=r"one that `.*` can express"):
+            text_of(tt.load(preset), to)

@@ -90,7 +90,7 @@ export class Stage {
     this.shown = shown;
     const { body, motion, log } = shown;
     this.clock.take(motion.start, motion.end);
-    this.scene.take(body, motion, (t) => (body.balls[1] && log.phase(t)?.ball === "stem" ? 1 : 0), keep);
+    this.scene.take(body, motion, (t) => (body.surfaces[1] && log.phase(t)?.ball === "stem" ? 1 : 0), keep);
     if (!keep) part("camera").value = this.scene.camera.mode;
     const { potential } = shown;
     part("well-figure").hidden = !potential;
