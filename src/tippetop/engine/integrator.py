@@ -42,7 +42,7 @@ class Compiled:
     machine: Any
 
 
-# terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
+# terms of the right-hand side of a phase from which LLVM would take a minute for all phases
 HUGE = 100_000
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
@@ -141,7 +141,7 @@ def compiled_from(
             equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
-    level = opt_level() if terms < HUGE else 0
+    level = opt_level() if formulas.alone or terms < HUGE else 0
     maker = hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive
     integrator = compiled_once(
         maker,

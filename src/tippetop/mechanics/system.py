@@ -94,6 +94,8 @@ class Opening(NamedTuple):
     sphere: bool = False
     # whether it has an outline, and is a different ball at each inclination
     outlined: bool = False
+    # angles, form and `read` of the rows of a body without an axis of symmetry
+    framed: Any = ()
     # domains of its rows
     domains: tuple[Domain, ...] = ()
     # Routh's function of the gliding body, if it has one
@@ -365,8 +367,10 @@ class System:
         """Return the initial numbers that cannot be given together with another."""
         names = set()
         for alternative in self.alternatives:
-            if not alternative.flag and name in (alternative.name, *alternative.others):
-                names |= {alternative.name, *alternative.others} - {name}
+            if not alternative.flag and name == alternative.name:
+                names.update(alternative.others)
+            elif not alternative.flag and name in alternative.others:
+                names.add(alternative.name)
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:

@@ -278,6 +278,8 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
             "omega3": c.L3 / b.I3,
             "phi": azimuth(q, carried),
         }
+        if hasattr(c, "psi"):
+            known["psi"] = c.psi
         if hasattr(c, "v_u"):
             known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
         if hasattr(c, "rise"):
