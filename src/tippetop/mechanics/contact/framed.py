@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..event import Event, Kept
-from ..form import Form, Phase, Quantity
+from ..form import Domain, Form, Phase, Quantity
 from ..friction import Frictionless
 from ..number import Alternative, Number
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
@@ -17,9 +17,10 @@ from ..units import JOULE, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
 from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, VELOCITY, Moving, Reaction, Turning, filled, state
-from .body_axes import axes_of_angles, psi_of_axes
-from .contact_phases import OF_FRAME, PHASES, slip_under, without_slip
+from .body_axes import axes_of_angles
+from .contact_phases import OF_FRAME, PHASES, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
+from .response import gains
 from .rows import LOWEST, ROW, moving
 
 
@@ -99,10 +100,10 @@ def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> tuple[Any, Turning]:
 
 Scalars: Any = namedtuple(
     "Scalars",
-    "z s2 z_dot phi_dot_s2 axis_speed2 L3 psi v_u v_n v2 rise speed2 gap power height Fx Fy force "
+    "z s2 z_dot phi_dot_s2 axis_speed2 L3 v v_u v_n v2 rise speed2 gap power height Fx Fy force "
     "phase ball u up turns spin rotation",
 )
-"""As of other rows; psi, how the body lies, zhat along its axes and its rate there, omega_z, energy
+"""As of other rows; v_A, how the body lies, zhat along its axes and its rate there, omega_z, energy
 of rotation.
 """
 
@@ -110,7 +111,6 @@ of rotation.
 def scalars_of(x: Moving, by: Any, b: Asymmetric, phase: Any = 0, ball: Any = 0) -> Any:
     """Return the scalars of a moving body on which the plane acts."""
     u = x.u
-    first, _, third = u.axes
     u_dot = contact.axis_rate(x, b)
     up = frame.up(u.axes)
     omega = frame.turns(x, b)
@@ -122,7 +122,7 @@ def scalars_of(x: Moving, by: Any, b: Asymmetric, phase: Any = 0, ball: Any = 0)
         u.x * u_dot.y - u.y * u_dot.x,
         dot(u_dot, u_dot),
         dot(x.L, u),
-        psi_of_axes(first, third),
+        v,
         *contact.slip_scalars(u, v),
         v.z,
         dot(x.velocity, x.velocity),
@@ -153,7 +153,13 @@ LONG_NAMES = gliding.LONG_NAMES | {
 # --- the forms of one phase ---------------------------------------------------------------------
 
 
-def form_of(phase: Phase, angles: Any) -> Form:
+def contact_mobility(s: Any, b: Asymmetric) -> Any:
+    """Return the upward acceleration of the contact point per normal force [1/kg]."""
+    force, torque = smooth_friction(Vector(0, 0, 0), s.v, s.z, b)
+    return gains(s.u, force, torque, b)[0].z
+
+
+def form_of(phase: Phase, angles: Any, *domains: Domain) -> Form:
     """Return the form of a body that stays in a phase."""
 
     def scalars(q: Any, b: Asymmetric) -> Any:
@@ -170,10 +176,12 @@ def form_of(phase: Phase, angles: Any) -> Form:
         of_angles=of_angles,
         to_angles=gliding.angles_by(angles, scalars),
         integrals=tuple(one for one in phase.form.integrals if one.name in angles._fields),
+        domains=domains,
     )
 
 
-SLIDES = form_of(slip_under(Frictionless, lies=FRAME), ANGLES)
+NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
+SLIDES = form_of(slip_under(Frictionless, lies=FRAME), ANGLES, NOT_JAMMED)
 """Under any law that is smooth in the velocity."""
 
 ROLLING_ANGLES = filled(

@@ -66,7 +66,8 @@ class Ellipsoid(Top):
                 f"`parameters.{name}` must be at most the sum of the other moments = "
                 f"{others:.6g} (no rigid body has more), but is {inertia[name]:.6g}."
             )
-        a, b, c, delta, x, y, h = (parameters[name] for name in ("a", "b", "c", "delta", *"xyh"))
+        names = "a", "b", "c", "delta", "x", "y", "h"
+        a, b, c, delta, x, y, h = (float(parameters[name]) for name in names)
         along = math.cos(delta) * x + math.sin(delta) * y
         across = math.cos(delta) * y - math.sin(delta) * x
         if not math.hypot(along / a, across / b, h / c) < 1:
