@@ -147,6 +147,8 @@ DECOMPOSITION = {
     ("disc", "euler"): 174,
     ("rolling-disc", "vector"): 169,
     ("rolling-disc", "euler"): 136,
+    ("ellipsoid", "vector"): 343,
+    ("rolling-ellipsoid", "vector"): 299,
 }
 
 

@@ -107,7 +107,7 @@ class Opening(NamedTuple):
 
     @property
     def rounded(self) -> bool:
-        """Return whether its contact has curvature: there may be a contact disc."""
+        """Return whether there may be a contact disc: a rounded contact of a body with an axis."""
         return self.sphere or self.outlined
 
 
@@ -365,7 +365,7 @@ class System:
 
     def rivals(self, name: str) -> set[str]:
         """Return the initial numbers that cannot be given together with another."""
-        names = set()
+        names: set[str] = set()
         for alternative in self.alternatives:
             if not alternative.flag and name == alternative.name:
                 names.update(alternative.others)

@@ -142,11 +142,11 @@ class Top(Record, abstract=True):
     gliding: ClassVar[str]
     resting: ClassVar[str]
 
-    def seen(self, friction: Any) -> Touch:
+    def seen(self, friction: Any) -> Any:
         """Return the body that formulas take, with the record of a friction law."""
         raise NotImplementedError
 
-    def body(self, law: Any = None) -> Touch:
+    def body(self, law: Any = None) -> Any:
         """Return the body that formulas take; `law`: the record of a friction law.
 
         Raises InputError.
@@ -156,7 +156,7 @@ class Top(Record, abstract=True):
         return self.seen(Frictionless() if law is None else law)
 
     @classmethod
-    def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Touch:
+    def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Any:
         """Return the body of parameters by name, unchecked, with the record of a friction law."""
         return cls._make(parameters[name] for name in cls._fields).seen(friction)
 
@@ -176,7 +176,7 @@ FRAME = (*AXIS, "ix", "iy", "iz")
 """Variables that describe how a body lies."""
 
 
-def state(lies: tuple[str, ...] = AXIS, **units: Any) -> Any:
+def state(lies: tuple[str, ...] = AXIS, /, **units: Any) -> Any:
     """Return a state filled with units: how a body lies, L about the centre of mass, and more."""
     turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
     return filled(**dict.fromkeys(lies, ONE), **turning, **units)

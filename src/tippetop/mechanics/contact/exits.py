@@ -182,7 +182,7 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
-def gap_rate(x: Moving, b: Touch, order: int) -> Any:
+def gap_rate(x: Moving, b: Any, order: int) -> Any:
     """Return the first, second or third time derivative of the gap of a ball in flight."""
     if order == 1:
         return rise(x, b)

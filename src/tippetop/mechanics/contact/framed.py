@@ -115,7 +115,7 @@ def scalars_of(x: Moving, by: Any, b: Asymmetric, phase: Any = 0, ball: Any = 0)
     up = frame.up(u.axes)
     omega = frame.turns(x, b)
     v = contact.contact_velocity(x, b)
-    return Scalars(
+    values = (
         u.z,
         u.x * u.x + u.y * u.y,
         u_dot.z,
@@ -138,6 +138,7 @@ def scalars_of(x: Moving, by: Any, b: Asymmetric, phase: Any = 0, ball: Any = 0)
         dot(up, omega),
         dot(omega, frame.parts(x.L, u.axes)) / 2,
     )
+    return Scalars._make(values)
 
 
 ANGLES = filled(**gliding.ANGLES._asdict(), psi=RADIAN)
