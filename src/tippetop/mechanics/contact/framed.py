@@ -127,7 +127,7 @@ def scalars_of(x: Moving, by: Any, b: Asymmetric, phase: Any = 0, ball: Any = 0)
         v.z,
         dot(x.velocity, x.velocity),
         contact.gap(x, b),
-        by.drilled - dot(by.force, v),
+        0 - dot(by.force, v) + by.drilled,
         x.height,
         *by.force,
         phase,
