@@ -82,7 +82,7 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     data = dict(problem.initial)
     theta = data.get("theta", 0.0)
     angles = system.start(data, math.sin(theta), math.cos(theta), problem.body())._asdict()
-    if not angles.keys() >= {*system.angles._fields}:  # a start by vectors
+    if "moving" in angles:  # a start by vectors
         found = values_of(problem.alone, problem.start()[:, None], ALONE)
         units = system.angles._asdict()
         angles = {n: np.nan_to_num(found[n][0]) * problem.scales.of(units[n]) for n in units}

@@ -125,8 +125,13 @@ def arm(u, b):
 
 def height(u, b):
     """Return the height of the centre of mass above the plane that the body touches [m]."""
-    n = up(u.axes)
-    return -dot(b.outline.arm(n), n)
+    return -arm(u, b).z
+
+
+def momentum(omega, u, b):
+    """Return L = I omega, (3,)."""
+    along = zip(moments(b), parts(omega, u.axes), strict=True)
+    return whole(Vector(*(moment * rate for moment, rate in along)), u.axes)
 
 
 def turns(x, b):

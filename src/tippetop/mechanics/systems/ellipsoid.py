@@ -1,10 +1,11 @@
 """Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry."""
 
+import cmath
 import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..contact import framed
+from ..contact import framed, gliding
 from ..contact.body import Top
 from ..contact.frame import Asymmetric
 from ..contact.frame import Ellipsoid as Outline
@@ -68,9 +69,8 @@ class Ellipsoid(Top):
             )
         names = "a", "b", "c", "delta", "x", "y", "h"
         a, b, c, delta, x, y, h = (float(parameters[name]) for name in names)
-        along = math.cos(delta) * x + math.sin(delta) * y
-        across = math.cos(delta) * y - math.sin(delta) * x
-        if not math.hypot(along / a, across / b, h / c) < 1:
+        turned = complex(x, y) * cmath.exp(-1j * delta)
+        if not math.hypot(turned.real / a, turned.imag / b, h / c) < 1:
             faults.append(
                 "`parameters.x`, `y` and `h` must keep the centre of mass inside the ellipsoid, "
                 f"but are {x:g}, {y:g} and {h:g}."
@@ -92,7 +92,7 @@ COMMON: dict[str, Any] = {
     "normalised_to": {"m": 1.0},
     "start": framed.start,
     "long_names": framed.LONG_NAMES,
-    "vectors": framed.VECTORS,
+    "vectors": gliding.VECTORS,
     "checks": Ellipsoid.faults,
     "outlook": outlook.disc,
     "source": "Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
@@ -118,15 +118,13 @@ ROLLING_ELLIPSOID: System = of_one_phase(
     "roll",
     name=Ellipsoid.resting,
     title="ellipsoid in pure rolling",
-    initial=framed.ROLLING,
-    alternatives=framed.ROLLING_ALTERNATIVES,
+    initial={n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
+    alternatives=tuple(one for one in framed.ALTERNATIVES if not one.flag),
     angles=framed.ROLLING_ANGLES,
     forms={"vector": framed.ROLLS},
     quantities=framed.ROLLING_QUANTITIES,
     events=framed.ROLLING_EVENTS,
     integrals=("energy",),
-    undefined_at_poles=tuple(
-        one for one in framed.UNDEFINED_AT_POLES if one in framed.ROLLING_ANGLES._fields
-    ),
+    undefined_at_poles=("phi", "phi_dot", "psi"),
     **COMMON,
 )
