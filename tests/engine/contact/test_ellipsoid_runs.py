@@ -301,7 +301,6 @@ def run_boat(law: Any, **more: Any) -> Any:
         ("Painleve", lambda: run_boat(Coulomb(mu=9.0))),
         ("TippeTop", lambda: tt.theory.thresholds(BOAT)),
         ("I1", lambda: tt.Ellipsoid(**{**BOAT._asdict(), "I1": 1.0})),
-        ("inside", lambda: tt.Ellipsoid(**{**BOAT._asdict(), "h": 0.03})),
         ("another outline", lambda: shape(resolved(tt.load("rattleback")))),
         ("given alone", lambda: tt.run(BOAT, start=START | {"theta": 0.1}, until=0.1)),
     ],

@@ -542,12 +542,6 @@ def jellett(s, b):
     return jellett_of(s.Lz, s.L3, b)
 
 
-@or_of_frame(frame.jellett)
-def jellett_now(x, b):
-    """Return -L.a of a moving body."""
-    return jellett_of(x.L.z, dot(x.L, x.u), b)
-
-
 @formula
 def jellett_of(Lz, L3, b):
     """Return Jellett's integral by L_z and L_3 about the centre of mass."""

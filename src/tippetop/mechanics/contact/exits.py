@@ -127,7 +127,10 @@ def first_touch(n: Next, world: Any) -> Next:
     From here on Jellett's integral is compared with that of this ball.
     """
     x = n.x
-    now = contact.jellett_now(x, world.body[world.phases[n.phase].ball])
+    b = world.body[world.phases[n.phase].ball]
+    if isinstance(b, Asymmetric):
+        return n
+    now = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
     if series := n.series:

@@ -158,11 +158,6 @@ def arm_velocity(x, b):
     return whole(cross(turns(x, b), b.outline.arm(up(axes))), axes)
 
 
-def jellett(x, b):
-    """Return -L.a [kg m^3/s]."""
-    return -dot(x.L, arm(x.u, b))
-
-
 def inverse_times(v, a, b):
     """Return K^-1 v by the arm a, along the axes of the body.
 
