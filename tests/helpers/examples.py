@@ -41,6 +41,8 @@ PRESETS = {
     "rolling-spheroid": "rolling-egg",
     "disc": "spinning-coin",
     "rolling-disc": "rolling-coin",
+    "ellipsoid": "off-axis-top",
+    "rolling-ellipsoid": "rattleback",
 }
 """A preset of each system."""
 

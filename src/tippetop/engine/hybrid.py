@@ -412,7 +412,7 @@ class HybridDriver(Driver):
         struck = None
         if contact is not None:
             kind = type(body[0].friction), contact.restitution, problem.precision
-            self.impacts = ImpactMotions(*kind, stop)
+            self.impacts = ImpactMotions(*kind, stop, body[0])
             struck = self.impacts.struck
         tables = dict(system.tables)
         self.words = {

@@ -111,9 +111,9 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[Pl
         tables = reading.read(os.fspath(source))
     else:
         raise InputError(
-            "the first argument must be a body (TippeTop, HeavyTop, Cylinder, Spheroid, Disc), the "
-            "name of a preset, a TOML file, the tables of a scenario or a System, but is "
-            f"{source!r:.60}."
+            "the first argument must be a body (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, "
+            "Ellipsoid), the name of a preset, a TOML file, the tables of a scenario or a System, "
+            f"but is {source!r:.60}."
         )
     if system is not None:
         tables["system"] = record.name if record else system

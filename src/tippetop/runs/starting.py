@@ -148,9 +148,9 @@ def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
             if name in names:
                 state[0, names.index(name)] = value
     columns = Observables(before).columns(np.zeros(1), state)
-    values = {
-        name: float(columns[name].values[0]) for name in before.system.initial if name in columns
-    }
+    others = {alternative.name for alternative in before.system.alternatives}
+    known = [name for name in before.system.initial if name in columns and name not in others]
+    values = {name: float(columns[name].values[0]) for name in known}
     if "gap" in values:
         values["gap"] = max(values["gap"], 0.0)  # a contact is under the plane by rounding
     return {name: value for name, value in values.items() if np.isfinite(value)}
