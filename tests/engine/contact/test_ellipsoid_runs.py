@@ -16,8 +16,6 @@ from scipy.spatial.transform import Rotation
 import tippetop as tt
 from tippetop.friction import Coulomb, Frictionless, Viscous
 from tippetop.runs.certificate import certificate_violations
-from tippetop.runs.shape import shape
-from tippetop.scenario.build import resolved
 
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "ellipsoids.json").read_text())
@@ -301,7 +299,6 @@ def run_boat(law: Any, **more: Any) -> Any:
         ("Painleve", lambda: run_boat(Coulomb(mu=9.0))),
         ("TippeTop", lambda: tt.theory.thresholds(BOAT)),
         ("I1", lambda: tt.Ellipsoid(**{**BOAT._asdict(), "I1": 1.0})),
-        ("another outline", lambda: shape(resolved(tt.load("rattleback")))),
         ("given alone", lambda: tt.run(BOAT, start=START | {"theta": 0.1}, until=0.1)),
     ],
 )

@@ -83,7 +83,7 @@ COMMON: dict[str, Any] = {
     "long_names": framed.LONG_NAMES,
     "vectors": gliding.VECTORS,
     "checks": Ellipsoid.faults,
-    "outlook": outlook.disc,
+    "outlook": outlook.without_axis,
     "source": "Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
     "Int. J. Non-Linear Mechanics 17, 175 (1982)",
 }

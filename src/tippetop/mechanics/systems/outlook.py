@@ -229,6 +229,11 @@ def revolution(
     return Outlook(sentence, STAYS if start["at_pole"] else "", found)
 
 
+def without_axis(b: Any, start: Start) -> Outlook:
+    """Predict nothing of a body without an axis of symmetry."""
+    return Outlook(NO_THEORY)
+
+
 def _sleeps(b: Touch, start: Start) -> bool:
     """Return whether the spin is above that of the sleeping top."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)
