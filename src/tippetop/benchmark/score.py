@@ -372,7 +372,7 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
     body = problem.body()
     size = length_of(problem)
     rate = math.sqrt(body.g / size)
-    arm = turned(q, surface_of(body, problem.parameters).centre)
+    arm = turned(q, surface_of(body).centre)
     units = {
         "attitude [rad]": 1.0,
         "position [m]": size,
