@@ -236,7 +236,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         },
         "body": {
             "mass": body.m,
-            "moments_of_inertia": moments(body, problem.parameters).tolist(),
+            "moments_of_inertia": moments(body).tolist(),
             "gravity": body.g,
             "balls": {
                 name: {"offset": offset, "radius": radius}
@@ -261,7 +261,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
 def _outline(problem: Problem) -> dict[str, Any] | None:
     """Return the surface of a body without balls: an ellipsoid, or its name and numbers."""
     outline = problem.body().outline
-    surface = surface_of(problem.body(), problem.parameters)
+    surface = surface_of(problem.body())
     if isinstance(outline, Ball):
         return None
     if len(surface.meridian):

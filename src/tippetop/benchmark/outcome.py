@@ -37,8 +37,7 @@ def _arms(problem: Problem, motion: Truth) -> np.ndarray:
 
     (1 or 2, rows, 3).
     """
-    body = problem.body()
-    arms = [lowest(motion.quaternion, body, problem.parameters)]
+    arms = [lowest(motion.quaternion, problem.body())]
     if problem.contact is not None and problem.contact.stem:
         c, R = problem.balls["stem"]
         arms.append(c * axis_of(motion.quaternion) - [0.0, 0.0, R])

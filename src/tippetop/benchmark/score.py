@@ -10,12 +10,12 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import ROUNDING, Compared, energy, shown, size_of
+from ..exchange.comparison import ROUNDING, Compared, shown, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..mechanics.contact.body import size
 from ..problem import Problem
-from ..runs.shape import surface_of
+from ..runs.shape import frames, moments, surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
@@ -373,7 +373,7 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
     body = problem.body()
     length = size(body)
     rate = math.sqrt(body.g / length)
-    arm = turned(q, surface_of(body, problem.parameters).centre)
+    arm = turned(q, surface_of(body).centre)
     units = {
         "attitude [rad]": 1.0,
         "position [m]": length,
@@ -417,7 +417,9 @@ def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     for m in (there, exact):
         axis = axis_of(m.quaternion)
         spins.append((m.omega * axis).sum(axis=1))
-        energies.append(energy(m.velocity, m.omega, m.position[:, 2], axis, body))
+        parts = np.einsum("nij,nj->in", frames(m.quaternion), m.omega)
+        moving = body.m * (m.velocity**2).sum(axis=1) + moments(body) @ parts**2
+        energies.append(moving / 2 + body.m * body.g * m.position[:, 2])
     return {
         "attitude": apart["attitude [rad]"],
         "theta": apart["theta [rad]"],

@@ -199,7 +199,7 @@ def conserved(there: Motion, problem: Problem, body: contact.Touch) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
-    if w is None:
+    if w is None or hasattr(body, "I2"):  # three moments need more than the axis
         return {}
     values = {}
     if problem.system.name.endswith("tippe-top"):

@@ -73,8 +73,8 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
     w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
-    if "I2" in problem.parameters:
-        w = angular_velocity(q, L, moments(body, problem.parameters))
+    if hasattr(body, "I2"):
+        w = angular_velocity(q, L, moments(body))
     if fixed:
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
@@ -123,7 +123,7 @@ def text_of(problem: Problem, to: str) -> str:
 
 def formats_of(problem: Problem) -> tuple[str, ...]:
     """Return the formats that can express the surface of a body, with its name."""
-    surface = surface_of(problem.body(), problem.parameters)
+    surface = surface_of(problem.body())
     if len(surface.meridian):
         return ()
     return ("mjcf", "sdf") if np.ptp(surface.half) else ("mjcf", "urdf", "sdf")
@@ -222,7 +222,7 @@ def _model(problem: Problem) -> Model:
     body = problem.body()
     opens = problem.contact
     fixed = problem.system.name == "heavy-top"
-    touching = surface_of(body, problem.parameters)
+    touching = surface_of(body)
     pointed = not touching.half.any()
     tip = TIP * abs(touching.centre[2])
     name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
@@ -269,7 +269,7 @@ def _model(problem: Problem) -> Model:
         body,
         start_of(problem),
         fixed,
-        moments(body, problem.parameters),
+        moments(body),
         surfaces,
         (mu, torsion, rolling),
         bounce,

@@ -146,7 +146,7 @@ def pose(
     down = -axes[2]
     profile = np.array(_capsule(1.0, 1.0))
     if shape["meridian"]:
-        profile = np.transpose(shape["meridian"])[[1, 0], ::-1]
+        profile = np.array(shape["meridian"])[::-1, 1::-1].T
     surfaces = [
         (np.array(each["centre"]) / unit, np.array(each["half"]) / unit)
         for each in shape["surfaces"]
@@ -164,7 +164,7 @@ def pose(
     if shape["kind"] == "heavy":
         thick = [(mass, np.array(shape["ellipsoid"]) / unit)]
     centre, half = thick[0]
-    parts = [_facets(centre, axes * half, *profile, None)]
+    parts = [_facets(centre, axes * half, profile[0], profile[1], None)]
     if shape["kind"] == "heavy":
         for ends in ((offset[2], -half[2]), (half[2], half[2] + 0.3)):
             parts.append(_facets(mass, axes, *_capsule(0.05, 0.05, *ends), IRON))

@@ -1,6 +1,5 @@
 """The shape of a body: the surfaces that touch the plane, or the ellipsoid with its moments."""
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,44 +75,34 @@ class Surface(NamedTuple):
         return np.array([[k, -s, 0.0], [s, k, 0.0], [0.0, 0.0, 1.0]])
 
 
-def surface_of(b: Any, parameters: Mapping[str, float]) -> Surface:
-    """Return the surface of a body with these parameters, SI."""
+def surface_of(b: Any) -> Surface:
+    """Return the surface of a body."""
     outline = shape_of(b)
     if isinstance(outline, Ball):
         return Surface(np.array([0.0, 0.0, b.c]), np.full(3, b.R))
     if isinstance(outline, Spheroid):
         half = np.array([outline.b, outline.b, outline.a])
         return Surface(np.array([0.0, 0.0, outline.c]), half)
-    if not revolves(b):
-        centre, half = ([parameters[name] for name in names] for names in ("xyh", "abc"))
-        return Surface(np.array(centre), np.array(half), parameters["delta"])
-
-    def at(normal: Any) -> Any:
-        theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
-        ball = touching_ball(np.cos(theta), np.sin(theta) ** 2, b)
-        return np.array([ball.c - ball.R * np.cos(theta), ball.R * np.sin(theta)])
-
-    (top, _, bottom), (_, wide, _) = at(np.array([0.0, np.pi / 2, np.pi]))
-    more = ROUNDED * max(wide, (top - bottom) / 2)
-    across, along, middle = wide + more, (top - bottom) / 2 + more, (top + bottom) / 2
+    if hasattr(b, "I2"):
+        centre, half = np.array([outline[-3:], outline[:3]])
+        return Surface(centre, half, float(np.arctan2(outline.sin, outline.cos)))
     normal = np.linspace(0, np.pi, POINTS)
-    height, radius = at(normal) + more * np.array([np.cos(normal), np.sin(normal)])
-    rows = np.stack([(height - middle) / along, radius / across, normal], axis=1)
-    tips = 1 + np.maximum(ROUNDED * rows[[0, -1], 1], LEAST_TIP)  # steeper than the meridian there
-    ends = np.array([[tips[0], 0.0, 0.0], [-tips[1], 0.0, np.pi]])
-    meridian = np.vstack([ends[:1], rows, ends[1:]])
+    theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
+    ball = touching_ball(np.cos(theta), np.sin(theta) ** 2, b)
+    rows = np.array([ball.c - ball.R * np.cos(theta), ball.R * np.sin(theta), normal])
+    rows[:2] += ROUNDED * rows[1].max() * np.array([np.cos(normal), np.sin(normal)])
+    middle = (rows[0, 0] + rows[0, -1]) / 2
+    along, across = rows[0, 0] - middle, rows[1].max()
+    rows = np.array([(rows[0] - middle) / along, rows[1] / across, normal]).T
+    top, bottom = 1 + np.maximum(ROUNDED * rows[[0, -1], 1], LEAST_TIP)  # steeper than the rows
+    meridian = np.vstack([[top, 0.0, 0.0], rows, [-bottom, 0.0, np.pi]])
     half = np.array([across, across, along])
     return Surface(np.array([0.0, 0.0, middle]), half, meridian=meridian)
 
 
-def revolves(b: Any) -> bool:
-    """Return whether the surface of a body is one of revolution about axis 3."""
-    return isinstance(b.outline, Ball) or hasattr(shape_of(b), "height")
-
-
-def moments(b: Any, parameters: Mapping[str, float]) -> np.ndarray:
+def moments(b: Any) -> np.ndarray:
     """Return the principal moments of inertia about the centre of mass, (3,) [kg m^2]."""
-    return np.array([b.I1, parameters.get("I2", b.I1), b.I3], float)
+    return np.array([b.I1, getattr(b, "I2", b.I1), b.I3], float)
 
 
 def frames(orientation: np.ndarray) -> np.ndarray:
@@ -121,17 +110,14 @@ def frames(orientation: np.ndarray) -> np.ndarray:
     return np.moveaxis(np.array(axes(Quaternion(*orientation.T))), -1, 0)
 
 
-def lowest(orientation: np.ndarray, b: Any, parameters: Mapping[str, float]) -> np.ndarray:
+def lowest(orientation: np.ndarray, b: Any) -> np.ndarray:
     """Return the lowest point from the centre of mass in space, (n, 3) [m]."""
     frame = frames(orientation)
-    if revolves(b):
-        u = Vector(*frame[:, 2].T)
-        return np.stack(arm(u, by_axis(u, b)), axis=1)
-    surface = surface_of(b, parameters)
-    frame = surface.axes.T @ frame
-    scaled = surface.half * frame[:, :, 2]
-    reach = surface.half * scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
-    return ((surface.centre @ surface.axes - reach)[:, None] @ frame)[:, 0]
+    if hasattr(b, "I2"):
+        local = b.outline.arm(Vector(*frame[:, :, 2].T))
+        return np.einsum("in,nij->nj", local, frame)
+    u = Vector(*frame[:, 2].T)
+    return np.stack(arm(u, by_axis(u, b)), axis=1)
 
 
 def angular_velocity(orientation: np.ndarray, L: np.ndarray, inertia: np.ndarray) -> np.ndarray:
@@ -152,7 +138,7 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
     """
     b = body_of(attrs)
     system = by_name(attrs["system"])
-    surface = surface_of(b, attrs["parameters"])
+    surface = surface_of(b)
     heavy = not surface.half.any()
     kind = "lathe" if len(surface.meridian) else "heavy" if heavy else "ball"
     centre = surface.centre @ surface.axes

@@ -49,7 +49,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     b = body_of(attrs)
     n = len(columns["time"])
     drawn = shape(attrs)
-    orientation, parameters = columns["orientation"], attrs["parameters"]
+    orientation = columns["orientation"]
     third = axes(Quaternion(*orientation.T))[2]
     if drawn["kind"] == "cylinder":
         none = np.zeros(n)
@@ -58,11 +58,11 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         momentum = Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
-        inertia = moments(b, parameters)
+        inertia = moments(b)
         if drawn["fixed"]:  # L is about the tip
             inertia[:2] = tip_inertia(b)
         omega = Vector(*angular_velocity(orientation, columns["L"], inertia).T)
-    arm = Vector(*lowest(orientation, _touching(columns, attrs, b), parameters).T)
+    arm = Vector(*lowest(orientation, _touching(columns, attrs, b)).T)
     slip = _slip(columns, n)
     turning = cross(omega, arm)
     velocity = np.stack([slip[0] - turning.x, slip[1] - turning.y])
