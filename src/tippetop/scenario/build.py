@@ -65,7 +65,7 @@ def problem(
     if name and name not in system.laws:
         load_entry_points()
     body = tables.get("parameters", {})
-    if isinstance(body, Mapping):
+    if body and isinstance(body, Mapping):
         tables = {**tables, "parameters": completed(body, system.parameters)}
     tables = worked_out(tables, units_of(system, tables))
     try:
