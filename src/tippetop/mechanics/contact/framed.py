@@ -68,8 +68,8 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
     omega = plus(plus(omega, times(given.omega3, third)), Vector(none, none, given.spin))
     x = Turning(u, frame.momentum(omega, u, b))
-    v = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
-    velocity = contact.centre_velocity(x, Vector(*v, given.nu_z), b)
+    v_x, v_y = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
+    velocity = contact.centre_velocity(x, Vector(v_x, v_y, given.nu_z), b)
     if data.get("centre_at_rest"):
         velocity = velocity._replace(x=none, y=none)
     height = given.gap + contact.height_of(u, b)
