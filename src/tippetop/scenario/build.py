@@ -64,7 +64,7 @@ def problem(
     name = law_name(tables)
     if name and name not in system.laws:
         load_entry_points()
-    body = tables.get("parameters", {})
+    body: Any = tables.get("parameters")
     if isinstance(body, Mapping):
         tables = {**tables, "parameters": completed(body, system.parameters)}
     tables = worked_out(tables, units_of(system, tables))
