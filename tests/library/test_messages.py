@@ -285,7 +285,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().view().save("run.html", overwrite=1), "`overwrite` must be True or False"),
     (
         lambda: run(columns=["theta", "orientation"]).view(),
-        r"a page must have `L`, `axis`, .*: add the missing columns",
+        r"a page must have `L`, .*: add the missing columns",
     ),
     # user-defined events and columns
     *(

@@ -71,7 +71,7 @@ def check(
     """Validate a scenario or a plan; print thresholds, expected fate, and cost by the first steps.
 
     Of the plan of a sweep its axes, its size and its cost are printed. Thresholds named lambda
-    are those of |jellett|, the others of |omega3| (spin) and of I1/I3 (gamma).
+    are those of |jellett|, those named spin of |omega3|, those named gamma of I1/I3.
 
     Parameters
     ----------

@@ -68,7 +68,17 @@ class Series(namedtuple("Derivatives", "value first second third")):
 
 
 def root(x: Series) -> Series:
-    """Return the square root."""
+    """Return the square root, for the height of an outline.
+
+    Parameters
+    ----------
+    x : Series
+        Arithmetic of z and s2, greater than 0.
+
+    Returns
+    -------
+    Series
+    """
     r = sqrt(x.value)
     first = x.first / (2 * r)
     second = (x.second - 2 * (first * first)) / (2 * r)
