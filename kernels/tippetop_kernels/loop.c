@@ -54,7 +54,8 @@ enum { FIRST, LAST, COUNT };
 /* Effects of a passage on the turning of theta that waits to be counted. */
 enum { CONFIRMS = 1, WAITS = 2 };
 
-typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc);
+/* Compact code works on a tape of its own; other code takes no sixth argument. */
+typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc, void *tape);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
@@ -95,6 +96,7 @@ typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
+    void *tape;    /* of this loop alone, aligned like vectors */
 
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
@@ -700,7 +702,7 @@ integer loop_drive(const Loop *l, integer most) {
         if (take_rows(l, steps > 0) || stops)
             return steps;
         begin_step(l);
-        l->step(l->state, l->pars, l->start_high, l->h, l->tc);
+        l->step(l->state, l->pars, l->start_high, l->h, l->tc, l->tape);
         runs = !end_step(l);
     }
 }
@@ -725,6 +727,11 @@ enum {
     ROOT,
     SIZE,
     LARGER,
+    EXPONENTIAL,
+    LOGARITHM,
+    ANGLE,
+    SINE,
+    COSINE,
     LESS,
     AT_MOST,
     EQUAL,
@@ -734,23 +741,30 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
-   time left, the signs of event functions, the state and the constants; the results of lines
+/* What follows where a phase ends. Registers begin with the inputs: the numbers of the body, the time
+   and the time left, the signs of event functions and the state. Constants and the results of lines
    follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that
-   it lasts, and the numbers of tables. */
-typedef struct {
+   it lasts, the time that the change takes, event functions in that time, and the numbers of
+   tables. */
+typedef struct Change {
     const Line *lines;
     real *registers;
-    integer length, result, out, next, logged;
+    const integer *events;      /* that it logs, that happen in it, and whose extremes may be in it */
+    const struct Change *other; /* to be tried next, if a comparison is not as expected */
+    integer length, result, out, next, number, logged, passed, ranged;
 } Change;
 
+/* Points of time in a change at which event functions are known, its ends included. */
+enum { POINTS = 9 };
+
 typedef struct {
-    const Loop *const *loops; /* of phases, then of motions */
-    const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    const Event *events;      /* of the run */
-    real *made;               /* of each change: time, phase and event, then the last registers */
+    const Loop *const *loops;      /* of phases, then of motions */
+    const Change *const *changes;  /* (phases, events + 1), the last by the clock; or none */
+    const Event *events;           /* of the run */
+    const real *body;
+    real *made; /* of each change: time, number of the program, then the last registers */
     real began, end, chatter;
-    integer present, count, most, numbers, width;
+    integer present, short_phases, count, most, numbers, width;
 } Phases;
 
 /* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
@@ -764,7 +778,8 @@ static void begin_motion(const Loop *l, real when, real end, const real *start) 
     l->high[0] = when;
     l->low[0] = 0;
     l->end[0] = end;
-    tally->status = RUNNING;
+    tally->status = end > when ? RUNNING : FINISHED;
+    tally->t = when;
     tally->upto = 1;
     tally->steps = tally->tiny = 0;
 }
@@ -807,6 +822,11 @@ static bool execute(const Change *c, const Loop *const *loops) {
         case ROOT: *to = sqrt(a); break;
         case SIZE: *to = fabs(a); break;
         case LARGER: *to = MAX(a, b); break;
+        case EXPONENTIAL: *to = exp(a); break;
+        case LOGARITHM: *to = log(a); break;
+        case ANGLE: *to = atan2(a, b); break;
+        case SINE: *to = sin(a); break;
+        case COSINE: *to = cos(a); break;
         case UNIT:
             frexp(a, &exponent);
             *to = ldexp(1, exponent);
@@ -821,44 +841,117 @@ static bool execute(const Change *c, const Loop *const *loops) {
     return true;
 }
 
-/* Change the phase where its event has ended it. Return false if the caller must do it. */
+/* Where the numbers of a change that follow the state of the next phase begin: the time that this
+   one lasts, and the time that the change takes. */
+static const real *others(const Change *c, const Loop *const *loops) {
+    return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
+}
+
+/* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
+   Return it; NULL if there is none, or what follows is not finite. */
+static const Change *execute_one(const Change *first, const Loop *const *loops, const Loop *l,
+                                 integer lane, const real *body, integer numbers, real when,
+                                 real left, const real *state) {
+    if (first == NULL)
+        return NULL;
+    integer events = l->events, n = l->variables, inputs = numbers + 2 + events + n;
+    real *r = first->registers, finite = 0;
+    memcpy(r, body, numbers * sizeof(real));
+    r[numbers] = when;
+    r[numbers + 1] = left;
+    for (integer e = 0; e < events; e++)
+        r[numbers + 2 + e] = function(l, e, lane)->sign;
+    copy(n, state, 1, r + numbers + 2 + events, 1);
+    const Change *c = first;
+    while (c != NULL && !execute(c, loops)) {
+        c = c->other;
+        if (c != NULL)
+            memcpy(c->registers, r, inputs * sizeof(real));
+    }
+    if (c == NULL)
+        return NULL;
+    const real *end = others(c, loops);
+    for (const real *number = c->registers + c->out; number < end; number++)
+        finite += 0.0 * *number;
+    return finite == 0 && end[1] >= 0 ? c : NULL;
+}
+
+/* Log what a change from a state logs, and what happens in it until `time`. */
+static void note_change(const Loop *l, integer lane, const Event *events, const Change *c,
+                        real when, real time, const real *state, const real *ranges) {
+    Tally *tally = l->tallies + lane;
+    const real *signs = c->registers + c->out;
+    const integer *rows = l->axis_rows;
+    for (integer k = 0; k < c->logged + c->passed; k++) {
+        integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
+        const Event *event = events + e;
+        loop_keep(l, event->first, event->last, lane, when, (real)sign);
+        if (event->lasting)
+            tally->lasts_since = when;
+        if (event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1)) {
+            real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
+            take_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
+        }
+        if (l->logged[0] < l->log_room) {
+            integer at = l->logged[0]++;
+            l->passages[at] = (Passage){when, e, sign, l->in_lane[lane], lane, false};
+            copy(l->variables, state, 1, l->logged_states + at * l->width, 1);
+        }
+    }
+    for (integer k = 0; k < c->ranged; k++, ranges += POINTS) {
+        integer e = c->events[c->logged + c->passed + k];
+        Function *f = function(l, e, lane);
+        for (int i = 0; i < POINTS; i++) {
+            real value = ranges[i] * events[e].scale;
+            for (int side = 0; side < 2; side++)
+                if (side ? value > f->extremes[1] : value < f->extremes[0]) {
+                    f->extremes[side] = value;
+                    f->times[side] = when + (time - when) * i / (POINTS - 1);
+                }
+        }
+    }
+}
+
+/* Change the phase where it has ended. Return false if the caller must do it. */
 static bool change_phase(Phases *p) {
     const Loop *l = p->loops[p->present];
     const Tally *tally = l->tallies;
-    integer at = l->logged[0] - 1, events = l->events, n = l->variables;
-    bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
-    real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
-    bool at_end = p->end - when <= p->chatter * p->end;
-    if (!(tally->upto < 1) || full || at_end || when - p->began < shortest)
+    integer events = l->events, made_rows = l->rows_made[0];
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && l->end[0] < p->end;
+    bool full = l->row_count > 0 && made_rows == l->row_count;
+    real when = tally->t, lasted = when - p->began, shortest = p->chatter * fmax(p->began, 1);
+    bool at_end = p->end - when <= p->chatter * p->end, lasts = l->end[0] > p->began;
+    if (!(within || by_clock) || full || at_end || (lasts && lasted < shortest))
         return false;
-    const Change *c = p->changes + p->present * events + l->passages[at].event;
-    if (c->length == 0)
-        return false;
-    real *left = c->registers + p->numbers, *signs = left + 1, *state = signs + events, finite = 0;
-    *left = p->end - when;
-    for (integer e = 0; e < events; e++)
-        signs[e] = function(l, e, 0)->sign;
-    copy(n, l->logged_states + at * l->width, 1, state, 1);
-    if (!execute(c, p->loops))
+
+    integer last = l->logged[0] - within;
+    integer event = within ? l->passages[last].event : events;
+    const real *state = within ? l->logged_states + last * l->width : l->state;
+    const Change *c = p->changes[p->present * (events + 1) + event];
+    c = execute_one(c, p->loops, l, 0, p->body, p->numbers, when, p->end - when, state);
+    if (c == NULL)
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = c->registers + c->out, *others = out + 2 * events + next->variables;
-    for (const real *number = out; number < others; number++)
-        finite += 0.0 * *number;
-    if (finite != 0)
+    const real *more = others(c, p->loops), *ranges = more + 2;
+    real time = MIN(p->end, when + more[1]);
+    bool has_rows = made_rows < l->row_count && l->row_times[made_rows] < time;
+    if ((time > when && has_rows) || last + c->logged + c->passed > l->log_room)
         return false;
 
-    const Event *logged = p->events + c->logged;
-    l->passages[at] = (Passage){when, c->logged, 1, p->present, 0, false};
-    loop_keep(l, logged->first, logged->last, 0, when, 1);
+    l->logged[0] = last;
+    note_change(l, 0, p->events, c, when, time, state, ranges);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;
-    made[1] = (real)(c - p->changes);
-    copy(p->width - 2, others, 1, made + 2, 1);
+    made[1] = (real)c->number;
+    made[2] = more[0];
+    made[3] = more[1];
+    copy(p->width - 4, ranges + c->ranged * POINTS, 1, made + 4, 1);
 
-    begin_motion(next, when, MIN(p->end, when + *others), out);
+    begin_motion(next, time, MIN(p->end, time + more[0]), c->registers + c->out);
     p->present = c->next;
-    p->began = when;
+    p->began = time;
+    if (lasts)
+        p->short_phases = 0;
     return true;
 }
 

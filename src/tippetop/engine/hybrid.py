@@ -9,7 +9,7 @@ import copy
 import math
 import threading
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import repeat
 from operator import itemgetter
@@ -28,7 +28,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
-from .changes import CHATTER, PER_SLICE, Changes
+from .changes import CHATTER, NODES, PER_SLICE, Changes
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -48,9 +48,6 @@ from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
-
-NODES = 8
-"""Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
@@ -134,7 +131,7 @@ class Jump:
         The phase that ends; "" at the start.
     exit
         How it ends.
-    calls, program
+    calls, programs
         How often Python has made it, and how the loop makes it: see `Changes`.
     """
 
@@ -145,7 +142,7 @@ class Jump:
     phase: Phase
     exit: Exit
     calls: int = 0
-    program: Any = None
+    programs: list[Any] = field(default_factory=list)
 
     @property
     def where(self) -> str:

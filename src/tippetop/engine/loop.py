@@ -73,6 +73,7 @@ class _Loop(NamedTuple):
     step: int
     dense: int
     fused: bool
+    tape: np.ndarray  # of the step
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -85,6 +86,13 @@ class _Loop(NamedTuple):
     out: np.ndarray  # (variables, lanes) a state
     rules: Rules
     output: Rows
+
+
+def aligned(count: int) -> np.ndarray:
+    """Return zeros that are aligned like vectors of the processor."""
+    memory = np.zeros(count + 8)
+    first = -memory.ctypes.data // 8 % 8
+    return memory[first : first + count]
 
 
 @cache
@@ -188,7 +196,10 @@ class Loop:
         variables, size, lanes = motion.tc.shape
         self.out = np.zeros((variables, lanes))  # a state in every lane
         self.failures: list[BaseException] = []  # of steps that C has called
-        code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
+        code: Any = ()
+        tape = 0
+        if isinstance(stepper, Loaded):
+            _, *code, tape = stepper
         width = log.states.shape[1]  # numbers from one state to the next
         if isinstance(stepper, Called):
             self.callbacks = _callbacks(stepper, motion, self.failures)
@@ -199,7 +210,7 @@ class Loop:
         lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
         sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
         arrays = np.empty((2, size, lanes)), self.out
-        parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
+        parts = aligned(tape), sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)
         self.place = ctypes.byref(self.structure)

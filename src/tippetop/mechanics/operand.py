@@ -17,6 +17,7 @@ Operand = Any
 F = TypeVar("F", bound=Callable)
 
 
+DOUBLES = {float, np.float64}
 _untaught: list[Callable] = []
 _teach: Callable = _untaught.append
 """Takes a formula: into a list, until numba is first used; then to numba."""
@@ -53,12 +54,24 @@ def formula(function: F) -> F:
 
 
 def _lift(name: str) -> Callable:
+    """Return a function of operands. Of doubles it has the bits of the C library: those of NumPy
+    depend on the processor, and the loop repeats jumps (see `lines`).
+    """
     symbolic = getattr(hy, name)
     numeric = getattr(np, name.replace("atan", "arctan"))
     scalar = getattr(math, name)
+    is_exact = name == "sqrt"
 
     def lifted(*x: Operand) -> Operand:
-        return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
+        kinds = set(map(type, x))
+        if hy.expression in kinds:
+            return symbolic(*x)
+        if kinds <= DOUBLES and not is_exact:
+            try:
+                return np.float64(scalar(*x))
+            except (ValueError, OverflowError):  # a result that is not finite
+                pass
+        return numeric(*x)
 
     def for_numba(*x: Any) -> Callable:
         from numba import types
