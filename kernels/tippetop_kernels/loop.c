@@ -54,8 +54,7 @@ enum { FIRST, LAST, COUNT };
 /* Effects of a passage on the turning of theta that waits to be counted. */
 enum { CONFIRMS = 1, WAITS = 2 };
 
-/* Compact code works on a tape of its own; other code takes no sixth argument. */
-typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc, void *tape);
+typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
@@ -96,14 +95,15 @@ typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
-    void *tape;    /* of this loop alone, aligned like vectors */
 
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
 
     real *state, *before, *pars, *tc;
-    const integer *in_lane;
+    integer *in_lane;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
+    integer *ended_by; /* the event that ended the present step */
+    integer *before_leg; /* steps of a run before those of its tally */
 
     const Event *event_rows;
     const Number *numbers;
@@ -125,6 +125,7 @@ typedef struct {
     real settled_for;
     integer most_steps, sampled_every, sampled_first;
     real noise_floor, at_pole, near_pole, on_zero_for;
+    integer settled_every; /* steps between two looks whether a run has settled */
 
     real *row_times, *row_states;
     integer *row_phases, *rows_made;
@@ -478,6 +479,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         }
     }
 
+    l->ended_by[lane] = ending;
     for (integer i = 1; i <= events; i++) { /* last: the event that ends the run */
         integer e = (ending + i) % events;
         const Event *event = l->event_rows + e;
@@ -618,6 +620,11 @@ static void move(const Loop *l) {
     }
 }
 
+/* Whether a run that has made so many steps may have settled. */
+static bool has_settled(const Loop *l, const Tally *tally, integer steps, real when) {
+    return when - tally->lasts_since > l->settled_for && steps % l->settled_every == 0;
+}
+
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
 static bool take_step(const Loop *l, integer lane) {
@@ -628,13 +635,14 @@ static bool take_step(const Loop *l, integer lane) {
     if (tally->status != RUNNING) /* it is not finite */
         return true;
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
+    integer every_step = l->before_leg[lane] + tally->steps + (h > 0);
     if (h > 0) { /* the step moves a double */
         real upto = take_events(l, lane, t, h);
         tally->upto = upto;
         tally->t = upto < 1 ? t + upto * h : l->high[lane];
         tally->steps++;
         bool at_start = tally->steps <= l->sampled_first;
-        bool sampled = at_start || (tally->steps & (l->sampled_every - 1)) == 0;
+        bool sampled = at_start || (every_step & (l->sampled_every - 1)) == 0;
         if (l->sample_room > 0 && upto == 1 && sampled) {
             integer at = l->sampled[0]++;
             l->sampled_tops[at] = l->in_lane[lane];
@@ -648,7 +656,7 @@ static bool take_step(const Loop *l, integer lane) {
     else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
         tally->t = l->end[lane];
-    } else if (t + h - tally->lasts_since > l->settled_for)
+    } else if (has_settled(l, tally, every_step, t + h))
         tally->status = SETTLED;
     return tally->status != RUNNING;
 }
@@ -702,7 +710,7 @@ integer loop_drive(const Loop *l, integer most) {
         if (take_rows(l, steps > 0) || stops)
             return steps;
         begin_step(l);
-        l->step(l->state, l->pars, l->start_high, l->h, l->tc, l->tape);
+        l->step(l->state, l->pars, l->start_high, l->h, l->tc);
         runs = !end_step(l);
     }
 }
@@ -961,6 +969,203 @@ integer loop_run(Phases *p, integer most) {
     do
         steps += loop_drive(p->loops[p->present], most - steps);
     while (steps < most && change_phase(p) && p->count < p->most);
+    return steps;
+}
+
+/* --- many tops in lanes: a pool of lanes for each phase, with a queue of tops --- */
+
+/* A phase ends in this last part of a run only where the run does. */
+static const real AT_END = 0x1p-50;
+
+/* What a top waits for: a lane; the caller, who makes its change or decides whether it has settled;
+   or nothing. */
+enum { A_LANE, A_CHANGE, A_LOOK, NOTHING };
+
+typedef struct {
+    real high, low, end, until, began;
+    integer phase, event, steps, waits, short_phases, changes;
+} Top;
+
+typedef struct {
+    const Loop *loop;     /* none in a phase that no top has entered */
+    const integer *parameters; /* which numbers of a body they are */
+    integer first, count, occupied; /* of the queue, a ring; lanes */
+} Pool;
+
+typedef struct {
+    Pool *pools;
+    const Loop *const *loops;     /* as those of `Phases` */
+    const Change *const *changes;
+    const Event *events;
+    integer *queues; /* (phases, room) */
+    Top *tops;       /* (room,), as all that follows */
+    Tally *tallies;
+    Function *functions; /* (room, events) */
+    real *kept, *states; /* (room, kept numbers), (room, width) */
+    const real *bodies;  /* (room, numbers) */
+    integer *called, *calls; /* tops that wait for the caller, or for nothing; how many */
+    real chatter;
+    integer phases, room, numbers, kept_numbers, width, possible;
+} Pools;
+
+/* Let a top wait for a lane of its phase. */
+void loop_push(Pools *p, integer top) {
+    integer phase = p->tops[top].phase;
+    Pool *pool = p->pools + phase;
+    p->tops[top].waits = A_LANE;
+    p->queues[phase * p->room + (pool->first + pool->count++) % p->room] = top;
+}
+
+/* Copy the tally of a top to that of a lane, or back. */
+static void copy_tally(const Pools *p, const Loop *l, integer lane, integer top, bool to_lane) {
+    Function *functions = p->functions + top * l->events;
+    real *kept = p->kept + top * p->kept_numbers;
+    if (to_lane)
+        l->tallies[lane] = p->tallies[top];
+    else
+        p->tallies[top] = l->tallies[lane];
+    for (integer e = 0; e < l->events; e++)
+        if (to_lane)
+            *function(l, e, lane) = functions[e];
+        else
+            functions[e] = *function(l, e, lane);
+    for (integer k = 0; k < p->kept_numbers; k++)
+        if (to_lane)
+            l->kept[k * l->lanes + lane] = kept[k];
+        else
+            kept[k] = l->kept[k * l->lanes + lane];
+}
+
+/* Put the next top of a queue into a lane. */
+static void take_top(const Pools *p, integer phase, integer lane) {
+    Pool *pool = p->pools + phase;
+    const Loop *l = pool->loop;
+    integer top = p->queues[phase * p->room + pool->first], n = l->lanes;
+    const Top *t = p->tops + top;
+    const real *body = p->bodies + top * p->numbers;
+    pool->first = (pool->first + 1) % p->room;
+    pool->count--;
+    pool->occupied++;
+    copy_tally(p, l, lane, top, true);
+    copy(l->variables, p->states + top * p->width, 1, l->state + lane, n);
+    for (integer k = 0; k < l->parameters; k++)
+        l->pars[k * n + lane] = body[pool->parameters[k]];
+    l->in_lane[lane] = top * p->phases + phase;
+    l->before_leg[lane] = t->steps;
+    l->high[lane] = t->high;
+    l->low[lane] = t->low;
+    l->end[lane] = t->until;
+    Tally *tally = l->tallies + lane;
+    tally->status = t->until > t->high ? RUNNING : FINISHED;
+    tally->upto = 1;
+    tally->t = t->high;
+}
+
+/* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
+static bool change_top(const Pools *p, const Loop *l, integer lane, integer top) {
+    Top *t = p->tops + top;
+    integer events = l->events;
+    bool lasts = t->until > t->began;
+    if (lasts && t->high - t->began < p->chatter * fmax(t->began, 1))
+        return false;
+    real *state = p->states + top * p->width;
+    const real *body = p->bodies + top * p->numbers;
+    const Change *c = p->changes[t->phase * (events + 1) + t->event];
+    c = execute_one(c, p->loops, l, lane, body, p->numbers, t->high, t->end - t->high, state);
+    if (c == NULL)
+        return false;
+    const real *out = c->registers + c->out, *more = others(c, p->loops);
+    real time = MIN(t->end, t->high + more[1]);
+    note_change(l, lane, p->events, c, t->high, time, state, more + 2);
+    for (integer e = 0; e < events; e++) {
+        function(l, e, lane)->sign = out[e];
+        function(l, e, lane)->on_zero = out[events + e];
+    }
+    copy(p->loops[c->next]->variables, out + 2 * events, 1, state, 1);
+    t->phase = c->next;
+    t->high = t->began = time;
+    t->until = MIN(t->end, time + more[0]);
+    t->short_phases = lasts ? 0 : t->short_phases;
+    t->changes++;
+    return true;
+}
+
+/* Take a top out of its lane. */
+static void put_top(Pools *p, integer phase, integer lane) {
+    Pool *pool = p->pools + phase;
+    const Loop *l = pool->loop;
+    integer top = l->in_lane[lane] / p->phases, n = l->lanes;
+    Top *t = p->tops + top;
+    Tally *tally = l->tallies + lane;
+    real *state = p->states + top * p->width;
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->until < t->end;
+    if (within)
+        state_at(l, lane, tally->t, l->out);
+    copy(l->variables, (within ? l->out : l->state) + lane, n, state, 1);
+    t->high = tally->status == SETTLED ? l->high[lane] : tally->t;
+    t->low = tally->status == SETTLED ? l->low[lane] : 0;
+    t->event = within ? l->ended_by[lane] : by_clock ? l->events : -1;
+    t->waits = NOTHING;
+    if ((within || by_clock) && t->end - t->high <= AT_END * t->end) {
+        tally->status = FINISHED;
+        tally->t = t->end;
+    } else if (within || by_clock || tally->status == STALLED) {
+        t->steps += tally->steps;
+        tally->steps = 0;
+        bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
+        bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
+        t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
+    } else if (tally->status == SETTLED)
+        t->waits = A_LOOK;
+    copy_tally(p, l, lane, top, false);
+    l->in_lane[lane] = -1;
+    pool->occupied--;
+    if (t->waits == A_LANE)
+        loop_push(p, top);
+    else
+        p->called[(*p->calls)++] = top;
+}
+
+/* Return the phase in which most tops wait or are in lanes; -1 without a top. */
+static integer fullest(const Pools *p) {
+    integer best = -1, most = 0;
+    for (integer k = 0; k < p->phases; k++) {
+        integer count = p->pools[k].count + p->pools[k].occupied;
+        if (count > most) {
+            most = count;
+            best = k;
+        }
+    }
+    return best;
+}
+
+/* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
+   Return their number. */
+integer loop_pools(Pools *p, integer most) {
+    integer steps = 0, phase = fullest(p);
+    while (phase >= 0 && steps < most && *p->calls == 0) {
+        Pool *pool = p->pools + phase;
+        const Loop *l = pool->loop;
+        for (integer lane = 0; lane < l->lanes; lane++)
+            while (l->in_lane[lane] < 0 && pool->count > 0) {
+                take_top(p, phase, lane);
+                if (l->tallies[lane].status != RUNNING) /* a phase that ends where it begins */
+                    put_top(p, phase, lane);
+            }
+        integer made = loop_drive(l, most - steps);
+        steps += made;
+        p->possible += made * l->lanes;
+        bool ended = false;
+        for (integer lane = 0; lane < l->lanes; lane++)
+            if (l->in_lane[lane] >= 0 && l->tallies[lane].status != RUNNING) {
+                put_top(p, phase, lane);
+                ended = true;
+            }
+        if (!ended && is_full(l)) /* the caller makes room */
+            break;
+        if (pool->count + pool->occupied < l->lanes)
+            phase = fullest(p);
+    }
     return steps;
 }
 

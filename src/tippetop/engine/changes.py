@@ -82,6 +82,11 @@ class Written(NamedTuple):
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
 
 
+def numbers_of(world: Any) -> list:
+    """Return the numbers by which the jumps of runs of a system differ."""
+    return [*leaves(world.body), world.rules.e_n]
+
+
 class Changes:
     """The changes of phase that the loop makes by itself in a run.
 
@@ -107,7 +112,7 @@ class Changes:
         self.programs = [list[Any]() for _ in range(len(run.phases) * (self.events + 1))]
         self.table = np.zeros(len(self.programs), np.uint64)
         self.made = np.zeros((PER_SLICE, 4 + NUMBERS))
-        self.body = np.array(leaves(run.world.body))
+        self.body = np.array(numbers_of(run.world))
         arrays = self.loops, self.table, run.all_events.events, self.body, self.made
         sizes = 0, 0, 0, 0, len(self.body), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
@@ -154,16 +159,18 @@ class Changes:
         motions = list[tuple[int, str]]()
         state = state[: len(run.state)]
         signs = tuple(run.functions["sign"].tolist())
-        program = Program(world.body, (run.end - world.left, world.left), signs, state)
+        given = world.body, (world.rules.e_n,), (run.end - world.left, world.left), signs, state
+        program = Program(*given)
 
         def followed(region: str, *given: Any) -> list:
             place = len(run.phases) + [*run.impacts.stages].index(region)
             motions.append((place, region))
             return program.call(place, partial(run.impacts.piece, region), *given)
 
-        body, (now, left), signs, state = program.inputs
+        body, (e_n,), (now, left), signs, state = program.inputs
         struck = partial(world.struck, piece=followed)
-        world = world._replace(body=body, left=left, struck=struck)
+        rules = world.rules._replace(e_n=e_n)
+        world = world._replace(body=body, rules=rules, left=left, struck=struck)
         try:
             n, to, after, values = jump(run, state, world)
             sides, zeros, passed = to.begins(n, values, signs)

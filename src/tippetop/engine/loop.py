@@ -41,6 +41,8 @@ class Motion(NamedTuple):
     end: np.ndarray  # (lanes,) of the run
     limit: np.ndarray  # (lanes,) the longest step that is allowed
     h: np.ndarray  # (lanes,) the step that was made
+    ended_by: np.ndarray  # (lanes,) the event that ended it; -1: none
+    before_leg: np.ndarray  # (lanes,) steps of a top before those of its tally
 
 
 class Rows(NamedTuple):
@@ -73,7 +75,6 @@ class _Loop(NamedTuple):
     step: int
     dense: int
     fused: bool
-    tape: np.ndarray  # of the step
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -86,13 +87,6 @@ class _Loop(NamedTuple):
     out: np.ndarray  # (variables, lanes) a state
     rules: Rules
     output: Rows
-
-
-def aligned(count: int) -> np.ndarray:
-    """Return zeros that are aligned like vectors of the processor."""
-    memory = np.zeros(count + 8)
-    first = -memory.ctypes.data // 8 % 8
-    return memory[first : first + count]
 
 
 @cache
@@ -151,7 +145,8 @@ def library() -> ctypes.CDLL:
     array = ctypes.c_void_p
     loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
     loaded.loop_end.argtypes = [array, whole]
-    for function in (loaded.loop_drive, loaded.loop_run):
+    loaded.loop_push.argtypes = [array, whole]
+    for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = whole
         function.argtypes = [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
@@ -163,9 +158,9 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     state, before = np.zeros((2, variables, lanes))
     pars = np.zeros((parameters, lanes))
     tc = np.zeros((variables, size, lanes))
-    in_lane = np.zeros(lanes, np.int64)
+    in_lane, ended_by, before_leg = np.zeros((3, lanes), np.int64)
     times = (np.zeros(lanes) for _ in range(7))
-    return Motion(state, before, pars, tc, in_lane, *times)
+    return Motion(state, before, pars, tc, in_lane, *times, ended_by, before_leg)
 
 
 class Loop:
@@ -196,10 +191,7 @@ class Loop:
         variables, size, lanes = motion.tc.shape
         self.out = np.zeros((variables, lanes))  # a state in every lane
         self.failures: list[BaseException] = []  # of steps that C has called
-        code: Any = ()
-        tape = 0
-        if isinstance(stepper, Loaded):
-            _, *code, tape = stepper
+        code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
         width = log.states.shape[1]  # numbers from one state to the next
         if isinstance(stepper, Called):
             self.callbacks = _callbacks(stepper, motion, self.failures)
@@ -210,7 +202,7 @@ class Loop:
         lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
         sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
         arrays = np.empty((2, size, lanes)), self.out
-        parts = aligned(tape), sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
+        parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)
         self.place = ctypes.byref(self.structure)

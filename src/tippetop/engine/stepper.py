@@ -27,7 +27,6 @@ class Loaded(NamedTuple):
     step: int  # addresses
     dense: int
     fused: bool  # whether `dense` rounds a product and the difference that takes it once
-    tape: int = 0  # doubles of memory that a step works in: a sixth argument, which others ignore
 
 
 def load(code: bytes, level: int) -> Loaded:

@@ -91,7 +91,7 @@ class Outcomes:
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         drift = Drift(tops, tops.start, tops.valid)
-        self.look = drift.look
+        self.look, self.begin = drift.look, drift.begin
         self.drift = drift.worst
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun

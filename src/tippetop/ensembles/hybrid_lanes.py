@@ -1,0 +1,197 @@
+"""Tops whose contact may change its phase, in pools of lanes; see `engine.pools`."""
+
+import threading
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ..engine.loop import count_turnings
+from ..engine.observables import Observables, values_of
+from ..engine.pools import Pools
+from ..engine.settling import slides, stays
+from ..engine.status import Status
+from ..engine.tallies import Tallies
+from ..errors import InputError
+from ..mechanics.units import SECOND
+from ..runs.event_log import LogReport
+from .hybrid_tops import faults_of, problem_of
+from .outcomes import SWINGS, Outcomes
+
+
+ROOM = 512
+"""Tops under way on a thread: enough for full lanes in every phase."""
+MOST_DRIVEN = 512
+"""Steps between two looks of Python: 10 ms."""
+
+
+class HybridLanes:
+    """The pools of one thread.
+
+    Parameters
+    ----------
+    outcomes
+        A row per top; gets those of all tops that end here.
+    ended
+        Called whenever a top has ended.
+
+    Attributes
+    ----------
+    alone
+        Tops that must run alone, from their start.
+    """
+
+    def __init__(self, outcomes: Outcomes, ended: Callable[[], None]):
+        self.outcomes = outcomes
+        self.tops = outcomes.tops
+        self.ended = ended
+        self.stop = threading.Event()
+        self.alone: list[int] = []
+        self.pools: Pools | None = None
+        self.top_in = np.full(ROOM, -1)
+        self.under_way = 0
+
+    @property
+    def possible(self) -> int:
+        """Return how many steps the lanes could have made."""
+        return 0 if self.pools is None else self.pools.possible
+
+    def run(self, queue: Iterator[int]) -> None:
+        """Run tops of a queue, which threads may share, to their ends."""
+        free = list(range(ROOM))
+        done = list[int]()  # places of tops that have ended, and of those that run alone
+        left = list[int]()
+        while not self.stop.is_set():
+            if len(free) + len(done) + len(left) >= ROOM / 4 or not self.under_way:
+                self._look()
+                self._write(np.array(done, int))
+                free += done + left
+                left = []
+                done = self._begin(queue, free)
+                if not (self.under_way or done):
+                    return
+            if self.pools is None or not self.under_way:
+                continue
+            pools = self.pools
+            ended, looks, sampled = pools.step(MOST_DRIVEN)
+            for place in looks:
+                if self._stays(place):
+                    pools.tallies_of["status"][place] = Status.SETTLED.code
+                    ended.append(place)
+                else:
+                    pools.push(place)
+            self.alone += self.top_in[sampled].tolist()
+            self.under_way -= len(ended) + len(sampled)
+            done += ended
+            left += sampled
+            if pools.samples.filled[0] > len(pools.samples.top) / 2:
+                self._look()
+
+    def _begin(self, queue: Iterator[int], free: list[int]) -> list[int]:
+        """Begin as many tops as there are places. Return the places of those that end at once."""
+        begun = []
+        rows = []
+        ended = []
+        while free and (top := next(queue, -1)) >= 0:
+            problem = problem_of(self.tops, top)
+            try:
+                if faults := faults_of(problem):
+                    raise InputError(faults)
+                if self.pools is None:
+                    self.pools = Pools(problem, ROOM, self.stop)
+                if not self.pools.seat(free[-1], problem):
+                    self.alone.append(top)
+                    continue
+            except InputError as error:
+                self._fail(top, error)
+                continue
+            place = free.pop()
+            self.top_in[place] = top
+            begun.append(top)
+            rows.append(self.pools.first[0])
+            if self.pools.ended is None:
+                self.under_way += 1
+            else:
+                ended.append(place)
+        if begun:
+            self.outcomes.begin(np.array(rows).T, np.array(begun))
+        return ended
+
+    def _fail(self, top: int, error: InputError) -> None:
+        """Mark a top as invalid."""
+        self.outcomes.status[top] = Status.INVALID.code
+        self.outcomes.faults.append((top, error.sentences[0]))
+        self.ended()
+
+    def _stays(self, place: int) -> bool:
+        """Return whether a top that may have settled has, and stays as it is."""
+        pools = self.pools
+        assert pools is not None
+        problem = pools.problems[place]
+        view = Observables(problem)
+        some = np.array([place])
+        last = pools.rows_at(pools.tops["phase"][some], pools.states[some], some)
+        second = float(problem.scales.of(SECOND))
+        tally = pools.tallies_of[place]
+        log = LogReport(tuple(problem.system.events), second, {}, tally, [])
+        is_settled = log.settled_since(view, last) is not None
+        return is_settled and stays(problem, view.evaluate(last))
+
+    # --- rows of tops ------------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        """Compare the invariants of the states that were sampled."""
+        pools = self.pools
+        if pools is None or not (count := int(pools.samples.filled[0])):
+            return
+        places, phases = np.divmod(pools.samples.top[:count], len(pools.phases))
+        rows = pools.rows_at(phases, pools.samples.states[:count], places)
+        self.outcomes.look(rows.T, self.top_in[places])
+        pools.samples.filled[0] = 0
+
+    def _write(self, places: np.ndarray) -> None:
+        """Write the rows of tops that have ended."""
+        pools = self.pools
+        if pools is None:
+            return
+        for place in places.tolist():
+            if place in pools.failures:
+                self._fail(int(self.top_in[place]), pools.failures.pop(place))
+                places = places[places != place]
+        if not len(places):
+            return
+        outcomes = self.outcomes
+        columns = outcomes.columns
+        tops = self.top_in[places]
+        final = pools.rows_at(pools.tops["phase"][places], pools.states[places], places).T
+        outcomes.look(final, tops)
+        outcomes.final[:, tops] = final
+        theta = values_of(self.tops, final, tops)["theta"]
+        for k in np.flatnonzero(pools.tallies_of["waiting"][places]).tolist():
+            lane = pools.tallies_of[places[k] : places[k] + 1]
+            count_turnings(Tallies(lane, lane, lane), np.zeros(1), theta[[k]])
+        tallies = pools.tallies_of[places]
+        steps = pools.tops["steps"][places] + tallies["steps"]
+        outcomes.status[tops] = tallies["status"]
+        columns["t_end"][tops] = tallies["t"]
+        columns["steps"][tops] = steps
+        for name in SWINGS:
+            columns[name][tops] = tallies[name]
+        kept = iter(pools.kept_of[places].T)
+        events = pools.all_events.events
+        settled = np.zeros(len(places), bool)
+        for event in self.tops.base.system.events:
+            for number in event.kept:
+                columns[number.name][tops] = next(kept)
+            if event.lasting:
+                body = self.tops.body_of_pars(self.tops.pars[:, tops].astype(float))
+                value = event.formula(self.tops.moment(final, body), body)
+                settled = ~np.isnan(tallies["lasts_since"]) & (value * event.direction > 0)
+                settled &= ~slides(self.tops, final, tops)
+        outcomes.settled[tops] = settled
+        is_force = events["extremes"]
+        forces = pools.functions_of[places][:, is_force]["extremes"] / events["scale"][is_force, None]
+        columns["normal_force_min"][tops] = forces[..., 0].min(axis=1, initial=np.inf)
+        columns["normal_force_max"][tops] = forces[..., 1].max(axis=1, initial=-np.inf)
+        outcomes.steps_made += int(steps.sum())
+        for _ in tops:
+            self.ended()
