@@ -54,7 +54,7 @@ enum { FIRST, LAST, COUNT };
 /* Effects of a passage on the turning of theta that waits to be counted. */
 enum { CONFIRMS = 1, WAITS = 2 };
 
-typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc);
+typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc, void *tape);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
@@ -121,6 +121,7 @@ typedef struct {
     real *sampled_states;
 
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
+    void *tape;          /* where a step in compact mode works; others ignore it */
 
     real settled_for;
     integer most_steps, sampled_every, sampled_first;
@@ -710,7 +711,7 @@ integer loop_drive(const Loop *l, integer most) {
         if (take_rows(l, steps > 0) || stops)
             return steps;
         begin_step(l);
-        l->step(l->state, l->pars, l->start_high, l->h, l->tc);
+        l->step(l->state, l->pars, l->start_high, l->h, l->tc, l->tape);
         runs = !end_step(l);
     }
 }

@@ -37,7 +37,7 @@ def object_of(calls: str = "sin", second: str = "d_out_f", triple: str = "") -> 
 
 
 def test_a_loaded_step_is_called() -> None:
-    machine, state, other = load(object_of(), 3), np.array([0.5, 7.0]), np.zeros(3)
+    machine, state, other = load([object_of()], 3), np.array([0.5, 7.0]), np.zeros(3)
     step = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 5)(machine.step)
     step(state.ctypes.data, *[other.ctypes.data] * 4)
     assert state.tolist() == [np.sin(0.5), 7.0]
@@ -51,7 +51,7 @@ def test_nothing_of_this_aborts_a_process() -> None:
 from tippetop.engine.stepper import load
 for code in ({object_of("no_such_function_anywhere")!r}, b"", {object_of(second="other")!r}):
     try:
-        load(code, 3)
+        load([code], 3)
     except ImportError as error:
         print("refused")
 """
@@ -89,7 +89,7 @@ for hole in range(400):  # of a page each, 6 GB from the next large one
     libc.munmap(end - (2 * hole + 1) * 4096, 4096)
 from tippetop.engine.stepper import load
 
-print(load(code, 3).step > 0)
+print(load([code], 3).step > 0)
 """
 
 

@@ -42,7 +42,7 @@ class Compiled:
     machine: Any
 
 
-# terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
+# terms of the right-hand side from which LLVM would take a minute, unless in compact mode
 HUGE = 100_000
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
@@ -114,8 +114,9 @@ def compiled_from(
 
     Notes
     -----
-    Numbers wider than doubles get heyoka's compact code: it runs a third slower, but other code
-    would take 6 s (longdouble) or 25 s (quad) to compile.
+    Numbers wider than doubles and huge equations get heyoka's compact code: it runs a third slower,
+    but other code would take 6 s (longdouble), 25 s (quad) or 4 s for each phase of drilling
+    friction to compile.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is
     neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
@@ -123,7 +124,6 @@ def compiled_from(
     """
     number = PRECISIONS[precision]
     variables = Variables(formulas.form, orientation)
-    compact = precision != "double"
     q, carried, body, equations = equations_of_motion(formulas, variables)
     sources = []
     of_integrals = [integral.of or None for integral in variables.integrals]
@@ -141,19 +141,23 @@ def compiled_from(
             equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
-    level = opt_level() if terms < HUGE else 0
-    maker = hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive
+    compact = precision != "double" or terms > HUGE
     integrator = compiled_once(
-        maker,
+        hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive,
         equations,
         np.zeros((len(equations), lanes) if lanes else len(equations), number),
         high_accuracy=True,
         tol=number(tolerance),
         compact_mode=compact,
         fp_type=number,
-        opt_level=level,
+        opt_level=opt_level(),
     )
-    machine = None if compact else load(integrator.llvm_state.object_code, level)
+    machine = None
+    if precision == "double":
+        code = integrator.llvm_state.object_code
+        size = len(integrator.decomposition) * (integrator.order + 1) * max(lanes, 1)
+        tape = size if compact else 0  # at most this
+        machine = load(code if compact else [code], opt_level(), tape)
     rows = event_rows(formulas.events, sources, axis)
     return Compiled(integrator, rows, machine)
 

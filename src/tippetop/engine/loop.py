@@ -85,6 +85,7 @@ class _Loop(NamedTuple):
         np.ndarray
     )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
     out: np.ndarray  # (variables, lanes) a state
+    tape: np.ndarray  # where a step in compact mode works
     rules: Rules
     output: Rows
 
@@ -188,20 +189,25 @@ class Loop:
         rules: Rules,
         stepper: Stepper,
     ):
+        code: list[Any] = []
         variables, size, lanes = motion.tc.shape
         self.out = np.zeros((variables, lanes))  # a state in every lane
         self.failures: list[BaseException] = []  # of steps that C has called
-        code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
+        tape = np.empty(0)
+        if isinstance(stepper, Loaded):
+            *code, length = stepper[1:]
+            tape = np.empty(length + 7)
+            tape = tape[-tape.ctypes.data % 64 // 8 :][:length]  # LLVM's vectors lie on 64 bytes
         width = log.states.shape[1]  # numbers from one state to the next
         if isinstance(stepper, Called):
             self.callbacks = _callbacks(stepper, motion, self.failures)
-            code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
+            code = [ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks] + [False]
             width = 0  # the stepper keeps states: the loop writes all of them to one place
             log = log._replace(states=self.out)
             samples = samples._replace(states=self.out)
         lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
         sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
-        arrays = np.empty((2, size, lanes)), self.out
+        arrays = np.empty((2, size, lanes)), self.out, tape
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)

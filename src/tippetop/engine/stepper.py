@@ -3,9 +3,9 @@
 `Loaded` is heyoka's machine code, loaded by LLVM: the compiled loop calls its addresses. `Called`
 is called by the loop in Python: for numbers wider than doubles.
 
-step(state, pars, time, h, tc) makes one step in place: h is the longest allowed step, and then the
-one that was made. dense(out, tc, h) writes the state at h after the beginning of the step. All are
-arrays of doubles.
+step(state, pars, time, h, tc, tape) makes one step in place: h is the longest allowed step, and
+then the one that was made; code in heyoka's compact mode works on the tape, other code ignores it.
+dense(out, tc, h) writes the state at h after the beginning of the step. All are arrays of doubles.
 """
 
 import itertools
@@ -27,21 +27,24 @@ class Loaded(NamedTuple):
     step: int  # addresses
     dense: int
     fused: bool  # whether `dense` rounds a product and the difference that takes it once
+    tape: int  # doubles that `step` works on
 
 
-def load(code: bytes, level: int) -> Loaded:
-    """Load the object file of an integrator that LLVM has optimised at this level.
+def load(code: list[bytes], level: int, tape: int = 0) -> Loaded:
+    """Load the object files of an integrator that LLVM has optimised at this level.
 
     Raises BuildError if a function that it calls or has is missing.
     """
     try:
-        builder = llvm.JITLibraryBuilder().add_object_img(code).add_current_process()
+        builder = llvm.JITLibraryBuilder().add_current_process()
+        for part in code:
+            builder.add_object_img(part)
         builder.export_symbol("step").export_symbol("d_out_f")
         library = builder.link(_linker(), f"step-{next(_numbers)}")
     except RuntimeError as error:
         raise BuildError(f"the code of a step cannot be loaded: {error}") from None
     fused = level == DEFAULT and llvm.get_host_cpu_features().get("fma", False)
-    return Loaded(library, library["step"], library["d_out_f"], fused)
+    return Loaded(library, library["step"], library["d_out_f"], fused, tape)
 
 
 class Called:
