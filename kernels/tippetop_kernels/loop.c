@@ -978,19 +978,21 @@ integer loop_run(Phases *p, integer most) {
 /* A phase ends in this last part of a run only where the run does. */
 static const real AT_END = 0x1p-50;
 
-/* What a top waits for: a lane; the caller, who makes its change or decides whether it has settled;
-   or nothing. */
-enum { A_LANE, A_CHANGE, A_LOOK, NOTHING };
+/* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled, or
+   puts the end of its next step; or nothing. */
+enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
 
+/* Clock, end of the run and of the phase, and where the next steps end, by which event. */
 typedef struct {
-    real high, low, end, until, began;
-    integer phase, event, steps, waits, short_phases, changes;
+    real high, low, end, until, stop, began;
+    integer stops_by, phase, event, steps, waits, short_phases, changes;
 } Top;
 
 typedef struct {
     const Loop *loop;     /* none in a phase that no top has entered */
     const integer *parameters; /* which numbers of a body they are */
-    integer first, count, occupied; /* of the queue, a ring; lanes */
+    integer by_steps;               /* whether the caller puts the end of each step */
+    integer count, occupied;        /* tops in the queue and in lanes */
 } Pool;
 
 typedef struct {
@@ -998,7 +1000,7 @@ typedef struct {
     const Loop *const *loops;     /* as those of `Phases` */
     const Change *const *changes;
     const Event *events;
-    integer *queues; /* (phases, room) */
+    integer *queues; /* (phases, room) heaps: tops that are behind the others come first */
     Top *tops;       /* (room,), as all that follows */
     Tally *tallies;
     Function *functions; /* (room, events) */
@@ -1009,12 +1011,36 @@ typedef struct {
     integer phases, room, numbers, kept_numbers, width, possible;
 } Pools;
 
+/* Whether a top has made a smaller part of its run than another one. */
+static bool is_behind(const Pools *p, integer top, integer other) {
+    const Top *a = p->tops + top, *b = p->tops + other;
+    return a->high * b->end < b->high * a->end;
+}
+
 /* Let a top wait for a lane of its phase. */
 void loop_push(Pools *p, integer top) {
-    integer phase = p->tops[top].phase;
-    Pool *pool = p->pools + phase;
+    integer phase = p->tops[top].phase, at = p->pools[phase].count++;
+    integer *queue = p->queues + phase * p->room;
     p->tops[top].waits = A_LANE;
-    p->queues[phase * p->room + (pool->first + pool->count++) % p->room] = top;
+    for (; at > 0 && is_behind(p, top, queue[(at - 1) / 2]); at = (at - 1) / 2)
+        queue[at] = queue[(at - 1) / 2];
+    queue[at] = top;
+}
+
+/* Take the first top out of the queue of a phase. */
+static integer pop(const Pools *p, integer phase) {
+    integer *queue = p->queues + phase * p->room, count = --p->pools[phase].count;
+    integer first = queue[0], last = queue[count], at = 0;
+    for (integer next = 1; next < count; next = 2 * at + 1) {
+        if (next + 1 < count && is_behind(p, queue[next + 1], queue[next]))
+            next++;
+        if (!is_behind(p, queue[next], last))
+            break;
+        queue[at] = queue[next];
+        at = next;
+    }
+    queue[at] = last;
+    return first;
 }
 
 /* Copy the tally of a top to that of a lane, or back. */
@@ -1041,11 +1067,9 @@ static void copy_tally(const Pools *p, const Loop *l, integer lane, integer top,
 static void take_top(const Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
-    integer top = p->queues[phase * p->room + pool->first], n = l->lanes;
+    integer top = pop(p, phase), n = l->lanes;
     const Top *t = p->tops + top;
     const real *body = p->bodies + top * p->numbers;
-    pool->first = (pool->first + 1) % p->room;
-    pool->count--;
     pool->occupied++;
     copy_tally(p, l, lane, top, true);
     copy(l->variables, p->states + top * p->width, 1, l->state + lane, n);
@@ -1055,9 +1079,9 @@ static void take_top(const Pools *p, integer phase, integer lane) {
     l->before_leg[lane] = t->steps;
     l->high[lane] = t->high;
     l->low[lane] = t->low;
-    l->end[lane] = t->until;
+    l->end[lane] = t->stop;
     Tally *tally = l->tallies + lane;
-    tally->status = t->until > t->high ? RUNNING : FINISHED;
+    tally->status = t->stop > t->high ? RUNNING : FINISHED;
     tally->upto = 1;
     tally->t = t->high;
 }
@@ -1085,7 +1109,8 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
     copy(p->loops[c->next]->variables, out + 2 * events, 1, state, 1);
     t->phase = c->next;
     t->high = t->began = time;
-    t->until = MIN(t->end, time + more[0]);
+    t->until = t->stop = MIN(t->end, time + more[0]);
+    t->stops_by = events;
     t->short_phases = lasts ? 0 : t->short_phases;
     t->changes++;
     return true;
@@ -1099,13 +1124,14 @@ static void put_top(Pools *p, integer phase, integer lane) {
     Top *t = p->tops + top;
     Tally *tally = l->tallies + lane;
     real *state = p->states + top * p->width;
-    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->until < t->end;
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
     if (within)
         state_at(l, lane, tally->t, l->out);
     copy(l->variables, (within ? l->out : l->state) + lane, n, state, 1);
-    t->high = tally->status == SETTLED ? l->high[lane] : tally->t;
-    t->low = tally->status == SETTLED ? l->low[lane] : 0;
-    t->event = within ? l->ended_by[lane] : by_clock ? l->events : -1;
+    bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
+    t->high = goes_on ? l->high[lane] : tally->t;
+    t->low = goes_on ? l->low[lane] : 0;
+    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
     t->waits = NOTHING;
     if ((within || by_clock) && t->end - t->high <= AT_END * t->end) {
         tally->status = FINISHED;
@@ -1116,8 +1142,8 @@ static void put_top(Pools *p, integer phase, integer lane) {
         bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
         bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
         t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
-    } else if (tally->status == SETTLED)
-        t->waits = A_LOOK;
+    } else if (goes_on)
+        t->waits = tally->status == SETTLED ? A_LOOK : AN_END;
     copy_tally(p, l, lane, top, false);
     l->in_lane[lane] = -1;
     pool->occupied--;
@@ -1127,7 +1153,7 @@ static void put_top(Pools *p, integer phase, integer lane) {
         p->called[(*p->calls)++] = top;
 }
 
-/* Return the phase in which most tops wait or are in lanes; -1 without a top. */
+/* Return the phase in which most tops are; -1 without a top. */
 static integer fullest(const Pools *p) {
     integer best = -1, most = 0;
     for (integer k = 0; k < p->phases; k++) {
@@ -1153,12 +1179,12 @@ integer loop_pools(Pools *p, integer most) {
                 if (l->tallies[lane].status != RUNNING) /* a phase that ends where it begins */
                     put_top(p, phase, lane);
             }
-        integer made = loop_drive(l, most - steps);
+        integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
         steps += made;
         p->possible += made * l->lanes;
         bool ended = false;
         for (integer lane = 0; lane < l->lanes; lane++)
-            if (l->in_lane[lane] >= 0 && l->tallies[lane].status != RUNNING) {
+            if (l->in_lane[lane] >= 0 && (pool->by_steps || l->tallies[lane].status != RUNNING)) {
                 put_top(p, phase, lane);
                 ended = true;
             }

@@ -292,7 +292,9 @@ class Track:
         self.place.motion.in_lane[0] = self.at
         run.take(self.place, leaves(self.b))
         self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
-        self.ahead = copy.deepcopy(code.integrator) if self.sampled else None
+        self.ahead = None
+        if self.sampled:
+            self.ahead = copy.deepcopy(code_for(problem, self.formulas, run.stop).integrator)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
@@ -551,15 +553,19 @@ class HybridDriver(Driver):
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
         the next one; `ending` is that event, or CLOCK, or None at the end of the run.
         """
-        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
-        if self.track.sampled:
-            ends += sampled_in_next_step(self)
-        when, self.ending = min(ends, key=itemgetter(0))
+        when, self.ending = self.next_end()
         self.end_at(when)
         high, low = self.clock
         runs = self.status[0] == RUNNING
         if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step
             self.status[0] = Status.FINISHED.code
+
+    def next_end(self) -> tuple[Any, Any]:
+        """Return where the next steps end, and `ending`."""
+        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
+        if self.track.sampled:
+            ends += sampled_in_next_step(self)
+        return min(ends, key=itemgetter(0))
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.

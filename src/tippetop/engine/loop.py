@@ -111,6 +111,11 @@ def filled(record: Any) -> ctypes.Structure:
     return structure(kind)(*map(_field, record))
 
 
+def address_of(made: Any) -> int:
+    """Return where a structure is."""
+    return ctypes.addressof(made)
+
+
 def _field(value: Any) -> Any:
     if isinstance(value, tuple):
         return filled(value)
@@ -160,7 +165,8 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     pars = np.zeros((parameters, lanes))
     tc = np.zeros((variables, size, lanes))
     in_lane, ended_by, before_leg = np.zeros((3, lanes), np.int64)
-    times = (np.zeros(lanes) for _ in range(7))
+    high, low, start_high, start_low, end, limit, h = np.zeros((7, lanes))
+    times = high, low, start_high, start_low, end, limit, h
     return Motion(state, before, pars, tc, in_lane, *times, ended_by, before_leg)
 
 

@@ -6,7 +6,7 @@ the next phase, and takes another one. Python makes only the changes that no pro
 numbers of a top depend on its own alone, whatever its neighbours, its place and its turn.
 """
 
-import ctypes
+import math
 import threading
 from collections.abc import Sequence
 from types import SimpleNamespace
@@ -18,12 +18,12 @@ from ..errors import InputError
 from ..mechanics.form import CLOCK, STALL
 from ..mechanics.operand import kinds, leaves, refill
 from ..problem import Problem
-from .changes import CHATTER, numbers_of
+from .changes import CHATTER, Changes, numbers_of
 from .driver import ENDLESS, STATUSES
 from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, Track
 from .integrator import Compiled
-from .loop import Loop, filled, library, new_motion
+from .loop import Loop, address_of, count_turnings, filled, library, new_motion
 from .settling import SETTLED_FOR
 from .status import Status
 from .stepper import Loaded
@@ -46,19 +46,21 @@ EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
 PATIENCE = 2
 """As in `changes`: many tops make the same changes."""
-_, A_CHANGE, A_LOOK, _ = range(4)
-"""What a top waits for: a lane; its change, by Python; a look whether it has settled; nothing."""
+A_CHANGE, A_LOOK, AN_END, NOTHING = range(1, 5)
+"""What a top waits for: a lane; its change, by Python; a look whether it has settled; the end of
+its next step, in a phase that Python samples; nothing."""
 
 
-_REALS = [(name, float) for name in ("high", "low", "end", "until", "began")]
-_WHOLE = [(n, int) for n in ("phase", "event", "steps", "waits", "short", "changes")]
-TOP_RECORD = np.dtype([*_REALS, *_WHOLE])
-"""A top: its clock, the ends of the run and of its phase, and the start of the phase, internal; the
-event that ended it; steps before those of its tally; phases in a row that were too short.
+_REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
+_NAMES = "stops_by", "phase", "event", "steps", "waits", "short", "changes"
+TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
+"""A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
+phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
+steps before those of its tally; phases in a row that were too short.
 """
-POOL_RECORD = np.dtype(
-    [("loop", np.uint64), ("parameters", np.uint64), *((n, int) for n in ("first", "n", "taken"))]
-)
+_PLACES = [(name, np.uint64) for name in ("loop", "parameters")]
+_COUNTS = [(name, int) for name in ("by_steps", "count", "occupied")]
+POOL_RECORD = np.dtype([*_PLACES, *_COUNTS])
 
 
 class _Pools(NamedTuple):
@@ -113,34 +115,47 @@ class Pools(HybridDriver):
     def begin_run(self) -> None:
         """Make the arrays of all tops; none has begun."""
         room = self.room
-        self.request = SimpleNamespace(steps=False)  # type: ignore[assignment]
-        self.fresh = [self.tally.copy(), self.functions.copy(), self.tallies.kept[:, 0].copy()]
+        copies = self.programs
+        copies.patience = PATIENCE
+        self.request: Any = SimpleNamespace(steps=False)
+        self.fresh = self.tally.copy(), self.functions.copy(), self.tallies.kept[:, 0].copy()
         self.pattern = kinds(self.world.body)
         self.own_phases = self.assembled(self.problem)[1]
-        self.copies.patience = PATIENCE
         found = self.tallies, self.log, self.samples
-        self.notes = Loop(
-            new_motion(1, 0, 1, 1), self.all_events, *found, self.rules, Loaded(None, 0, 0, False)
-        )
+        no_steps = Loaded(None, 0, 0, False, 0)
+        nowhere = new_motion(1, 0, 1, 1)
+        self.notes = Loop(nowhere, self.all_events, *found, self.rules, no_steps)
         self.failures: dict[int, InputError] = {}
         self.parameters: dict[str, np.ndarray] = {}
         self.worlds: list[Any] = [None] * room
         self.problems: list[Any] = [None] * room
         self.tops = np.zeros(room, TOP_RECORD)
+        self.tops["waits"] = NOTHING
         self.tallies_of = np.zeros(room, LANE_RECORD)
         self.functions_of = np.zeros((room, len(self.numbers)), FUNCTION_RECORD)
         self.kept_of = np.zeros((room, len(self.tallies.kept)))
         self.states = np.zeros((room, self.width))
-        self.bodies = np.zeros((room, len(numbers_of(self.world))))
+        self.bodies = np.zeros((room, len(copies.body)))
         self.called = np.zeros(room, np.int64)
         self.calls = np.zeros(1, np.int64)
         self.pools = np.zeros(len(self.phases), POOL_RECORD)
-        self.queues = np.zeros((len(self.phases), room), np.int64)
-        arrays = self.queues, self.tops, self.tallies_of, self.functions_of, self.kept_of
-        arrays = *arrays, self.states, self.bodies, self.called, self.calls
-        changes = self.copies.loops, self.copies.table, self.all_events.events
-        sizes = len(self.phases), room, self.bodies.shape[1], self.kept_of.shape[1], self.width, 0
-        self.record: Any = filled(_Pools(self.pools, *changes, *arrays, CHATTER, *sizes))
+        queues = np.zeros((len(self.phases), room), np.int64)
+        record = _Pools(
+            *(self.pools, copies.loops, copies.table, self.all_events.events, queues),
+            *(self.tops, self.tallies_of, self.functions_of, self.kept_of, self.states),
+            *(self.bodies, self.called, self.calls, CHATTER),
+            *(len(self.phases), room, *self.bodies.shape[1:], *self.kept_of.shape[1:]),
+            *(self.width, 0),
+        )
+        self.keeps = record  # its arrays
+        self.record: Any = filled(record)
+        self.record_at = address_of(self.record)
+
+    @property
+    def programs(self) -> Changes:
+        """Return the programs of the changes."""
+        assert self.copies is not None
+        return self.copies
 
     # --- places of phases ------------------------------------------------------------------------
 
@@ -163,10 +178,9 @@ class Pools(HybridDriver):
             places = refill(self.world.body, iter(range(len(leaves(self.world.body)))))
             mine = np.array(leaves(track.phase.parameters(places))[: len(motion.pars)], np.int64)
             self.parameters[name] = mine
-            loop = ctypes.addressof(track.place.loop.structure)
-            self.copies.loops[track.at] = loop
-            self.pools["loop"][track.at] = loop
-            self.pools["parameters"][track.at] = mine.ctypes.data
+            loop = address_of(track.place.loop.structure)
+            self.programs.loops[track.at] = loop
+            self.pools[track.at] = loop, mine.ctypes.data, bool(track.sampled), 0, 0
         return track
 
     def work_in(self, place: Any) -> None:
@@ -182,20 +196,20 @@ class Pools(HybridDriver):
         return self.present_state
 
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        self.present_state, self.at = np.array(state, float), clock
+        self.at = clock
+        self.present_state = np.zeros(len(self.place.motion.state))
+        self.present_state[: len(state)] = state
 
     def present(self) -> np.ndarray:
         row = np.zeros((1, self.width))
         row[0, : len(self.state)] = self.state
         return self.rows_of(np.array([self.track.at]), row)
 
-    # --- one top -----------------------------------------------------------------------------------
+    # --- one top ---------------------------------------------------------------------------------
 
     @QUIET
     def seat(self, place: int, problem: Problem) -> bool:
-        """Begin a top in a place. Return whether it runs in these pools: with the same phases, and
-        in no phase that Python samples.
-        """
+        """Begin a top in a place. Return whether it has the same phases as the others."""
         body, phases = self.assembled(problem)
         if phases is not self.own_phases or kinds(body) != self.pattern:
             return False
@@ -213,11 +227,12 @@ class Pools(HybridDriver):
         super().begin_run()
         self.tops["end"][place] = self.end
         self._keep(place)
-        if self.ended is not None:
-            self.tallies_of["status"][place] = self.ended.code
-        elif not self.track.sampled:
+        ended: Status | None = vars(self)["ended"]
+        if ended is None:
             self.push(place)
-        return not self.track.sampled
+        else:
+            self.tallies_of["status"][place] = ended.code
+        return True
 
     def _see(self, place: int) -> None:
         """Let formulas see the body of a top."""
@@ -231,6 +246,7 @@ class Pools(HybridDriver):
         top = self.tops[place]
         top["high"], top["low"] = self.at
         top["until"] = min(self.until, self.end)
+        self._aim(place)
         top["began"], top["phase"], top["short"] = self.began, self.track.at, self.short
         self.tallies_of[place] = self.tally
         self.functions_of[place] = self.functions
@@ -241,29 +257,48 @@ class Pools(HybridDriver):
         self.logged[0] = 0
         self.tables.take()
 
+    def _aim(self, place: int) -> None:
+        """Put the end of the next steps of the top in the seat."""
+        when, ending = self.next_end()
+        by = len(self.numbers) if ending in (None, CLOCK) else ending
+        self.tops["stop"][place], self.tops["stops_by"][place] = when, by
+
     def push(self, place: int) -> None:
         """Let a top wait for a lane."""
-        library().loop_push(ctypes.byref(self.record), place)
+        library().loop_push(self.record_at, place)
 
-    @QUIET
-    def _change_of(self, place: int) -> Status | None:
-        """Make the change of a top that no program makes. Return how it ends the run, or None."""
+    def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
+        super()._note(number, time, sign, phase, state)
+        sense = self.all_events.events["sense"][number]
+        if sense:  # of a single run the log counts turnings
+            track = self.tracks[[*self.phases][phase]]
+            x, y, z = state[track.place.rows.axis].tolist()
+            theta = math.atan2(math.sqrt(x * x + y * y), z)
+            count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
+
+    def _sit(self, place: int) -> None:
+        """Take a top from its place to the seat."""
         self._see(place)
         top = self.tops[place]
-        self.track = track = self.tracks[[*self.phases][top["phase"]]]
-        self.began, self.until, self.short, self.end = top[
-            ["began", "until", "short", "end"]
-        ].item()
+        self.track = self.tracks[[*self.phases][top["phase"]]]
+        names = ["began", "until", "short", "end", "high", "low"]
+        self.began, self.until, self.short, self.end, *clock = top[names].item()
         self.tallies.lane[0] = self.tallies_of[place]
         self.functions[:] = self.functions_of[place]
         self.tallies.kept[:, 0] = self.kept_of[place]
         self.logged[0] = int(self.upto[0] < 1.0)
-        self.last = self.states[place, : len(track.place.motion.state)].copy()
+        self.last = self.states[place, : len(self.track.place.motion.state)].copy()
+        self.place = self.track.place
+        self.put(self.last, clock)
+
+    def _change_of(self, place: int) -> Status | None:
+        """Make the change of a top that no program makes. Return how it ends the run, or None."""
+        self._sit(place)
+        top = self.tops[place]
         when = float(top["high"])
-        self.put(self.last, (when, 0.0))
         event = int(top["event"])
         ending: Any = STALL if event < 0 else CLOCK if event == len(self.numbers) else event
-        jump = track.exits.get(ending)
+        jump = self.track.exits.get(ending)
         try:
             ends = self._change(jump, when) if jump else STATUSES[self.status[0]]
         except InputError as error:
@@ -276,38 +311,39 @@ class Pools(HybridDriver):
             self.tallies_of["status"][place] = ends.code
         return ends
 
-    # --- all tops ----------------------------------------------------------------------------------
+    # --- all tops --------------------------------------------------------------------------------
 
-    def step(self, most: int) -> tuple[list[int], list[int], list[int]]:
-        """Make about so many steps of lanes. Return the places of tops that have ended, that may
-        have settled, and that have come into a phase that Python samples.
+    @QUIET
+    def step(self, most: int) -> tuple[list[int], list[int]]:
+        """Make about so many steps of lanes. Return the places of tops that have ended, and of
+        those that may have settled.
         """
         self.calls[0] = 0
-        library().loop_pools(ctypes.byref(self.record), most)
-        ended, looks, sampled = list[int](), list[int](), list[int]()
+        library().loop_pools(self.record_at, most)
+        ended, looks = list[int](), list[int]()
         for place in self.called[: self.calls[0]].tolist():
             waits = self.tops["waits"][place]
-            if waits == A_CHANGE and self._change_of(place) is None:
+            if waits == AN_END:
+                self._sit(place)
+                self._aim(place)
+                self.push(place)
+            elif waits == A_CHANGE and self._change_of(place) is None:
                 steps, high = self.tops[["steps", "high"]][place].item()
                 lasted = high - self.tallies_of["lasts_since"][place]
-                if self.track.sampled:
-                    sampled.append(place)
-                elif steps % EVERY == 0 and lasted > self.rules.settled_for:
+                if steps % EVERY == 0 and lasted > self.rules.settled_for:
                     looks.append(place)
                 else:
                     self.push(place)
             else:
                 (looks if waits == A_LOOK else ended).append(place)
-        return ended, looks, sampled
+        return ended, looks
 
     @property
     def possible(self) -> int:
         """Return how many steps the lanes could have made."""
         return self.record.possible
 
-    def rows_at(
-        self, phases: np.ndarray, states: np.ndarray, places: np.ndarray
-    ) -> np.ndarray:
+    def rows_at(self, phases: np.ndarray, states: np.ndarray, places: np.ndarray) -> np.ndarray:
         """Return rows of states (k, width) of phases, by number, of the tops in places (k,)."""
         rows = np.empty((len(phases), self.variables))
         for track in self.tracks.values():

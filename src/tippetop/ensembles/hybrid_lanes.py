@@ -58,31 +58,31 @@ class HybridLanes:
     def run(self, queue: Iterator[int]) -> None:
         """Run tops of a queue, which threads may share, to their ends."""
         free = list(range(ROOM))
-        done = list[int]()  # places of tops that have ended, and of those that run alone
-        left = list[int]()
+        done = list[int]()  # places of tops that have ended
+        is_more = True
         while not self.stop.is_set():
-            if len(free) + len(done) + len(left) >= ROOM / 4 or not self.under_way:
+            if not self.under_way or (is_more and len(free) + len(done) >= ROOM / 4):
                 self._look()
                 self._write(np.array(done, int))
-                free += done + left
-                left = []
+                free += done
                 done = self._begin(queue, free)
+                is_more = not free
                 if not (self.under_way or done):
                     return
             if self.pools is None or not self.under_way:
                 continue
             pools = self.pools
-            ended, looks, sampled = pools.step(MOST_DRIVEN)
+            ended, looks = pools.step(MOST_DRIVEN)
             for place in looks:
                 if self._stays(place):
                     pools.tallies_of["status"][place] = Status.SETTLED.code
                     ended.append(place)
                 else:
                     pools.push(place)
-            self.alone += self.top_in[sampled].tolist()
-            self.under_way -= len(ended) + len(sampled)
+            for _ in ended:
+                self.ended()
+            self.under_way -= len(ended)
             done += ended
-            left += sampled
             if pools.samples.filled[0] > len(pools.samples.top) / 2:
                 self._look()
 
@@ -103,6 +103,7 @@ class HybridLanes:
                     continue
             except InputError as error:
                 self._fail(top, error)
+                self.ended()
                 continue
             place = free.pop()
             self.top_in[place] = top
@@ -112,6 +113,7 @@ class HybridLanes:
                 self.under_way += 1
             else:
                 ended.append(place)
+                self.ended()
         if begun:
             self.outcomes.begin(np.array(rows).T, np.array(begun))
         return ended
@@ -120,7 +122,6 @@ class HybridLanes:
         """Mark a top as invalid."""
         self.outcomes.status[top] = Status.INVALID.code
         self.outcomes.faults.append((top, error.sentences[0]))
-        self.ended()
 
     def _stays(self, place: int) -> bool:
         """Return whether a top that may have settled has, and stays as it is."""
@@ -136,7 +137,7 @@ class HybridLanes:
         is_settled = log.settled_since(view, last) is not None
         return is_settled and stays(problem, view.evaluate(last))
 
-    # --- rows of tops ------------------------------------------------------------------------------
+    # --- rows of tops ----------------------------------------------------------------------------
 
     def _look(self) -> None:
         """Compare the invariants of the states that were sampled."""
@@ -189,9 +190,8 @@ class HybridLanes:
                 settled &= ~slides(self.tops, final, tops)
         outcomes.settled[tops] = settled
         is_force = events["extremes"]
-        forces = pools.functions_of[places][:, is_force]["extremes"] / events["scale"][is_force, None]
+        forces = pools.functions_of["extremes"][places][:, is_force]
+        forces /= events["scale"][is_force, None]
         columns["normal_force_min"][tops] = forces[..., 0].min(axis=1, initial=np.inf)
         columns["normal_force_max"][tops] = forces[..., 1].max(axis=1, initial=-np.inf)
         outcomes.steps_made += int(steps.sum())
-        for _ in tops:
-            self.ended()

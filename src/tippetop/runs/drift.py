@@ -43,9 +43,7 @@ class Drift:
 
     def begin(self, start: np.ndarray, which: np.ndarray) -> None:
         """Compare the runs `which`, (k,), with other starts (variables, k)."""
-        for all_of, some in zip(
-            (self.start, self.size), self._compared(start, which), strict=True
-        ):
+        for all_of, some in zip((self.start, self.size), self._compared(start, which), strict=True):
             for name, value in some.items():
                 all_of[name][which] = value
 
