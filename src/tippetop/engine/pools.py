@@ -125,6 +125,7 @@ class Pools(HybridDriver):
         no_steps = Loaded(None, 0, 0, False, 0)
         nowhere = new_motion(1, 0, 1, 1)
         self.notes = Loop(nowhere, self.all_events, *found, self.rules, no_steps)
+        self.first_rows: dict[int, np.ndarray] = {}
         self.failures: dict[int, InputError] = {}
         self.parameters: dict[str, np.ndarray] = {}
         self.worlds: list[Any] = [None] * room
@@ -200,11 +201,6 @@ class Pools(HybridDriver):
         self.present_state = np.zeros(len(self.place.motion.state))
         self.present_state[: len(state)] = state
 
-    def present(self) -> np.ndarray:
-        row = np.zeros((1, self.width))
-        row[0, : len(self.state)] = self.state
-        return self.rows_of(np.array([self.track.at]), row)
-
     # --- one top ---------------------------------------------------------------------------------
 
     @QUIET
@@ -224,7 +220,11 @@ class Pools(HybridDriver):
         self.logged[0] = 0
         self.tops[place] = 0
         self.bodies[place] = numbers_of(self.world)
-        super().begin_run()
+        self._start(tuple(problem.start().tolist()))
+        if self.series:
+            self.first_rows[place] = self.rows_of(
+                np.array([self.track.at]), self.series(self.number(0))
+            )[0]
         self.tops["end"][place] = self.end
         self._keep(place)
         ended: Status | None = vars(self)["ended"]
@@ -342,6 +342,17 @@ class Pools(HybridDriver):
     def possible(self) -> int:
         """Return how many steps the lanes could have made."""
         return self.record.possible
+
+    def rows_in(self, places: np.ndarray) -> np.ndarray:
+        """Return the rows of the present states of the tops in places (k,)."""
+        return self.rows_at(self.tops["phase"][places], self.states[places], places)
+
+    def first_in(self, places: np.ndarray) -> np.ndarray:
+        """Return the rows of tops that have just begun: before a jump that takes time, if any."""
+        rows = self.rows_in(places)
+        for k, place in enumerate(places.tolist()):
+            rows[k] = self.first_rows.pop(place, rows[k])
+        return rows
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, places: np.ndarray) -> np.ndarray:
         """Return rows of states (k, width) of phases, by number, of the tops in places (k,)."""

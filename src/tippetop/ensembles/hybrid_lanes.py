@@ -89,9 +89,8 @@ class HybridLanes:
     def _begin(self, queue: Iterator[int], free: list[int]) -> list[int]:
         """Begin as many tops as there are places. Return the places of those that end at once."""
         begun = []
-        rows = []
         ended = []
-        while free and (top := next(queue, -1)) >= 0:
+        while free and not self.stop.is_set() and (top := next(queue, -1)) >= 0:
             problem = problem_of(self.tops, top)
             try:
                 if faults := faults_of(problem):
@@ -107,15 +106,15 @@ class HybridLanes:
                 continue
             place = free.pop()
             self.top_in[place] = top
-            begun.append(top)
-            rows.append(self.pools.first[0])
+            begun.append(place)
             if self.pools.ended is None:
                 self.under_way += 1
             else:
                 ended.append(place)
                 self.ended()
-        if begun:
-            self.outcomes.begin(np.array(rows).T, np.array(begun))
+        if begun and self.pools is not None:
+            places = np.array(begun)
+            self.outcomes.begin(self.pools.first_in(places).T, self.top_in[places])
         return ended
 
     def _fail(self, top: int, error: InputError) -> None:
@@ -130,7 +129,7 @@ class HybridLanes:
         problem = pools.problems[place]
         view = Observables(problem)
         some = np.array([place])
-        last = pools.rows_at(pools.tops["phase"][some], pools.states[some], some)
+        last = pools.rows_in(some)
         second = float(problem.scales.of(SECOND))
         tally = pools.tallies_of[place]
         log = LogReport(tuple(problem.system.events), second, {}, tally, [])
@@ -163,7 +162,7 @@ class HybridLanes:
         outcomes = self.outcomes
         columns = outcomes.columns
         tops = self.top_in[places]
-        final = pools.rows_at(pools.tops["phase"][places], pools.states[places], places).T
+        final = pools.rows_in(places).T
         outcomes.look(final, tops)
         outcomes.final[:, tops] = final
         theta = values_of(self.tops, final, tops)["theta"]
