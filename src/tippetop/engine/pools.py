@@ -125,8 +125,8 @@ class Pools(HybridDriver):
         no_steps = Loaded(None, 0, 0, False, 0)
         nowhere = new_motion(1, 0, 1, 1)
         self.notes = Loop(nowhere, self.all_events, *found, self.rules, no_steps)
-        self.first_rows: dict[int, np.ndarray] = {}
-        self.failures: dict[int, InputError] = {}
+        self.over: list[int] = []  # places of tops that ended where they began
+        self.failures: dict[int, str] = {}  # by place, of invalid tops
         self.parameters: dict[str, np.ndarray] = {}
         self.worlds: list[Any] = [None] * room
         self.problems: list[Any] = [None] * room
@@ -215,23 +215,19 @@ class Pools(HybridDriver):
         self.problems[place] = problem
         self._see(place)
         self.tallies.lane[0], self.functions[:], self.tallies.kept[:, 0] = self.fresh
-        self.ended = None
+        vars(self).pop("ended", None)
         self.short = 0
         self.logged[0] = 0
         self.tops[place] = 0
         self.bodies[place] = numbers_of(self.world)
         self._start(tuple(problem.start().tolist()))
-        if self.series:
-            self.first_rows[place] = self.rows_of(
-                np.array([self.track.at]), self.series(self.number(0))
-            )[0]
         self.tops["end"][place] = self.end
         self._keep(place)
-        ended: Status | None = vars(self)["ended"]
-        if ended is None:
+        if self.ended is None:
             self.push(place)
         else:
-            self.tallies_of["status"][place] = ended.code
+            self.tallies_of["status"][place] = self.ended.code
+            self.over.append(place)
         return True
 
     def _see(self, place: int) -> None:
@@ -255,7 +251,7 @@ class Pools(HybridDriver):
         self.states[place, : len(self.state)] = self.state
         self.series = None
         self.logged[0] = 0
-        self.tables.take()
+        self.tables.rows.clear()
 
     def _aim(self, place: int) -> None:
         """Put the end of the next steps of the top in the seat."""
@@ -302,7 +298,7 @@ class Pools(HybridDriver):
         try:
             ends = self._change(jump, when) if jump else STATUSES[self.status[0]]
         except InputError as error:
-            self.failures[place] = error
+            self.failures[place] = error.sentences[0]
             ends = Status.INVALID
         self._keep(place)
         if ends is None:
@@ -320,7 +316,8 @@ class Pools(HybridDriver):
         """
         self.calls[0] = 0
         library().loop_pools(self.record_at, most)
-        ended, looks = list[int](), list[int]()
+        ended, looks = self.over, list[int]()
+        self.over = []
         for place in self.called[: self.calls[0]].tolist():
             waits = self.tops["waits"][place]
             if waits == AN_END:
@@ -338,21 +335,9 @@ class Pools(HybridDriver):
                 (looks if waits == A_LOOK else ended).append(place)
         return ended, looks
 
-    @property
-    def possible(self) -> int:
-        """Return how many steps the lanes could have made."""
-        return self.record.possible
-
     def rows_in(self, places: np.ndarray) -> np.ndarray:
         """Return the rows of the present states of the tops in places (k,)."""
         return self.rows_at(self.tops["phase"][places], self.states[places], places)
-
-    def first_in(self, places: np.ndarray) -> np.ndarray:
-        """Return the rows of tops that have just begun: before a jump that takes time, if any."""
-        rows = self.rows_in(places)
-        for k, place in enumerate(places.tolist()):
-            rows[k] = self.first_rows.pop(place, rows[k])
-        return rows
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, places: np.ndarray) -> np.ndarray:
         """Return rows of states (k, width) of phases, by number, of the tops in places (k,)."""

@@ -84,9 +84,11 @@ def measure(
     most = threads or len(os.sched_getaffinity(0))
     if hybrid and tops.base.contact is not None and not events:
         queue = iter(separate)
-        pooled = [HybridLanes(measured, ended) for _ in range(min(most, len(separate)))]
+        n = min(most, -(-len(separate) // LANES))
+        pooled = [HybridLanes(measured, ended) for _ in range(n)]
         _run_all([partial(worker.run, queue) for worker in pooled], [w.stop for w in pooled])
         separate = sorted(chain(*(worker.alone for worker in pooled)))
+        measured.steps_made += sum(worker.steps for worker in pooled)
         measured.steps_possible += sum(worker.possible for worker in pooled)
     run_each(measured, separate, ended, events=events)
     measured.faults.sort()

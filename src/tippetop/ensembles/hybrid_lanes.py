@@ -49,11 +49,7 @@ class HybridLanes:
         self.pools: Pools | None = None
         self.top_in = np.full(ROOM, -1)
         self.under_way = 0
-
-    @property
-    def possible(self) -> int:
-        """Return how many steps the lanes could have made."""
-        return 0 if self.pools is None else self.pools.possible
+        self.steps = self.possible = 0  # of lanes: made, and possible
 
     def run(self, queue: Iterator[int]) -> None:
         """Run tops of a queue, which threads may share, to their ends."""
@@ -65,13 +61,12 @@ class HybridLanes:
                 self._look()
                 self._write(np.array(done, int))
                 free += done
-                done = self._begin(queue, free)
+                done = []
+                self._begin(queue, free)
                 is_more = not free
-                if not (self.under_way or done):
-                    return
-            if self.pools is None or not self.under_way:
-                continue
             pools = self.pools
+            if pools is None or not self.under_way:
+                return
             ended, looks = pools.step(MOST_DRIVEN)
             for place in looks:
                 if self._stays(place):
@@ -83,13 +78,13 @@ class HybridLanes:
                 self.ended()
             self.under_way -= len(ended)
             done += ended
+            self.possible = pools.record.possible
             if pools.samples.filled[0] > len(pools.samples.top) / 2:
                 self._look()
 
-    def _begin(self, queue: Iterator[int], free: list[int]) -> list[int]:
-        """Begin as many tops as there are places. Return the places of those that end at once."""
+    def _begin(self, queue: Iterator[int], free: list[int]) -> None:
+        """Begin as many tops as there are places."""
         begun = []
-        ended = []
         while free and not self.stop.is_set() and (top := next(queue, -1)) >= 0:
             problem = problem_of(self.tops, top)
             try:
@@ -97,30 +92,21 @@ class HybridLanes:
                     raise InputError(faults)
                 if self.pools is None:
                     self.pools = Pools(problem, ROOM, self.stop)
-                if not self.pools.seat(free[-1], problem):
-                    self.alone.append(top)
-                    continue
+                fits = self.pools.seat(free[-1], problem)
             except InputError as error:
-                self._fail(top, error)
+                self.outcomes.status[top] = Status.INVALID.code
+                self.outcomes.faults.append((top, error.sentences[0]))
                 self.ended()
                 continue
-            place = free.pop()
-            self.top_in[place] = top
-            begun.append(place)
-            if self.pools.ended is None:
-                self.under_way += 1
+            if fits:
+                begun.append(free.pop())
+                self.top_in[begun[-1]] = top
             else:
-                ended.append(place)
-                self.ended()
+                self.alone.append(top)
         if begun and self.pools is not None:
             places = np.array(begun)
-            self.outcomes.begin(self.pools.first_in(places).T, self.top_in[places])
-        return ended
-
-    def _fail(self, top: int, error: InputError) -> None:
-        """Mark a top as invalid."""
-        self.outcomes.status[top] = Status.INVALID.code
-        self.outcomes.faults.append((top, error.sentences[0]))
+            self.outcomes.begin(self.pools.rows_in(places).T, self.top_in[places])
+        self.under_way += len(begun)
 
     def _stays(self, place: int) -> bool:
         """Return whether a top that may have settled has, and stays as it is."""
@@ -151,16 +137,15 @@ class HybridLanes:
     def _write(self, places: np.ndarray) -> None:
         """Write the rows of tops that have ended."""
         pools = self.pools
-        if pools is None:
-            return
-        for place in places.tolist():
-            if place in pools.failures:
-                self._fail(int(self.top_in[place]), pools.failures.pop(place))
-                places = places[places != place]
-        if not len(places):
-            return
         outcomes = self.outcomes
         columns = outcomes.columns
+        if pools is None or not len(places):
+            return
+        status = pools.tallies_of["status"][places]
+        outcomes.status[self.top_in[places]] = status
+        for place in places[status == Status.INVALID.code].tolist():
+            outcomes.faults.append((int(self.top_in[place]), pools.failures[place]))
+        places = places[status != Status.INVALID.code]
         tops = self.top_in[places]
         final = pools.rows_in(places).T
         outcomes.look(final, tops)
@@ -171,7 +156,6 @@ class HybridLanes:
             count_turnings(Tallies(lane, lane, lane), np.zeros(1), theta[[k]])
         tallies = pools.tallies_of[places]
         steps = pools.tops["steps"][places] + tallies["steps"]
-        outcomes.status[tops] = tallies["status"]
         columns["t_end"][tops] = tallies["t"]
         columns["steps"][tops] = steps
         for name in SWINGS:
@@ -193,4 +177,4 @@ class HybridLanes:
         forces /= events["scale"][is_force, None]
         columns["normal_force_min"][tops] = forces[..., 0].min(axis=1, initial=np.inf)
         columns["normal_force_max"][tops] = forces[..., 1].max(axis=1, initial=-np.inf)
-        outcomes.steps_made += int(steps.sum())
+        self.steps += int(steps.sum())

@@ -30,22 +30,18 @@ class Drift:
 
     def __init__(self, problems: Problems, start: np.ndarray, valid: Any = True):
         self.problems = problems
-        self.start, self.size = self._compared(start, np.arange(problems.n))
+        self.start: dict[str, np.ndarray] = {}
+        self.size: dict[str, np.ndarray] = {}
+        self.begin(start, np.arange(problems.n))
         self.worst = {name: np.where(valid, np.zeros(problems.n), np.nan) for name in self.start}
 
-    def _compared(self, start: np.ndarray, which: np.ndarray) -> list[dict[str, np.ndarray]]:
-        """Return the invariants of runs at their start, and the scales of their drifts."""
-        values = values_of(self.problems, start, which)
-        return [
-            {name: value.astype(float) for name, value in of(self.problems.base, values).items()}
-            for of in (invariants, sizes)
-        ]
-
     def begin(self, start: np.ndarray, which: np.ndarray) -> None:
-        """Compare the runs `which`, (k,), with other starts (variables, k)."""
-        for all_of, some in zip((self.start, self.size), self._compared(start, which), strict=True):
-            for name, value in some.items():
-                all_of[name][which] = value
+        """Compare the runs `which`, (k,), with these starts (variables, k)."""
+        problems = self.problems
+        values = values_of(problems, start, which)
+        for kept, of in (self.start, invariants), (self.size, sizes):
+            for name, value in of(problems.base, values).items():
+                kept.setdefault(name, np.empty(problems.n))[which] = value
 
     @np.errstate(all="ignore")  # the numbers of invalid runs
     def look(self, states: np.ndarray, which: np.ndarray) -> None:
