@@ -60,18 +60,15 @@ def _lift(name: str) -> Callable:
     symbolic = getattr(hy, name)
     numeric = getattr(np, name.replace("atan", "arctan"))
     scalar = getattr(math, name)
-    is_exact = name == "sqrt"
+    doubles = DOUBLES if name != "sqrt" else ()  # it is exact everywhere
 
     def lifted(*x: Operand) -> Operand:
-        kinds = set(map(type, x))
-        if hy.expression in kinds:
-            return symbolic(*x)
-        if kinds <= DOUBLES and not is_exact:
+        if type(x[0]) in doubles and type(x[-1]) in doubles:
             try:
                 return np.float64(scalar(*x))
             except (ValueError, OverflowError):  # a result that is not finite
                 pass
-        return numeric(*x)
+        return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
     def for_numba(*x: Any) -> Callable:
         from numba import types
