@@ -102,7 +102,7 @@ typedef struct {
     real *state, *before, *pars, *tc;
     integer *in_lane;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
-    integer *ended_by; /* the event that ended the present step */
+    integer *ended_by;   /* the event that ended the present step */
     integer *before_leg; /* steps of a run before those of its tally */
 
     const Event *event_rows;
@@ -750,15 +750,15 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends. Registers begin with the inputs: the numbers of the body, the time
-   and the time left, the signs of event functions and the state. Constants and the results of lines
-   follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that
+/* What follows where a phase ends. Registers begin with the inputs: the numbers of the body, the
+   time and the time left, the signs of event functions and the state. Constants and the results of
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that
    it lasts, the time that the change takes, event functions in that time, and the numbers of
    tables. */
 typedef struct Change {
     const Line *lines;
     real *registers;
-    const integer *events;      /* that it logs, that happen in it, and whose extremes may be in it */
+    const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
     const struct Change *other; /* to be tried next, if a comparison is not as expected */
     integer length, result, out, next, number, logged, passed, ranged;
 } Change;
@@ -767,9 +767,9 @@ typedef struct Change {
 enum { POINTS = 9 };
 
 typedef struct {
-    const Loop *const *loops;      /* of phases, then of motions */
-    const Change *const *changes;  /* (phases, events + 1), the last by the clock; or none */
-    const Event *events;           /* of the run */
+    const Loop *const *loops;     /* of phases, then of motions */
+    const Change *const *changes; /* (phases, events + 1), the last by the clock; or none */
+    const Event *events;          /* of the run */
     const real *body;
     real *made; /* of each change: time, number of the program, then the last registers */
     real began, end, chatter;
@@ -978,8 +978,8 @@ integer loop_run(Phases *p, integer most) {
 /* A phase ends in this last part of a run only where the run does. */
 static const real AT_END = 0x1p-50;
 
-/* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled, or
-   puts the end of its next step; or nothing. */
+/* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled,
+   or puts the end of its next step; or nothing. */
 enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
 
 /* Clock, end of the run and of the phase, and where the next steps end, by which event. */
@@ -989,10 +989,10 @@ typedef struct {
 } Top;
 
 typedef struct {
-    const Loop *loop;     /* none in a phase that no top has entered */
+    const Loop *loop;          /* none in a phase that no top has entered */
     const integer *parameters; /* which numbers of a body they are */
-    integer by_steps;               /* whether the caller puts the end of each step */
-    integer count, occupied;        /* tops in the queue and in lanes */
+    integer by_steps;          /* whether the caller puts the end of each step */
+    integer count, occupied;   /* tops in the queue and in lanes */
 } Pool;
 
 typedef struct {

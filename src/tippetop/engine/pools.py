@@ -209,7 +209,6 @@ class Pools(HybridDriver):
         body, phases = self.assembled(problem)
         if phases is not self.own_phases or kinds(body) != self.pattern:
             return False
-        self.problem = problem
         self.end = float(internal_end(problem))
         self.worlds[place] = self.world._replace(body=body, rules=problem.contact)
         self.problems[place] = problem

@@ -163,13 +163,12 @@ class HybridLanes:
         kept = iter(pools.kept_of[places].T)
         events = pools.all_events.events
         settled = np.zeros(len(places), bool)
-        for event in self.tops.base.system.events:
+        for k, event in enumerate(self.tops.base.system.events):
             for number in event.kept:
                 columns[number.name][tops] = next(kept)
             if event.lasting:
-                body = self.tops.body_of_pars(self.tops.pars[:, tops].astype(float))
-                value = event.formula(self.tops.moment(final, body), body)
-                settled = ~np.isnan(tallies["lasts_since"]) & (value * event.direction > 0)
+                side = pools.functions_of["sign"][places, k] * event.direction
+                settled = (side > 0) & ~np.isnan(tallies["lasts_since"])
                 settled &= ~slides(self.tops, final, tops)
         outcomes.settled[tops] = settled
         is_force = events["extremes"]
