@@ -752,8 +752,8 @@ enum {
 
 /* What follows where a phase ends. Registers begin with the inputs: the numbers of the body, the
    time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that
-   it lasts, the time that the change takes, event functions in that time, and the numbers of
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time
+   that it lasts, the time that the change takes, event functions in that time, and the numbers of
    tables. */
 typedef struct Change {
     const Line *lines;

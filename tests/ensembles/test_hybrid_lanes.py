@@ -23,17 +23,19 @@ TOPS = {
     "sticks": (BOUNCE, {"friction": COULOMB, "initial": TOSSED}, 0.3),
     "rests": (BOUNCE, {"friction": DRILLING, "initial": TOSSED}, 0.3),
     "stands": ("leine-glocker-stem", {}, 0.3),
+    "rocks": ("gliding-cylinder", {"contact": {"e_n": 0.3}}, 0.3),
 }
 """Scenarios, changes to their tables, and the time of the end."""
 
 
 def some(case: str, n: int = 12, **columns: np.ndarray) -> Problems:
-    """Tops of a case with other spins, or other numbers."""
+    """Tops of a case with other spins or speeds, or other numbers."""
     scenario, changes, until = TOPS[case]
     tables = reading.read(scenario) if isinstance(scenario, str) else dict(scenario)
     base = build.problem(tables | changes | {"run": {"until": until, "output_step": until}})
-    spin = float(base.initial["omega3"])
-    return ensemble.vary(base, columns or {"initial.omega3": spin + np.linspace(-1, 1, n)})
+    key = "omega3" if "omega3" in base.initial else "nu_x"
+    numbers = float(base.initial[key]) * np.linspace(0.99, 1.01, n)
+    return ensemble.vary(base, columns or {f"initial.{key}": numbers})
 
 
 def alone(tops: Problems) -> Outcomes:

@@ -266,8 +266,8 @@ class Pools(HybridDriver):
         super()._note(number, time, sign, phase, state)
         sense = self.all_events.events["sense"][number]
         if sense:  # of a single run the log counts turnings
-            track = self.tracks[[*self.phases][phase]]
-            x, y, z = state[track.place.rows.axis].tolist()
+            axis = self.tracks[[*self.phases][phase]].place.rows.axis
+            x, y, z = state[axis].tolist()
             theta = math.atan2(math.sqrt(x * x + y * y), z)
             count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
 

@@ -82,7 +82,8 @@ def measure(
     alone = _ends_at_start(tops, functions) | hybrid
     separate = np.flatnonzero(tops.valid & alone).tolist()
     most = threads or len(os.sched_getaffinity(0))
-    if hybrid and tops.base.contact is not None and not events:
+    turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
+    if hybrid and turns and tops.base.contact is not None and not events:
         queue = iter(separate)
         n = min(most, -(-len(separate) // LANES))
         pooled = [HybridLanes(measured, ended) for _ in range(n)]
