@@ -86,6 +86,16 @@ def test_the_bits_of_a_top_do_not_depend_on_the_others(monkeypatch, case: str) -
     same(measured, ensemble.measure(tops, threads=1))
 
 
+@pytest.mark.parametrize("case", set(TOPS) - {"rocks"})
+def test_no_top_is_left_to_run_alone(monkeypatch, case: str) -> None:
+    left: list[int] = []
+    monkeypatch.setattr(
+        ensemble, "run_each", lambda measured, numbers, *_, **__: left.extend(numbers)
+    )
+    ensemble.measure(some(case), threads=1)
+    assert not left
+
+
 def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
     """Here one without friction, one beyond Painleve's bound, and one whose impact has no
     solution.
