@@ -181,5 +181,4 @@ def _threads(tops: Problems, rounds: int) -> dict[str, Any]:
             k: statistics.median(times) / tops.n for k, times in seconds.items()
         },
         "efficiency_of_2_threads": ratio(seconds[1], seconds[2]) / 2,
-        "occupancy": ensemble.measure(tops, threads=1).occupancy,
     }

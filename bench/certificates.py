@@ -19,8 +19,9 @@ import numpy as np
 import tippetop
 from tippetop.benchmark import Case, case, names
 from tippetop.benchmark.case_files import scaled
-from tippetop.benchmark.truth import Truth, differences, length_of, sample_times, truth
+from tippetop.benchmark.truth import Truth, differences, sample_times, truth
 from tippetop.engine.derivatives.growth import growth
+from tippetop.mechanics.contact.body import size
 
 
 PATH = Path(tippetop.__file__).parent / "benchmark" / "certificates.json"
@@ -41,8 +42,8 @@ def growth_of(each: Case, double: Truth) -> tuple[str, np.ndarray]:
         moved["omega3"] *= 1 + APART
     near, _ = truth(dataclasses.replace(problem, initial=moved), t)
     apart = differences(near, double)
-    size = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(problem))
-    return "two runs started 1e-12 apart", size / APART
+    off = np.maximum(apart["attitude [rad]"], apart["position [m]"] / size(problem.body()))
+    return "two runs started 1e-12 apart", off / APART
 
 
 def threshold(values: np.ndarray) -> float:
@@ -63,7 +64,7 @@ def certificate(name: str) -> dict[str, Any]:
     beyond = np.flatnonzero(factor > BLIND)
     rows = len(times) if not len(beyond) else int(beyond[0])
     off = {key: float(curve[:rows].max()) for key, curve in differences(double, exact).items()}
-    error = max(off["attitude [rad]"], off["position [m]"] / length_of(each.problem))
+    error = max(off["attitude [rad]"], off["position [m]"] / size(each.problem.body()))
     return {
         "error": float(f"{error:.1e}"),
         "against": "the run in 80-bit numbers, which is exported",

@@ -1,6 +1,6 @@
 """Draw the pictures of docs/pictures, and write the printable worksheet: python docs/pictures.py.
 
-A picture of the gallery is the figure that the code above it returns; each file has its code in
+A picture of a gallery is the figure that the code above it returns; each file has its code in
 its metadata, by which a test notices that a picture is older than its page.
 """
 
@@ -17,6 +17,7 @@ from markdown_it import MarkdownIt
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "pictures"
+GALLERIES = (DOCS / "gallery.md", DOCS / "related-bodies.md")
 COLOURS = 48
 STYLE = """
 @page { size: A4; margin: 16mm 18mm; }
@@ -63,7 +64,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 
 def sources() -> dict[str, str]:
     """Return the code of each picture by its name."""
-    named = {name: code for code, name in blocks(DOCS / "gallery.md") if name}
+    named = {name: code for page in GALLERIES for code, name in blocks(page) if name}
     return named | {"momentum": inspect.getsource(momentum)}
 
 
@@ -83,8 +84,14 @@ def draw() -> None:
     """Draw all pictures."""
     PICTURES.mkdir(exist_ok=True)
     save(momentum(), "momentum", inspect.getsource(momentum))
+    for page in GALLERIES:
+        draw_page(page)
+
+
+def draw_page(page: Path) -> None:
+    """Draw the pictures of a gallery."""
     names: dict[str, Any] = {}
-    for code, name in blocks(DOCS / "gallery.md"):
+    for code, name in blocks(page):
         *before, last = ast.parse(code).body
         if not name:
             before.append(last)

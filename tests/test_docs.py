@@ -14,9 +14,10 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 EXECUTED = [
     *(ROOT / "README.md", ROOT / "docs" / "gallery.md", ROOT / "docs" / "tutorials" / "lesson.md"),
+    ROOT / "docs" / "related-bodies.md",
     *sorted((ROOT / "docs" / "how-to").glob("*.md")),
 ]
-EXPENSIVE = ["fit-a-film.md", "gallery.md"]
+EXPENSIVE = ["fit-a-film.md", "gallery.md", "related-bodies.md"]
 
 
 def name(page: Path) -> str:

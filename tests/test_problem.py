@@ -170,6 +170,7 @@ def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
             starting.load("inverting", ["initial.theta=1.5", "friction.mu=3.0", f"{key}={value}"])
         (fault,) = Problems.vary(base, {key: [good, value]}).checked[1]
         assert fault == (1, str(caught.value))
+        assert ("jams the contact" in fault[1]) == (key == "initial.nu_x")
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

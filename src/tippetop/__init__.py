@@ -16,6 +16,7 @@ _NAMES = {
     "problem": "Problem",
     "mechanics.systems.cylinder": "Cylinder",
     "mechanics.systems.heavy_top": "HeavyTop",
+    "mechanics.systems.ellipsoid": "Ellipsoid",
     "mechanics.systems.revolution": "Disc Spheroid",
     "mechanics.systems.tippe_top": "TippeTop",
     "library.exchanging": "compare fit",

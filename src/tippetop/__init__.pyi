@@ -29,6 +29,7 @@ from .mechanics.form import Quantity
 from .mechanics.friction import FrictionLaw
 from .mechanics.system import System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
+from .mechanics.systems.ellipsoid import Ellipsoid as Ellipsoid
 from .mechanics.systems.heavy_top import HeavyTop as HeavyTop
 from .mechanics.systems.revolution import Disc as Disc
 from .mechanics.systems.revolution import Spheroid as Spheroid

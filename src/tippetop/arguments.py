@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable)
 TOO_DEEP = "tables or lists are nested too deeply."
+PlainData = dict[str, Any]
+"""A table of what TOML and JSON contain: of a scenario, the attributes of a store, a report."""
 
 
 def finite(name: str, value: Any) -> float:
@@ -223,7 +225,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 OF_COMMANDS = (
     (r" \(--set [^)]*\)|--set ", ""),
     (r"run\.until =", "until ="),
-    (r"`run\.(\w+)", r"`\1"),
+    (r"(?<!unknown key )(?<!mean )`run\.(\w+)", r"`\1"),  # a key is that of a table
     (r"--accept-other-version", "accept_other_version=True"),
     (r"--overwrite", "overwrite=True"),
     (r"--group", "`group`"),

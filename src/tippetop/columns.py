@@ -63,6 +63,10 @@ def symbol(tex: str) -> str:
     return f"${tex}$" if re.search(r"[\\_]", tex) else tex
 
 
+Arrays = dict[str, np.ndarray]
+"""Arrays by name."""
+
+
 class Column(NamedTuple):
     """An array with the names of its dimensions and its attributes, as in a store."""
 

@@ -84,17 +84,6 @@ def unknown_key(
     )
 
 
-MOST_FAULTS = 20
-
-
-def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> list[str]:
-    """Return the sentences on the first faults and the number of the others."""
-    more = len(faults) - MOST_FAULTS
-    if more <= 1:
-        return [*map(sentence, faults)]
-    return [*map(sentence, faults[:MOST_FAULTS]), f"{more} more faults were found."]
-
-
 class BuildError(ImportError):
     """The compiled part of the package is missing, damaged, or was compiled from another source."""
 
@@ -150,13 +139,23 @@ class _Sentences(Exception):
         super().__init__("\n".join(self.sentences))
 
 
-class InputError(_Sentences, ValueError):
-    """Input that cannot be used; each of `sentences` reports one fault, up to a number of them."""
+MOST_FAULTS = 20
 
-    def __init__(self, sentences: str | list[str]):
-        super().__init__(
-            sentences if isinstance(sentences, str) else first_sentences(sentences, str)
-        )
+
+class InputError(_Sentences, ValueError):
+    """Input that cannot be used; each of `sentences` reports one fault, up to a number of them.
+
+    `sentence` makes the sentence on a fault.
+    """
+
+    def __init__(self, faults: str | Sequence[Any], sentence: Callable[[Any], str] = str):
+        faults = [faults] if isinstance(faults, str) else faults
+        more = len(faults) - MOST_FAULTS
+        if more > 1:
+            rest = f"{more} more faults were found."
+            super().__init__([*map(sentence, faults[:MOST_FAULTS]), rest])
+        else:
+            super().__init__([*map(sentence, faults)])
 
 
 class Unfinished(_Sentences):

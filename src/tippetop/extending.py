@@ -1,7 +1,8 @@
 """Systems, friction laws, events and columns of the user."""
 
-from .library.registering import LAWS, SYSTEMS, register
+from .library.registering import LAWS, SYSTEMS, outline, register
 from .mechanics import units
+from .mechanics.contact.outline import root
 from .mechanics.event import Event, Kept
 from .mechanics.form import Exit, Form, Integral, Next, Phase
 from .mechanics.friction import FrictionLaw
@@ -26,6 +27,8 @@ __all__ = [
     "System",
     "Unit",
     "number",
+    "outline",
     "register",
+    "root",
     "units",
 ]

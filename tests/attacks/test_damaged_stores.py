@@ -12,22 +12,17 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from unittest.mock import Mock
 
-import numpy as np
 import pytest
 from damage import changed, garbled
-from examples import CANONICAL
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from plans import PLAN
-from stores import files, short_slices, turning
+from kinds import every_kind, make
+from stores import files
 from typed import answered
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
-from tippetop.landscape import surface_recording as surfaces
-from tippetop.runs import recording, resuming
 
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
@@ -36,32 +31,10 @@ REPLACES = ["gone", "folder", "pipe", "link", "moved"]
 FOREIGN = ["0", "99", "x", "zarr.json", "ledger.jsonl", ".x.part-1", "c.0.new", "c.7"]
 
 
-def make(kind: str, store: Path, progress: Any = None) -> None:
-    """Make the store of a run, a sweep or a surface, or continue it."""
-    if kind == "run" and store.exists():
-        resuming.resume(store, progress)
-    elif kind == "run":
-        recording.record(turning(30.0), store, progress=progress)
-    elif kind == "sweep":
-        plan = store.with_name("PLAN.toml")
-        plan.write_text(PLAN)
-        tt.sweep(plan, store, workers=1, progress=progress or False)
-    else:
-        axes = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
-        surfaces.write(store, surfaces.Surface(CANONICAL, *axes, chunk=16), progress=progress)
-
-
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with a finished and an interrupted store of each kind."""
-    folder = tmp_path_factory.mktemp("stores")
-    with pytest.MonkeyPatch.context() as patch:
-        short_slices(patch)
-        for kind in ("run", "sweep", "surface"):
-            make(kind, folder / f"{kind}.zarr")
-            with contextlib.suppress(KeyboardInterrupt):
-                stop = Mock(side_effect=[None, None, None, KeyboardInterrupt])
-                make(kind, folder / f"half-{kind}.zarr", stop)
+    """A folder with finished and interrupted stores."""
+    with every_kind(tmp_path_factory.mktemp("stores")) as folder:
         yield folder
 
 

@@ -145,7 +145,7 @@ def test_a_short_slide_of_a_cylinder_ends(case: tuple) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [("cylinder", 20), ("top", 6), at_night("cylinder", 2000), at_night("top", 500)],
+    [("cylinder", 6), ("top", 6), at_night("cylinder", 2000), at_night("top", 500)],
 )
 def test_long_runs_end_at_their_end(kind: str, count: int) -> None:
     for seed in range(count):

@@ -21,18 +21,20 @@ from tippetop.exchange.simulators import text_of
 
 
 CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder", "bounce")
+OUTLINED = ("rising-egg", "rolling-disc")
+ALL = (*CASES, *OUTLINED)
 
 
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("cases")
-    benchmark.export(folder, CASES)
+    benchmark.export(folder, ALL)
     return folder
 
 
 @pytest.mark.slow
 def test_second_export_is_byte_identical(exported, tmp_path):
-    benchmark.export(tmp_path, CASES)
+    benchmark.export(tmp_path, ALL)
     assert_same(tmp_path, exported)
 
 
@@ -58,7 +60,7 @@ def test_export_of_one_case_keeps_the_others_in_the_lists_and_has_the_same_bytes
 def test_description_fits_the_schema(exported):
     jsonschema = pytest.importorskip("jsonschema")
     schema = json.loads((exported / "case.schema.json").read_text())
-    for name in CASES:
+    for name in ALL:
         described = json.loads((exported / name / "case.json").read_text())
         jsonschema.validate(described, schema)
         assert set(described["files"]) | {"case.json"} == {
@@ -89,9 +91,28 @@ def test_numbers_of_body_law_and_start_are_those_of_the_scenario(exported, name)
     assert gap == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("name", "models"), [("rising-egg", {"model.mjcf.xml", "model.sdf"}), ("rolling-disc", set())]
+)
+def test_an_outline_touches_the_plane_at_the_start(exported, name, models):
+    """By the numbers of `case.json` alone; a format that lacks the outline is left out."""
+    folder = exported / name
+    assert {path.name for path in folder.glob("model.*")} == models
+    described = json.loads((folder / "case.json").read_text())
+    outline, start = described["body"]["outline"], described["start"]
+    assert described["body"]["balls"] == {}
+    turned = Rotation.from_quat(np.roll(start["quaternion"], -1))
+    n = turned.inv().apply([0.0, 0.0, 1.0])
+    if outline["kind"] == "ellipsoid":
+        height = np.linalg.norm(n * outline["half_axes"]) - n @ outline["centre"]
+    else:
+        height = outline["ring"] * np.hypot(*n[:2]) + outline["tube"] - n[2] * outline["c"]
+    assert start["position"][2] == pytest.approx(height, abs=1e-12)
+
+
 def test_readme_names_every_outcome(exported):
     text = (exported / "README.md").read_text()
-    scores = [benchmark.score(exported / name / "reference.csv", name) for name in CASES]
+    scores = [benchmark.score(exported / name / "reference.csv", name) for name in ALL]
     seen = {outcome for score in scores for outcome in score.results[0].expected}
     assert "rises as high" in seen
     assert all(f"| `{outcome}` |" in text for outcome in seen)
@@ -155,14 +176,14 @@ def test_scenarios_that_are_no_cases(tmp_path, capsys, name, change, message):
     assert not (tmp_path / "cases").exists()
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ALL)
 def test_parquet_and_csv_are_equal(exported, name):
     csv = pd.read_csv(exported / name / "reference.csv")
     parquet = pd.read_parquet(exported / name / "reference.parquet")
     pd.testing.assert_frame_equal(csv, parquet, check_dtype=False, check_exact=True)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ALL)
 def test_last_bits_do_not_change_the_digits(exported, name):
     """No number lies near the threshold of its rounding; digits are those of the motion."""
     each = benchmark.case(name)
@@ -173,7 +194,7 @@ def test_last_bits_do_not_change_the_digits(exported, name):
         assert np.abs(rows[header] * power - values).max() < 0.76
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ALL)
 def test_scenario_is_the_case(exported, name):
     assert tt.load(exported / name / "scenario.toml").start() == pytest.approx(
         benchmark.case(name).problem.start(), nan_ok=True
@@ -278,7 +299,7 @@ def test_impacts_and_phases_are_exported(exported):
     assert impacts["speed_after [m/s]"][0] == 0
 
 
-@pytest.mark.parametrize("name", [name for name in CASES if name != "joint"])
+@pytest.mark.parametrize("name", [name for name in ALL if name != "joint"])
 def test_times_in_the_text_are_those_of_the_phases(exported, name):
     ends = pd.read_csv(exported / name / "phases.csv")["end [s]"]
     for time in re.findall(r"(0\.\d{4,}) s", benchmark.case(name).text):

@@ -72,11 +72,3 @@ def test_phases_and_impacts_are_exported(folder: Path, capsys: pytest.CaptureFix
     assert set(impacts.ball) == {"body"}
     assert typed(f"{export} bounces --out {folder}/b.csv") == 2
     assert "phases or impacts" in capsys.readouterr().err
-
-
-def test_a_replay_has_the_impacts_of_its_time(folder: Path) -> None:
-    replay, table = str(folder / "r.zarr"), str(folder / "r.csv")
-    span = "--from 0.05 --until 0.1 --step 0.01"
-    assert typed(f"replay {folder}/a.zarr {span} --out {replay}") == 0
-    assert typed(f"export {replay} --to csv --group impacts --out {table}") == 0
-    assert pd.read_csv(table, comment="#")["time [s]"].between(0.05, 0.1).all()

@@ -61,6 +61,13 @@ def test_a_film_that_cannot_be_made_is_refused(
     assert [path.name for path in tmp_path.iterdir()] == ["is.mp4"]
 
 
+def test_a_film_of_a_sweep_is_refused(
+    whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    assert typed(f"film {whole} --out {tmp_path}/x.mp4") == 2
+    assert "must be a run to be viewed, but is a sweep" in capsys.readouterr().err
+
+
 def test_a_missing_encoder_names_its_extra(
     short_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:

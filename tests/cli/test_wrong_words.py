@@ -56,7 +56,11 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("resume RUN.zarr --until=inf", 2, "`--until` must be a number"),
     ("export RUN.zarr --to pdf --out a.pdf", 2, "pdf"),
     ("export RUN.zarr --to csv --out there.png", 5, "must not exist"),
-    ("export KEPT.zarr --to csv --out a.csv", 2, "must have rows to be exported, but has none"),
+    (
+        "export KEPT.zarr --to csv --out a.csv",
+        2,
+        "must have rows to be exported, but has none: use --gr",
+    ),
     ("export inverting --to mjcf --group events --out a", 2, "must be left out with --to mjcf"),
     # replay
     ("replay KEPT.zarr --from=-1 --until 1 --step 0.1 --out a", 2, "must be within 0 and 2"),

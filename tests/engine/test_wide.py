@@ -8,7 +8,6 @@ import examples
 import numpy as np
 import pytest
 
-import tippetop as tt
 from tippetop.engine.driver import Driver, Slice
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
@@ -105,10 +104,3 @@ def test_a_wide_run_ends_where_its_steps_move_no_double() -> None:
     ended = solve(build.problem({"system": "gliding-heavy-top", **tables}))
     assert ended.status is Status.STALLED
     assert np.isfinite(ended.final.astype(float)).all()
-
-
-def test_a_run_that_flies_is_the_same_in_80_bits() -> None:
-    """Rows of several phases, whose states have other lengths."""
-    narrow, wide = (tt.run("flying", until=0.6, precision=p) for p in ("double", "longdouble"))
-    assert wide.phases.phase.values.tolist() == narrow.phases.phase.values.tolist()
-    assert abs(wide.trajectory.theta - narrow.trajectory.theta).max() < 1e-13

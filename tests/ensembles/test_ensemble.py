@@ -147,16 +147,6 @@ def test_invalid_tops_are_named_and_the_others_run() -> None:
     assert "2*I1" in faults[1]
 
 
-def test_the_liftoff_border_of_the_canonical_top() -> None:
-    """Near omega3 = 165.25 rad/s, which single runs found by bisection."""
-    spins = np.linspace(165, 165.5, 33)
-    found = tippetop.ensemble("inverting", {"initial.omega3": spins}, until=8.0)
-    lifted = kinds(found) == "lifted-off"
-    assert np.all(np.diff(lifted.astype(int)) >= 0)
-    assert spins[lifted][0] == pytest.approx(165.25, abs=0.05)
-    assert np.all(found["normal_force_min"].values[~lifted] > 0)
-
-
 @pytest.mark.parametrize(
     ("variations", "word"),
     [

@@ -2,17 +2,12 @@
 unless asked for.
 """
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
-import xarray as xr
 
 import tippetop as tt
 from tippetop.errors import InputError
-from tippetop.figures.sweep_map import draw_map
-from tippetop.sweeps import chunk, maps
+from tippetop.sweeps import chunk
 from tippetop.sweeps.plan import Plan
 
 
@@ -63,20 +58,3 @@ def test_a_contact_that_opens_has_none() -> None:
         Plan.from_tables({"scenario": "flying", "keep": ["lyapunov"], "axis": AXES})
     with pytest.raises(InputError, match="the contact must never change"):
         tt.ensemble("flying", {"mu": [0.1]}, until=0.01, lyapunov=True)
-
-
-@pytest.mark.parametrize("axes", [AXES])
-def test_it_has_a_map(axes: list, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = Plan.from_tables({"scenario": "inverting", "keep": ["lyapunov"], "axis": axes})
-    rates = np.linspace(0.5, 3.0, plan.n)
-    table = xr.Dataset({"lyapunov": ("top", rates), "status": ("top", np.ones(plan.n, np.int8))})
-    numbers = plan.design.numbers(np.arange(plan.n))
-    about = {"units": "1", "long_name": "an axis"}
-    table = table.assign_coords({key: ("top", values, about) for key, values in numbers.items()})
-    table.attrs = {"plan": json.dumps(plan.document), "status": "finished", "title": "sweep: a top"}
-    monkeypatch.setattr(maps, "open_sweep", lambda _: table)
-    made = maps.make_map(tmp_path, "lyapunov")
-    np.testing.assert_array_equal(made.fields["lyapunov"].ravel(), rates)
-    picture = draw_map(made).get_figure(root=True)
-    labels = [panel.get_ylabel() for panel in picture.axes]
-    assert "growth rate of an error (s⁻¹)" in labels

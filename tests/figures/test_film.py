@@ -14,8 +14,9 @@ from tippetop.runs.shape import rotation, shape
 BALL = {
     "kind": "ball",
     "unit": 0.02,
-    "balls": [{"offset": 0.006, "radius": 0.02}],
-    "ellipsoid": [0.02, 0.02],
+    "axes": np.eye(3).tolist(),
+    "surfaces": [{"centre": [0.0, 0.0, 0.006], "half": [0.02] * 3}],
+    "meridian": [],
     "fixed": False,
 }
 ATTRS = {"title": "a top", "initial": {"theta": 0.1}, "units": {"theta": "rad"}}

@@ -7,7 +7,6 @@ integrated by Radau's implicit method.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -24,27 +23,23 @@ class Ball(NamedTuple):
     mu: float = 0.0
 
 
-@njit
 def cross(a: Any, b: Any) -> Any:
     return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )
 
 
-@njit
 def turned(u: Any, L: Any, b: Any) -> Any:
     """I^-1 L."""
     return L / b.I1 + (1 / b.I3 - 1 / b.I1) * (u[0] * L[0] + u[1] * L[1] + u[2] * L[2]) * u
 
 
-@njit
 def arm(u: Any, b: Any) -> Any:
     a = b.c * u
     a[2] -= b.R
     return a
 
 
-@njit
 def accelerated(u: Any, L: Any, F: Any, b: Any) -> Any:
     """Rates of V + omega x a and of L by a force at the contact."""
     omega, torque = turned(u, L, b), cross(arm(u, b), F)
@@ -54,7 +49,6 @@ def accelerated(u: Any, L: Any, F: Any, b: Any) -> Any:
     return G, torque
 
 
-@njit
 def held(u: Any, L: Any, b: Any) -> Any:
     """The force that keeps the contact at rest."""
     free, K = accelerated(u, L, np.zeros(3), b)[0], np.empty((3, 3))
@@ -63,7 +57,6 @@ def held(u: Any, L: Any, b: Any) -> Any:
     return np.linalg.solve(K, -free)
 
 
-@njit
 def pushed(u: Any, L: Any, beta: float, b: Any) -> Any:
     """Acceleration along beta and across it, normal force and L' of sliding along beta."""
     C, S = np.cos(beta), np.sin(beta)
@@ -74,7 +67,6 @@ def pushed(u: Any, L: Any, beta: float, b: Any) -> Any:
     return C * G[0] + S * G[1], C * G[1] - S * G[0], N, torque
 
 
-@njit
 def rates(y: Any, b: Any) -> Any:
     """Of 3hat and L, which may be followed by angle and speed of a slide."""
     u, L, rate = y[:3], y[3:6], np.empty(len(y))
@@ -87,7 +79,6 @@ def rates(y: Any, b: Any) -> Any:
     return rate
 
 
-@njit
 def margin(y: Any, b: Any) -> Any:
     """By how much friction exceeds what rolling needs."""
     F = held(y[:3], y[3:6], b)

@@ -17,10 +17,17 @@ from tippetop.runs.run import Solution, solve
 
 CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * 8e-6, "I3": 3.2e-6, "g": 9.82}
 """S. Rauch-Wojciechowski and N. Rutstam, Regul. Chaotic Dyn. 18 (2013)."""
+LATE = {
+    "theta": 0.1930406939565264,
+    "phi_dot": 213.19654689741958,
+    "omega3": 147.31406907076985,
+    "nu_x": -0.036966204229469724,
+    "nu_y": 0.16341042960004895,
+}
+"""The canonical inversion at its 233rd turning, 4.354 s; two turnings later both curvatures of a
+turning cross, p = 2."""
 HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 """A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
-SLENDER = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
-"""A heavy top whose periods were computed by quadrature in 30 digits."""
 GLIDING = Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 """CANONICAL as a ball that glides."""
 PRESETS = {
@@ -34,6 +41,8 @@ PRESETS = {
     "rolling-spheroid": "rolling-egg",
     "disc": "spinning-coin",
     "rolling-disc": "rolling-coin",
+    "ellipsoid": "off-axis-top",
+    "rolling-ellipsoid": "rattleback",
 }
 """A preset of each system."""
 

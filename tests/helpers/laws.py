@@ -12,7 +12,7 @@ complex steps, exact to rounding.
 import math
 from collections import namedtuple
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -34,7 +34,7 @@ TOLERANCE = 3e-11
 STATES = 60
 
 Pairs = Iterator[tuple[str, Any, Any]]
-ODD = {"phi", "phi_dot", "omega3", "nu_y", "y"}
+ODD = {"phi", "psi", "phi_dot", "omega3", "nu_y", "y"}
 """The angles, rates and places that a reflection in the plane y = 0 reverses."""
 
 
@@ -138,8 +138,12 @@ class Case:
             u = s * e + z * vertical
             w = q.theta_dot * node - phi_dot * s * (z * e - s * vertical) + omega3 * u
             L = b.I1 * w + (b.I3 - b.I1) * omega3 * u
-        omega = L / b.I1 + (1 / b.I3 - 1 / b.I1) * np.sum(L * u, axis=0) * u
-        arm = arm_of(u, vertical, b)
+        if hasattr(q, "ix"):
+            axes = frame_of(q)
+            omega, arm = turned_by(L, axes, b), arm_of_frame(axes, b)
+        else:
+            omega = L / b.I1 + (1 / b.I3 - 1 / b.I1) * np.sum(L * u, axis=0) * u
+            arm = arm_of(u, vertical, b)
         arm_speed = np.cross(omega, arm, axis=0)
         if self.system.frictional:
             rates = self.rates(q)
@@ -151,6 +155,27 @@ class Case:
     def derivative(self) -> Motion:
         """Derivatives of the vectors along the flow."""
         return self.along(self.motion)
+
+
+def frame_of(q: Any) -> np.ndarray:
+    """Axes 1, 2 and 3 of a body without an axis of symmetry, (3, 3, n)."""
+    first, third = np.array([q.ix, q.iy, q.iz]), np.array([q.ux, q.uy, q.uz])
+    return np.array([first, np.cross(third, first, axis=0), third])
+
+
+def turned_by(L: np.ndarray, axes: np.ndarray, b: Any) -> np.ndarray:
+    """I^-1 L, of three moments of inertia."""
+    moments = b.I1, b.I2, b.I3
+    return sum(np.sum(e * L, axis=0) / I * e for e, I in zip(axes, moments, strict=True))
+
+
+def arm_of_frame(axes: np.ndarray, b: Any) -> np.ndarray:
+    """The lowest point of an ellipsoid, by its matrix in space."""
+    shape = b.outline
+    one, two, three = axes
+    half = (shape.cos * one + shape.sin * two, shape.cos * two - shape.sin * one, three)
+    down = sum(A**2 * d[2] * d for A, d in zip((shape.a, shape.b, shape.c), half, strict=True))
+    return shape.x * one + shape.y * two + shape.z * three - down / np.sqrt(down[2])
 
 
 def arm_of(u: np.ndarray, vertical: np.ndarray, b: Any) -> np.ndarray:
@@ -253,8 +278,9 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
     yield "phi_dot_s2", s.phi_dot_s2, m.u[0] * u_dot[1] - m.u[1] * u_dot[0]
     yield "axis_speed2", s.axis_speed2, np.sum(u_dot**2, axis=0)
     yield "L3", s.L3, np.sum(m.L * m.u, axis=0)
-    yield "fall", s.z_ddot_free, np.cross(m.L, u_dot, axis=0)[2] / b.I1
-    yield "speed2", s.speed2, m.s_dot[0] ** 2 + m.s_dot[1] ** 2
+    yield "speed2", s.speed2, np.sum(m.s_dot[: 3 if hasattr(s, "rise") else 2] ** 2, axis=0)
+    if hasattr(s, "z_ddot_free"):
+        yield "fall", s.z_ddot_free, np.cross(m.L, u_dot, axis=0)[2] / b.I1
     if hasattr(s, "Lz"):
         yield "Lz", s.Lz, m.L[2]
     if hasattr(s, "v2"):
@@ -282,6 +308,7 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
     variables = Variables(form)
 
     def start(e: Any, psi: Any) -> Any:
+        e = e._replace(psi=psi) if hasattr(e, "psi") else e
         data = {"phi": getattr(e, "phi", 0 * psi), "psi": psi}
         q, carried = variables.start(data, e, np.sin(e.theta), np.cos(e.theta), b)
         return joint(variables.names)(*q, *carried)
@@ -296,7 +323,7 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
         spun = np.cross(m.omega, np.array(np.broadcast_arrays(*axis)), axis=0)
         for i, letter in enumerate("xyz"):
             yield f"{name}'_{letter}", rate[i], spun[i]
-    planar = form.orientation.psi is None
+    planar = not hasattr(e, "phi")
     phi, psi = (0 * psi, 0 * psi) if planar else (e.phi, psi)
     turned = Rotation.from_euler("ZYZ", np.stack([phi, e.theta, psi], axis=1)).as_matrix()
     first, _, third = turned.T
@@ -317,7 +344,8 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
                 form.orientation.axes(off, off, b)[0][i],
                 axes[0][i],
             )
-    yield "psi", form.orientation.psi(*axes), psi
+    if form.orientation.psi:
+        yield "psi", form.orientation.psi(*axes), psi
     mirrored = start(reflected(e, ODD), -psi)
     for axis, other in zip(axes, form.orientation.axes(mirrored, mirrored, b), strict=True):
         for i, sign in enumerate((1, -1, 1)):
@@ -391,11 +419,11 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
     height = -(b.m * b.g * m.arm[2])
     arm_speed = np.cross(m.omega, m.arm, axis=0)
     yield "E", case.quantity("energy"), b.m * np.sum(m.s_dot**2, axis=0) / 2 + rotation + height
-    yield (
-        "E~",
-        case.quantity("modified_energy"),
-        b.m * np.sum(arm_speed**2, axis=0) / 2 + rotation + height,
-    )
+    if "modified_energy" in case.formulas:
+        expected = b.m * np.sum(arm_speed**2, axis=0) / 2 + rotation + height
+        yield "E~", case.quantity("modified_energy"), expected
+    if "spin" in case.formulas:
+        yield "spin", case.quantity("spin"), m.omega[2]
     L3 = np.sum(m.L * m.u, axis=0)
     if "jellett" in case.formulas:
         yield "lambda", case.quantity("jellett"), -np.sum(m.L * m.arm, axis=0)
@@ -424,6 +452,7 @@ def integrals_are_constant(case: Case) -> Pairs:
         yield f"{name}'", rate, 0 * rate
 
 
+@only(lambda system, form: "modified_energy" in {one.name for one in system.quantities})
 def main_equation(case: Case) -> Pairs:
     """E~ = inertia theta'^2 + V identically; D', L_z' and E~' by dv_A/dt.
 
@@ -476,23 +505,31 @@ def general_system(case: Case) -> Pairs:
         yield f"{name}'", mine, getattr(rates, name)
 
 
+def mirrored(b: Any) -> Any:
+    """Return the mirror image of a body: delta and y of an ellipsoid are reversed."""
+    if not hasattr(b, "I2"):
+        return b
+    return b._replace(outline=b.outline._replace(sin=-b.outline.sin, y=-b.outline.y))
+
+
 def mirror(case: Case) -> Pairs:
     """Reflection in the vertical plane y = 0 maps motions to motions; some quantities
     change sign.
     """
     odd = {"theta", "theta_dot", "nu_x", "x"} if hasattr(case.state, "s") else ODD
-    q = case.of_angles(case.form, reflected(case.angles, odd))
-    pseudo = {"jellett", "routh", "L3", "Lz"}
+    image = replace(case, body=mirrored(case.body), angles=reflected(case.angles, odd))
+    q = image.state
+    pseudo = {"jellett", "routh", "L3", "Lz", "spin", "heading", "roll"}
     for quantity in case.system.quantities:
         sign = -1 if quantity.name in pseudo else 1
-        yield quantity.name, case.quantity(quantity.name, q), sign * case.quantity(quantity.name)
+        yield quantity.name, image.quantity(quantity.name), sign * case.quantity(quantity.name)
     if case.form.name in ("euler", "angle"):
         signs = {**dict.fromkeys(odd, -1), "s": -1 if "theta" in odd else 1}
     else:
         signs = dict.fromkeys(
-            ("uy", "Lx", "Lz", "Mx", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1
+            ("uy", "iy", "Lx", "Lz", "Mx", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1
         )
-    mine, theirs = case.rates(case.state), case.rates(q)
+    mine, theirs = case.rates(case.state), image.rates(q)
     for name in mine._fields:
         yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
 
@@ -581,7 +618,10 @@ def domains_are_what_they_say(case: Case) -> Pairs:
             push = np.array([F[0], F[1], 1 + 0 * N])
             torque = np.cross(m.arm, push, axis=0)
             spin = torque / b.I1 + (1 / b.I3 - 1 / b.I1) * np.sum(torque * m.u, axis=0) * m.u
-            yield "jam", value, 1 + b.m * np.cross(spin, m.arm, axis=0)[2]
+            unit = b.m
+            if hasattr(b, "I2"):
+                spin, unit = turned_by(torque, frame_of(case.state), b), 1
+            yield "jam", value, unit / b.m + unit * np.cross(spin, m.arm, axis=0)[2]
         else:
             yield "jam", value, 1.0
 
@@ -631,8 +671,8 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
     parameters = {name: rng.uniform(0.6, 1.5, n) for name in system.parameters}
     if "alpha" in parameters:
         parameters["alpha"] = rng.uniform(0.1, 0.9, n)
-    if "c" in parameters:
-        parameters["c"] = rng.uniform(-0.5, 0.5, n)
+    for offset in {*("xyh" if "delta" in parameters else "c")} & {*parameters}:
+        parameters[offset] = rng.uniform(-0.5, 0.5, n)
     if "mu" in (record := system.laws[law]._fields if system.frictional else ()):
         friction = system.laws[law](*(rng.uniform(0.02, 0.2, n) for _ in record))
         speeds = {

@@ -40,6 +40,13 @@ def short_slices(monkeypatch: pytest.MonkeyPatch, commit_every: float = 0.0) -> 
         monkeypatch.setattr(recording, name, value)
 
 
+def tiny_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Slices of 8 steps, a commit after each, and chunks of some rows."""
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
+    for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 32), ("EVENTS_PER_CHUNK", 4)):
+        monkeypatch.setattr(recording, name, value)
+
+
 def turning(until: float, *sets: str) -> Problem:
     """A run of that motion with a row every 0.01 s, if nothing else is set."""
     return starting.load("inverting", [*TURNING, "run.output_step=0.01", *sets], until)

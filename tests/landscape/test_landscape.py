@@ -4,13 +4,10 @@ import landscape_oracle as oracle
 import mpmath as mp
 import numpy as np
 import pytest
-import scipy.optimize
 import xarray as xr
 from examples import CANONICAL, HEAVY
 
-from tippetop.landscape import landscape_body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
-from tippetop.mechanics.systems import heavy_top
 from tippetop.mechanics.theory import spinning
 from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
@@ -61,15 +58,6 @@ def test_surface_does_not_know_the_grid():
         assert alone.z.item() == one.z[i, j].item()
 
 
-def test_reflection_leaves_the_surface():
-    """(D, lambda) -> (-D, -lambda): reflection in a vertical plane. [section 1]"""
-    D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(-3e-6, 7e-6, 23)
-    here = surface.minimal_surface(CANONICAL, D, lam)
-    there = surface.minimal_surface(CANONICAL, -D[::-1], -lam[::-1])
-    np.testing.assert_array_equal(here.F, there.F[::-1, ::-1])
-    np.testing.assert_array_equal(here.F_D, -there.F_D[::-1, ::-1])
-
-
 def test_upright_line_lies_on_the_surface():
     """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda. [section 5]"""
     lam = np.linspace(-8e-6, 8e-6, 41)
@@ -104,25 +92,6 @@ def test_inverted_line_lies_on_the_surface_from_lambda_pi():
             assert lines.on_surface[1, i]
 
 
-def test_boundary_values():
-    """[T 4.23-4.28], typed from the source."""
-    p, w0 = CANONICAL, 155.0
-    gamma, sigma, a = p["I1"] / p["I3"], p["m"] * p["R"] ** 2 / p["I3"], p["alpha"]
-    L0, weight = p["I3"] * w0, p["m"] * p["g"] * p["R"]
-    lines = marked_lines.marked_lines(p, p["R"] * (1 - a) * L0)
-    ratio = (1 - a) / (1 + a)
-    np.testing.assert_allclose(lines.omega3[:, 0], [w0, -ratio * w0], rtol=1e-14)
-    D = [
-        L0 * np.sqrt(gamma + sigma * (1 - a) ** 2),
-        -ratio * L0 * np.sqrt(gamma + sigma * (1 + a) ** 2),
-    ]
-    np.testing.assert_allclose(lines.D[:, 0], D, rtol=1e-14)
-    spin = L0**2 / (2 * p["I3"])
-    np.testing.assert_allclose(
-        lines.E[:, 0], [spin + weight * (1 - a), ratio**2 * spin + weight * (1 + a)], rtol=1e-14
-    )
-
-
 def test_nothing_moves_at_rest():
     """D = lambda = 0: the infimum m g R (1 - alpha) is approached at theta = 0."""
     found = surface.minimal_surface(CANONICAL, [-1e-300, 0.0, 1e-30], [-1e-30, 0.0, 1e-300])
@@ -138,57 +107,6 @@ def test_what_is_not_finite_is_undefined():
     np.testing.assert_array_equal(undefined, [[False, False, True], [True] * 3, [True] * 3])
     for name in ("F", "z", "theta", "F_D", "F_lambda"):
         np.testing.assert_array_equal(np.isnan(found[name]), undefined)
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (
-            lambda: surface.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
-            "`lambda` must be a number or a one-dim",
-        ),
-        (
-            lambda: surface.minimal_surface({}, 1e-4, 1e-6),
-            "`parameters.m` must be given, but is missing",
-        ),
-        (
-            lambda: bodies.top({**CANONICAL, "g": np.nan}),
-            "`parameters.g` must be finite, greater than 0, but is nan",
-        ),
-        (
-            lambda: bodies.top({**CANONICAL, "alpha": 1.5}),
-            "`parameters.alpha` must be .* less than 1, but is 1.5",
-        ),
-        (
-            lambda: bodies.top({**CANONICAL, "I1": -1.0}),
-            "`parameters.I1` must be finite, greater than 0, but is -1",
-        ),
-        (
-            lambda: bodies.top({**HEAVY, "l": -0.1}, "heavy-top"),
-            "`parameters.l` must be .* greater than 0, but is -0.1",
-        ),
-        (lambda: bodies.top(CANONICAL, "cylinder"), "the system must be one of tippe-top"),
-    ],
-)
-def test_one_clear_sentence(call, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        call()
-
-
-def test_surface_of_a_heavy_top_against_a_bounded_minimiser():
-    L3, Lz = np.array([-0.006, 0.0, 0.01]), np.array([-0.008, 0.003, 0.009])
-    found = surface.minimal_surface(HEAVY, L3, Lz, "heavy-top")
-    body = bodies.top(HEAVY, "heavy-top").body
-    for i, j in np.ndindex(3, 3):
-        best = scipy.optimize.minimize_scalar(
-            heavy_top.potential,
-            bounds=(-1 + 1e-12, 1 - 1e-12),
-            args=(Lz[j], L3[i], body),
-            method="bounded",
-            options={"xatol": 1e-10},
-        )
-        assert found.F[i, j].item() == pytest.approx(best.fun, rel=1e-12)
-        assert found.z[i, j].item() == pytest.approx(best.x, abs=1e-6)
 
 
 def test_sleeping_top_lies_on_the_surface_when_it_is_stable():

@@ -4,6 +4,7 @@ import json
 import re
 
 import numpy as np
+import pandas
 import pytest
 import xarray as xr
 from examples import CANONICAL
@@ -174,3 +175,13 @@ def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monk
     words = f"--out {tmp_path}/F.zarr --figure {tmp_path}/F.png --threads 1"
     assert typed(f"surface inverting {axes} {words}") == 0
     assert set(asked) == {1}
+
+
+def test_an_exported_table_of_a_surface_has_its_axes(whole, tmp_path):
+    out = tmp_path / "F.csv"
+    assert typed(f"export {whole} --to csv --out {out}") == 0
+    table = pandas.read_csv(out)
+    stored = root.open_group(whole, "surface")
+    np.testing.assert_array_equal(table["F [J]"], stored.F.values.ravel())
+    np.testing.assert_array_equal(table["D [kg m2 s-1]"], np.repeat(D, len(LAM)))
+    np.testing.assert_array_equal(table["lambda [kg m3 s-1]"], np.tile(LAM, len(D)))

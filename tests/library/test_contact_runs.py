@@ -163,7 +163,7 @@ def test_a_body_that_torques_stop_is_at_rest_alone_and_in_a_sweep() -> None:
         run = tt.run(body, law, start={"theta": 0.0, "omega3": 1.0}, until=0.3)
         assert abs(run.trajectory.omega3.values[-1]) < 1e-6
         assert run.summary.outcome == "at-rest"
-        tops = tt.ensemble(body, {"omega3": [1.0]}, law, until=0.3)
+        tops = tt.ensemble(body, {"omega3": [1.0]}, law, start={"theta": 0.0}, until=0.3)
         assert tops["class"].attrs["flag_meanings"].split()[int(tops["class"][0])] == "at-rest"
 
 

@@ -180,15 +180,6 @@ def test_each_step_of_each_phase_has_a_row() -> None:
     assert run.trajectory.sizes["time"] == run.summary.steps + 1
 
 
-def test_a_replay_continues_in_its_phase(tmp_path: Path) -> None:
-    run = bounces(output="keyframes", keyframe_steps=2, out=tmp_path / "run.zarr")
-    rows, whole = (
-        run.replay(0.5, 1.5, 0.125),
-        bounces(output_times=np.arange(0.5, 1.6, 0.125).tolist()),
-    )
-    np.testing.assert_array_equal(rows.h.values, whole.trajectory.h.values[: len(rows.time)])
-
-
 def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
     b = page["belt"]
     frequency, torn, middle = (
@@ -428,6 +419,15 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
             "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
         },
+        "each name once, but has twice exit by `ground`": changed(
+            "fall", exits=SYSTEMS["bouncing-point"].phases["fall"].exits * 2
+        ),
+        "each name once, but has twice event `bounce`, event `rests`": changed(
+            "rest", events=page["words"] * 2
+        ),
+        "`direction` of the event `bounce` must be -1 or 1, for it is `lasting`": changed(
+            "rest", events=(dataclasses.replace(page["words"][0], lasting=True),)
+        ),
         "sky": left("sky", ("rest",)),
         "must keep the common state": changed(
             "rest", enter=lambda x, b: x, leave=lambda q, b: State(q.h + 1, q.v)

@@ -60,6 +60,12 @@ def system(**fields: Any) -> Call:
     return lambda: register(SYSTEM.replace(**{"name": "mine", **fields}))
 
 
+def misplaced(key: str) -> dict[str, Any]:
+    """The tables of a run, with `form` in the wrong one or `until` in none."""
+    tables = {"system": "tippe-top", "parameters": BODY, "friction": {"law": "viscous", "mu": 0.3}}
+    return {**tables, "run": {"until": 0.05}} | {key: {"until": 0.05, "form": "euler"}}
+
+
 def law(coefficient: Any = lambda v2, z, law: law.mu, name: str = "Mine", **body: Any) -> Any:
     """A law with numbers mu and v, not registered."""
     body = {
@@ -126,6 +132,8 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(output="frames"), "`output` must be"),
     (lambda: run(output="steps", keyframe_steps=10), 'must be "keyframes" where `keyframe_steps`'),
     (lambda: run(start=0.1), "^`start` must be a mapping"),
+    (lambda: tt.run(misplaced("run")), "key `run.form`; did you mean `form`"),
+    (lambda: tt.run(misplaced("until")), "key `until`; did you mean `run.until`"),
     (lambda: run(start={"theta": None}), r"`initial\.theta` must be a number, but is None"),
     (lambda: run(friction={"mu": 0.1, "eps": 1.0}), "friction.eps"),
     (lambda: tt.run(BAD_TABLES, parameters={"m": 0.2}, until=0.1), "`parameters`"),
@@ -224,11 +232,13 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: thresholds(CYLINDER), "must be a TippeTop or a HeavyTop, but is Cylinder"),
     (lambda: thresholds("invertin"), "neither a TOML file nor a preset"),
     (lambda: regime(CYLINDER, 1.0), "must be a TippeTop"),
+    (lambda: reconstruct(run(start={"theta_dot": 1.0})), "`initial.theta_dot` must be 0"),
     (lambda: reconstruct(3), "`run` must be a Run, but is 3"),
     (lambda: reconstruct(made()), r"some hundred in each nutation, but has [12] between two"),
     (lambda: reconstruct(tt.run("rolling-cylinder", until=0.1)), "must be one of a tippe top"),
     (lambda: minimal_surface(TOP, D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
     (lambda: minimal_surface(TOP, D=[], lam=4e-6), "`D` must be a number or"),
+    (lambda: minimal_surface(TOP, D=1e-4, lam=[[1e-6]]), "`lam.*` must be a number or"),
     (lambda: minimal_surface(TOP, L3=1, lam=4e-6), r"`L3` is no .* D and lam.\n`D` must be given"),
     (lambda: minimal_surface(CYLINDER, **MOMENTA), "must be one of tippe-top|must be a TippeTop"),
     (lambda: potential(TOP, [0.1, 1.5], **MOMENTA), r"`z` must lie in \[-1, 1\], but is 1.5"),

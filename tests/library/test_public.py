@@ -207,7 +207,7 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert found.summary.certificate.against == "longdouble"
 
 
-@pytest.mark.parametrize("preset", ["inverting", "gliding-cylinder"])
+@pytest.mark.parametrize("preset", ["inverting", "gliding-cylinder", "flying"])
 def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Path) -> None:
     recorded, saved = tmp_path / "recorded.zarr", tmp_path / "saved.zarr"
     record(tt.load(preset, until=1.0), recorded)
@@ -217,8 +217,8 @@ def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Pat
     run.save(saved, overwrite=True)
     stored = tt.open(saved)
     assert isinstance(stored, tt.StoredRun)
-    for name in ("trajectory", "events"):
-        assert getattr(stored, name).identical(getattr(run, name)), name
+    for name, table in run.datasets().items():
+        assert stored.datasets()[name].identical(table), name
     assert stored.summary.to_dict() == run.summary.to_dict()
     assert repr(stored) == repr(run).replace("<Run of", "<StoredRun of")
 
@@ -318,20 +318,10 @@ def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
     assert given.sum() < 0.5 * given.size
 
 
-LATE = {
-    "theta": 0.1930406939565264,
-    "phi_dot": 213.19654689741958,
-    "omega3": 147.31406907076985,
-    "nu_x": -0.036966204229469724,
-    "nu_y": 0.16341042960004895,
-}
-"""The canonical inversion at its 233rd turning, 4.354 s."""
-
-
 @pytest.mark.parametrize(
     ("start", "mu", "until", "step"),
     [
-        (LATE, 0.3, 2.0, 8e-4),
+        (examples.LATE, 0.3, 2.0, 1.2e-3),
         *(at_night({}, *case) for case in ((0.3, 6.5, 2e-4), (0.15, 8.6, 1e-3))),
     ],
 )

@@ -47,7 +47,7 @@ def tables(
     }
 
 
-@pytest.mark.parametrize("engine", [None, "h5netcdf", "scipy"])
+@pytest.mark.parametrize("engine", [None, "scipy"])
 def test_every_table_survives_a_file_of_netcdf(
     engine: str | None, tables: dict[str, xr.Dataset], tmp_path: Path
 ) -> None:

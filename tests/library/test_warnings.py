@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from examples import CANONICAL
 from typed import typed
@@ -62,3 +63,56 @@ def test_the_command_line_prints_a_doubt_once(capsys: pytest.CaptureFixture[str]
     typed("run inverting --until 0.1 --set initial.theta=")
     printed = capsys.readouterr()
     assert (printed.out + printed.err).count("stays there") == 1
+
+
+HEAVY = CANONICAL | {"I1": 14.9}
+AXIS = {"of": "initial.omega3", "values": [150.0, 155.0, 160.0]}
+
+
+def many(heavy: bool, place: Path, **numbers: object) -> list[Callable[[], object]]:
+    """Return an ensemble and a sweep of three spins, and the sweep once more."""
+    body = tt.TippeTop(**(HEAVY if heavy else CANONICAL))
+    plan = {
+        "scenario": {
+            "system": "tippe-top",
+            "parameters": HEAVY if heavy else CANONICAL,
+            "friction": {"law": "viscous", "mu": 0.3},
+            "initial": {"theta": 0.1},
+            "run": {"until": 0.5, **numbers},
+        },
+        "axis": [AXIS],
+    }
+    start = {"theta": 0.1}
+    return [
+        lambda: tt.ensemble(
+            body, {"omega3": AXIS["values"]}, LAW, start=start, until=0.5, **numbers
+        ),
+        lambda: tt.sweep(plan, place),
+        lambda: tt.sweep(plan, place),
+    ]
+
+
+def test_doubts_about_many_tops_are_warnings_once(tmp_path: Path) -> None:
+    """The varied spin is given, and the inertia is wrong."""
+    for call in many(True, tmp_path / "sweep.zarr"):
+        with pytest.warns(TippetopWarning) as caught:
+            call()
+        (warning,) = caught
+        assert warning.filename == __file__
+        assert "`parameters.I1` is 14.9 kg m2" in str(warning.message)
+
+
+def test_the_number_of_tops_that_break_the_contract_is_one_warning(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = many(False, tmp_path / "sweep.zarr")
+    drift = calls[0]().drift_jellett.values
+    bound = np.sort(drift)[1]
+    assert drift.min() < bound < drift.max()
+    monkeypatch.setitem(certificate.MAX_DRIFT, "jellett", bound)
+    for call in calls:
+        with pytest.warns(TippetopWarning, match="broken by 1 of 3 tops: ") as caught:
+            call()
+        (warning,) = caught
+        assert warning.filename == __file__
+    many(False, tmp_path / "loose.zarr", tolerance=1e-10)[0]()  # promises nothing

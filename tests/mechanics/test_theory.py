@@ -132,6 +132,7 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
 
 
 OUTLINES = {"a": 0.03, "b": 0.02, "c": 1e-3, "ring": 0.02, "tube": 2e-3}
+OUTLINES |= dict.fromkeys(("delta", "x", "y", "h"), 1e-4) | {"I2": 3.1e-6}
 
 
 def start_of(

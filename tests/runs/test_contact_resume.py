@@ -3,22 +3,16 @@ interrupted.
 """
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from nightly import at_night
-from stores import assert_same
 from touching import BOUNCE, ROCKING, STANDING, THROWN, TURNING
 
-from tippetop.runs import recording
-from tippetop.runs.attributes import attributes
 from tippetop.runs.integration import Integration
-from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build
-from tippetop.store import root
 
 
 ON_STEM: dict[str, Any] = {
@@ -122,12 +116,3 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, phases
             np.array_equal(a, b) for a, b in zip(gathered(memory), gathered(whole), strict=True)
         ].count(False) == 0
         assert again.progress().phases == integration.progress().phases
-
-
-def test_a_saved_run_is_the_recorded_one(tmp_path: Path) -> None:
-    problem = build.problem({**BOUNCE, "run": {"until": 0.4, "output_step": 1e-3}})
-    recording.record(problem, tmp_path / "recorded")
-    done = solve(problem)
-    attrs = root.finite(attributes(done.progress))
-    recording.save(done, attrs, tmp_path / "saved")
-    assert_same(tmp_path / "saved", tmp_path / "recorded")

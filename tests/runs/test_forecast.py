@@ -72,3 +72,13 @@ def test_the_spin_that_a_stem_needs_is_the_published_one():
     assert "may stop" in sticks["regime"]
     assert "fate" not in sticks
     assert "spin_stem" not in sticks["thresholds"]
+
+
+@pytest.mark.parametrize("precision", ["double", "quad"])
+def test_a_quantity_that_rounding_hides_is_zero(precision: str) -> None:
+    """The friction power mu g_n v^2 is 0 where v_A = 0, and not where it is small."""
+    for slip, of_weight in ((0.0, 0.0), (1e-9, 0.3e-18)):
+        changes = [f"initial.nu_x={slip}", f'run.precision="{precision}"']
+        found = forecast.at_start(starting.load("inverting", changes))
+        power = of_weight * found["normal_force"]
+        assert found["friction_power"] == pytest.approx(power, rel=1e-5, abs=0.0)

@@ -1,6 +1,4 @@
-"""What long and accurate runs leave: wide numbers without loss, exports, thin reading, and the
-contract.
-"""
+"""What long and accurate runs leave: wide numbers without loss, exports, and the contract."""
 
 import json
 from pathlib import Path
@@ -16,7 +14,6 @@ from tippetop.errors import InputError
 from tippetop.problem import ROUNDING
 from tippetop.runs import certificate, starting
 from tippetop.runs.run import solve
-from tippetop.store import chunks
 
 
 @pytest.mark.parametrize(("precision", "bits"), [("longdouble", 63), ("quad", 105)])
@@ -62,36 +59,12 @@ def test_an_export_says_the_same_as_the_store(inversion: Path, tmp_path: Path, t
         theirs.close()
 
 
-def test_an_export_of_events_names_their_kinds(inversion: Path, tmp_path: Path) -> None:
-    out = tmp_path / "events.csv"
-    assert typed(f"export {inversion} --to csv --group events --out {out}") == 0
-    assert set(pd.read_csv(out)["kind"]) == {"turning", "equator", "inverted"}
-
-
-def test_a_run_without_rows_is_exported_by_its_other_tables(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_rows_of_a_run_without_rows_are_exported_if_they_are_named(tmp_path: Path) -> None:
     run, rows = tmp_path / "k.zarr", tmp_path / "rows.csv"
     keyframes = "--set run.output=keyframes --set run.output_step="
     assert typed(f"run inverting --until 1 {keyframes} --out {run}") == 0
-    assert typed(f"export {run} --to csv --out {rows}") == 2
-    assert (
-        "must have rows to be exported, but has none: use --group events" in capsys.readouterr().err
-    )
     assert typed(f"export {run} --to csv --group trajectory --out {rows}") == 0
     assert "L_x [kg m2 s-1],L_y [kg m2 s-1],L_z [kg m2 s-1]" in rows.read_text()
-
-
-def test_a_thin_reading_loses_no_peak(inversion: Path) -> None:
-    whole = chunks.digest(inversion, "trajectory", "theta")
-    thin = chunks.digest(inversion, "trajectory", "theta", most=200)
-    assert len(whole["theta"].values) == 7001
-    assert len(thin["theta"].values) <= 210
-    for extreme in (np.min, np.max):
-        assert extreme(thin["theta"].values) == extreme(whole["theta"].values)
-    assert thin["time"].values[-1] == whole["time"].values[-1]
-    assert np.all(np.diff(thin["time"].values) > 0)
-    assert thin["axis"].values.shape == (len(thin["time"].values), 3)
 
 
 def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

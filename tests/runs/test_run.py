@@ -96,14 +96,6 @@ def test_integrals_never_control_the_step() -> None:
     )
 
 
-def test_normal_force_extremes_are_those_of_a_dense_scan() -> None:
-    run = solve(load(until=6.5, times=np.linspace(5.3, 5.5, 400_001)))
-    force, seen = run.columns()["normal_force"].values, run.report["normal_force"]
-    assert seen["min"] == pytest.approx(force.min(), rel=1e-10)
-    assert seen["max"] == pytest.approx(force.max(), rel=1e-10)
-    assert seen["t_min"] == pytest.approx(run.times[force.argmin()], abs=1e-6)
-
-
 def test_the_first_liftoff_is_the_first_zero_of_the_force() -> None:
     """A run that continues tells the same moment; rows of it, close together, see the force fall
     below zero there.

@@ -73,13 +73,6 @@ def test_check_says_the_limits_of_rolling() -> None:
     assert "the inverted spin of this lambda is" in found["fate"]
 
 
-def test_gamma_star_is_where_two_wells_begin() -> None:
-    """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    top = starting.load("rolling", ["parameters.I1=3.2e-6", "parameters.I3=3.2e-6"])
-    found = forecast.assessment(top)["thresholds"]["gamma_star"]["value"]
-    assert found == pytest.approx(2.1213, abs=5e-5)
-
-
 @pytest.mark.parametrize(
     "sets",
     [

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from damage import changed
 from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from tippetop.errors import InputError
 from tippetop.problem import Problem
@@ -74,11 +73,6 @@ def test_euler_form_refuses_a_pole_and_vector_form_takes_it() -> None:
     assert starting.load("inverting", ["initial.theta=0.0"]).start()[0] == 0.0
 
 
-def test_jammed_contact_at_the_start_is_refused() -> None:
-    said = sentences("initial.theta=1.5", "initial.nu_x=100.0", "friction.mu=3.0")
-    assert "jams the contact" in said
-
-
 def test_the_grid_ends_with_until() -> None:
     grid = starting.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
     np.testing.assert_allclose(grid, [*np.arange(11) / 10, 1.05], rtol=1e-12)
@@ -124,14 +118,3 @@ def test_random_damage_gives_sentences_or_a_problem(tables: dict) -> None:
     assert all(s.rstrip().endswith((".", "?")) and "Traceback" not in s for s in said)
     if problem is not None:
         assert np.all(np.isfinite(problem.start()))
-
-
-@settings(max_examples=50, deadline=None)
-@given(text=st.text(max_size=60) | st.binary(max_size=60))
-def test_random_files_give_sentences(
-    tmp_path_factory: pytest.TempPathFactory, text: str | bytes
-) -> None:
-    path = tmp_path_factory.mktemp("toml") / "scenario.toml"
-    path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
-    with pytest.raises(InputError):
-        starting.load(str(path))

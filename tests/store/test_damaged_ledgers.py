@@ -9,69 +9,22 @@ import random
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
-from unittest.mock import Mock
 
-import numpy as np
 import pytest
+from kinds import KINDS, every_kind, make
 from nightly import at_night
 from stores import files, state_of
 from typed import typed
 
-import tippetop as tt
 from tippetop.errors import StoreError
-from tippetop.landscape import surface_recording as surfaces
-from tippetop.runs import recording, starting
 from tippetop.store import ledger, provenance
 from tippetop.store.ledger import LEDGER, Ledger
 
 
-PLAN = """
-scenario = "inverting"
-set.run.until = 0.05
-chunk = 1
-keep = ["theta_max"]
-[[axis]]
-of = "initial.omega3"
-linspace = [100.0, 160.0]
-n = 5
-"""
-KINDS = ("run", "sweep", "surface", "potential")
-
-
-def make(kind: str, store: Path, progress: Any = None) -> None:
-    """Make a store, or continue it."""
-    if kind == "run" and store.exists():
-        tt.resume(store)
-    elif kind == "run":
-        problem = starting.load("inverting", ["run.output_step=0.002"], 0.6)
-        recording.record(problem, store, progress=progress)
-    elif kind == "sweep":
-        plan = store.with_name("PLAN.toml")
-        plan.write_text(PLAN)
-        tt.sweep(plan, store, workers=1, progress=progress or False)
-    elif kind == "surface":
-        body = starting.load("inverting").parameters
-        axes = np.linspace(-1e-4, 1e-4, 12), np.linspace(0.0, 1e-5, 8)
-        surfaces.write(store, surfaces.Surface(body, *axes, chunk=4), progress=progress)
-    else:
-        typed(f"potential inverting --D=3e-4 --lambda=4e-6 --n=50 --out {store}")
-
-
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with finished stores, and with interrupted ones of many lines."""
-    folder = tmp_path_factory.mktemp("stores")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
-        for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 32), ("EVENTS_PER_CHUNK", 4)):
-            patch.setattr(f"tippetop.runs.recording.{name}", value)
-        for kind in KINDS:
-            make(kind, folder / f"{kind}.zarr")
-        for kind in ("run", "sweep", "surface"):
-            stop = Mock(side_effect=[None, None, None, None, KeyboardInterrupt])
-            with pytest.raises(KeyboardInterrupt):
-                make(kind, folder / f"half-{kind}.zarr", stop)
+    """A folder with finished and interrupted stores."""
+    with every_kind(tmp_path_factory.mktemp("stores")) as folder:
         yield folder
 
 

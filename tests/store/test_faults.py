@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from faults import ONCE, WAYS, Faults, Over
 from nightly import at_night
-from stores import files, state_of
+from stores import files, state_of, tiny_chunks
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
@@ -103,10 +103,7 @@ TARGETS = {
 
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Short slices, small chunks, a commit after each slice."""
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
-    for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 32), ("EVENTS_PER_CHUNK", 4)):
-        monkeypatch.setattr(f"tippetop.runs.recording.{name}", value)
+    tiny_chunks(monkeypatch)
 
 
 @pytest.fixture

@@ -250,15 +250,6 @@ def test_a_second_writer_is_told_of_the_first(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.new"))
 
 
-def test_a_folder_that_was_replaced_is_noticed(tmp_path: Path) -> None:
-    (tmp_path / "a").mkdir()
-    with Ledger.created(tmp_path / "a", header()) as store:
-        store.check()
-        (tmp_path / "a").rename(tmp_path / "b")
-        with pytest.raises(StoreError, match="must stay in its place"):
-            store.check()
-
-
 DAMAGES: dict[str, Callable[[Path], object]] = {
     "a missing chunk": lambda s: (s / "trajectory/theta/c.1").unlink(),
     "a chunk cut": lambda s: cut(s / "trajectory/theta/c.1"),

@@ -140,18 +140,3 @@ def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(
     shutil.rmtree(tmp_path / "b.zarr")
     assert root.attributes(target)["title"] == "new"
     assert list(tmp_path.iterdir()) == [target]
-
-
-def test_what_is_not_a_store_is_never_overwritten(tmp_path: Path) -> None:
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "precious").write_text("x")
-    with pytest.raises(StoreError, match="must be a store of tippetop, but is another folder"):
-        stopped(tmp_path / "mine", overwrite=True)
-    assert (tmp_path / "mine" / "precious").read_text() == "x"
-
-
-def test_a_place_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    for place in (tmp_path / "nowhere" / "a.zarr", tmp_path / "file" / "a.zarr"):
-        with pytest.raises(StoreError, match="must be writable, but"), root.new_store(place):
-            pass

@@ -74,12 +74,30 @@ def test_the_table_is_what_the_columns_count() -> None:
         np.testing.assert_array_equal(counts, tops[column])
 
 
+def test_the_last_settled_of_a_top_is_significant_as_in_its_run() -> None:
+    """Sliding dies out in the first top, but not in the second."""
+    given = {"start": {"theta": 0.02}, "until": 20.0, "events": ["settled"]}
+    law = {"mu": 1.0}
+    found = tt.dataframe(
+        tt.ensemble("inverting", {"omega3": [20.0, 150.0]}, law, event_table=True, **given)[1]
+    )
+    for top, spin in enumerate([20.0, 150.0]):
+        start = {**given["start"], "omega3": spin}
+        run = tt.run("inverting", law, **{**given, "start": start})
+        expected, its = tt.dataframe(run.events), found[found.top == top]
+        assert its.significant.tolist() == expected.significant.tolist()
+        assert expected.significant.sum() == (top == 0)
+        np.testing.assert_allclose(its.time, expected.time, rtol=1e-6)
+
+
 def test_invalid_tops_and_tops_without_events_have_no_rows() -> None:
     numbers = {"omega3": [np.nan, 155.0, 155.0], "until": [1.0, 1e-4, 1.0]}
     events = tt.ensemble("inverting", numbers, event_table=True)[1]
     assert set(events.top.values) == {2}
     none = tt.ensemble("inverting", {"omega3": [np.nan]}, until=1.0, event_table=True, **RECORDS)[1]
     assert none.sizes["event"] == 0
+    quiet = tt.ensemble("inverting", {"omega3": SPINS}, until=1e-4, event_table=True)[1]
+    assert quiet.sizes["event"] == 0
     assert "spin_energy" in none
 
 
@@ -137,7 +155,7 @@ def test_a_sweep_is_continued_with_its_own_records_only(whole: Path) -> None:
         tt.sweep(plan(), whole, workers=1, **records)
     with pytest.raises(InputError, match="`keep` must be of"):
         tt.sweep(plan(), whole, workers=1)
-    with pytest.raises(InputError, match="must come from a module that workers can import"):
+    with pytest.raises(InputError, match="of a module that workers can import"):
         tt.sweep(plan(), whole, workers=2, **records)
     tt.sweep(plan(), whole, workers=1, **RECORDS)
 

@@ -37,7 +37,7 @@ class Steps:
 
         def counted(*arguments: Any) -> Any:
             outcomes = measure(*arguments)
-            self.steps += outcomes.steps_made
+            self.steps += int(outcomes.columns["steps"].sum())
             return outcomes
 
         monkeypatch.setattr(chunk, "measure", counted)
@@ -52,7 +52,8 @@ def test_the_steps_of_some_stand_for_those_of_all(
 ) -> None:
     """Count steps as time: a short sweep is measured whole, a long one by its beginning."""
     plan = lanes(24, until)
-    whole = ensemble.measure(ensemble.vary(plan.base, plan.columns(np.arange(24)))).steps_made
+    tops = ensemble.vary(plan.base, plan.columns(np.arange(24)))
+    whole = int(ensemble.measure(tops).columns["steps"].sum())
     clock = Steps(monkeypatch)
     found = measuring.measured(plan, clock)
     assert found["tops_measured"] == measuring.SOME

@@ -77,6 +77,24 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     assert tab.faults == []
 
 
+def test_the_camera_follows_as_closely_with_few_pictures_a_second(tab: Any) -> None:
+    """Where it is after a second does not depend on their number."""
+    near = [
+        tab.evaluate(
+            """n => {
+                const camera = new tippetop.stage.scene.camera.constructor();
+                camera.mode = "follow";
+                for (let i = 0; i < n; i++) camera.follow([5, 0, 0.9], 0.2 / n);
+                return camera.target[0];
+            }""",
+            pictures,
+        )
+        for pictures in (1, 3, 60)
+    ]
+    np.testing.assert_allclose(near, near[0], rtol=1e-12)
+    assert 4.5 < near[0] < 5
+
+
 def test_the_colours_of_phases_are_explained(tab: Any) -> None:
     """By the colours of the line of times, with the part of the time that each takes; without
     phases by nothing.
@@ -121,6 +139,17 @@ def test_a_run_that_rolls_throughout_has_no_arrow_of_sliding(open_page: Any) -> 
     (arrow,) = (a for a in tab.evaluate("tippetop.arrows()") if a["name"] == "slip")
     assert np.linalg.norm(arrow["drawn"]) < 1e-6
     assert "roll: 100.0 %" in tab.locator("[data-part=key]").inner_text()
+
+
+@pytest.mark.parametrize("preset", ["spinning-egg", "rolling-coin"])
+def test_another_body_touches_the_plane(preset: str, open_page: Any) -> None:
+    """Where its force acts."""
+    tab = open_page(tt.run(preset, until=0.3).view().text)
+    for time in (0.0, 0.11, 0.29):
+        tab.evaluate("t => tippetop.set(t)", time)
+        (force,) = (a for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force")
+        assert force["start"][2] == pytest.approx(0, abs=0.005)
+    assert tab.faults == []
 
 
 def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:

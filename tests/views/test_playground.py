@@ -131,6 +131,11 @@ def test_sliders_change_the_motion_and_its_thresholds(tab: Any) -> None:
     assert "omega3 = 14" in tab.locator("[data-part=scenario]").text_content()
     assert tab.locator("[data-part=typed-omega3]").input_value() == "14"
     assert "rad/s = 2.2 turns/s" in tab.locator("[data-part=start-sliders]").inner_text()
+    typed_spin = tab.locator("[data-part=typed-omega3]")
+    for text, kept in {"1480 rpm": "14", "1/3": "14", "": "14", "21,5 rad/s": "21.5"}.items():
+        typed_spin.fill(text)
+        typed_spin.press("Enter")
+        assert typed_spin.input_value() == kept
     tab.locator("[data-part=law]").select_option("regularised")
     tab.wait_for_function(
         "document.querySelector('[data-part=scenario]').textContent.includes('eps = 0.01')"

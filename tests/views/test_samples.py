@@ -52,9 +52,11 @@ def test_rows_that_are_too_far_apart_are_named() -> None:
     assert "rows are far apart" not in tt.run("inverting", until=2.0, output_step=0.002).view().text
 
 
-@pytest.mark.parametrize(
-    "preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"]
-)
+TOPS = ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"]
+OUTLINES = ["spinning-egg", "rolling-egg", "spinning-coin", "rolling-coin"]
+
+
+@pytest.mark.parametrize("preset", TOPS + OUTLINES)
 def test_the_horizontal_force_moves_the_centre_of_mass(preset: str) -> None:
     """m r'' = F, place and force being independent columns; L' = a x F would say the same."""
     run = tt.run(preset, until=0.2, output_step=1e-4)

@@ -13,9 +13,12 @@ import numpy as np
 from ..arguments import path_of
 from ..columns import flag_words
 from ..exchange.fit_text import toml_of
-from ..exchange.simulators import DIGITS, rounded_to_digits, text_of
+from ..exchange.simulators import DIGITS, formats_of, rounded_to_digits, text_of
+from ..mechanics.contact.outline import Ball
+from ..problem import Problem
 from ..runs import phases
 from ..runs.run import Solution
+from ..runs.shape import moments, surface_of
 from ..scenario import build
 from ..store import files as disk
 from .named_cases import Case, case, names
@@ -57,6 +60,8 @@ Each folder is a case; `case.json` describes it, with the
 numbers of its body, law and start (`case.schema.json` is its schema).
 
 1. Read `model.mjcf.xml`, `model.urdf` or `model.sdf`.
+   A folder lacks the models that cannot express its body: URDF has no ellipsoid, and none of them a
+   rounded rim. `outline` in `case.json` describes such a body.
    The first row of `reference.csv` is the start.
 2. Write `ENGINE/SETTING/CASE/dt=STEP.csv` with the columns of `reference.csv`.
    `t [s]` and the quaternion `q_w,q_x,q_y,q_z` are required, the other columns are optional.
@@ -92,7 +97,7 @@ The outcome is judged by the rows alone:
 | outcome | meaning | needs |
 | --- | --- | --- |
 | `turns over` | theta passes pi/2 | the quaternion |
-| `lifts off` | the body rises by more than 1 % of its radius after a contact | the position |
+| `lifts off` | the body rises by more than 1 % of its size after a contact | the position |
 | `rises as high` | the largest rise after a contact is within a factor of two | the position |
 | `lands on the stem` | the stem touches the plane | the position |
 | `sticks` | the contact point is slower than 2 % of sqrt(g R) at the end | all but the force |
@@ -208,7 +213,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         columns["phase"] = np.full(len(motion.t), "joint")
     texts = {
         "scenario.toml": toml_of(tables).strip() + "\n",
-        **{name: text_of(problem, to) for to, name in MODELS.items()},
+        **{MODELS[to]: text_of(problem, to) for to in formats_of(problem)},
         "reference.csv": _csv(columns),
         **{f"{name}.csv": _csv(table) for name, table in _tables(run).items()},
     }
@@ -231,13 +236,14 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         },
         "body": {
             "mass": body.m,
-            "moments_of_inertia": [body.I1, body.I1, body.I3],
+            "moments_of_inertia": moments(body).tolist(),
             "gravity": body.g,
             "balls": {
                 name: {"offset": offset, "radius": radius}
                 for name, (offset, radius) in problem.balls.items()
-                if radius
+                if np.ndim(radius) == 0 and radius
             },
+            "outline": _outline(problem),
             "fixed_point": body.c if problem.contact is None else None,
         },
         "friction_law": given.law["words"],
@@ -250,6 +256,19 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         "files": content,
     }
     return texts | {"case.json": json.dumps(description, indent=2) + "\n"}
+
+
+def _outline(problem: Problem) -> dict[str, Any] | None:
+    """Return the surface of a body without balls: an ellipsoid, or its name and numbers."""
+    outline = problem.body().outline
+    surface = surface_of(problem.body())
+    if isinstance(outline, Ball):
+        return None
+    if len(surface.meridian):
+        return {"kind": type(outline).__name__.lower(), **outline._asdict()}
+    half = surface.half.tolist()
+    centre = surface.centre.tolist()
+    return {"kind": "ellipsoid", "half_axes": half, "centre": centre, "turn": surface.turn}
 
 
 def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.ndarray]:

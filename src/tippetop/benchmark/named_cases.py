@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, suggestion
+from ..mechanics.contact.body import size
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import reading
-from .truth import differences, length_of, sample_times, truth
+from .truth import differences, sample_times, truth
 
 
 LARGEST = 1e-10
@@ -114,7 +115,7 @@ def _own(path: Path) -> Case:
         if len(motion.t) < len(times):
             raise InputError(f"`{path}` must reach `run.until`, but ends before: {run.reason}.")
     apart = differences(runs[0][0], runs[1][0])
-    error = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(problem))
+    error = np.maximum(apart["attitude [rad]"], apart["position [m]"] / size(problem.body()))
     certified = np.logical_and.accumulate(error <= LARGEST)
     certificate = {
         "error": float(f"{error[certified].max():.1e}"),

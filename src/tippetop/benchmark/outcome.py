@@ -7,6 +7,7 @@ import numpy as np
 from ..exchange.motion import axis_of, theta_of
 from ..mechanics.contact.body import size
 from ..problem import Problem
+from ..runs.shape import lowest
 from .truth import Truth
 
 
@@ -25,17 +26,27 @@ STICKS = 0.02
 
 def rise(problem: Problem, motion: Truth) -> float:
     """Return the largest rise of the lowest ball from its lowest gap after a contact [m]."""
-    gap = _gaps(problem, motion).min(axis=0)
+    gap = _gaps(motion, _arms(problem, motion)).min(axis=0)
     least = np.minimum.accumulate(gap)
     near = least < 10 * TOUCH * size(problem.body())
     return float((gap - least)[near].max(initial=0.0))
 
 
-def _gaps(problem: Problem, motion: Truth) -> np.ndarray:
-    """Return the gap of each ball (balls, rows) [m]."""
-    axis = axis_of(motion.quaternion)
-    z = motion.position[:, 2]
-    return np.array([z + c * axis[:, 2] - R for c, R in problem.balls.values()])
+def _arms(problem: Problem, motion: Truth) -> np.ndarray:
+    """Return the lowest point of the body, and of its stem, from the centre of mass [m].
+
+    (1 or 2, rows, 3).
+    """
+    arms = [lowest(motion.quaternion, problem.body())]
+    if problem.contact is not None and problem.contact.stem:
+        c, R = problem.balls["stem"]
+        arms.append(c * axis_of(motion.quaternion) - [0.0, 0.0, R])
+    return np.array(arms)
+
+
+def _gaps(motion: Truth, arms: np.ndarray) -> np.ndarray:
+    """Return the gap of each lowest point (1 or 2, rows) [m]."""
+    return motion.position[:, 2] + arms[:, :, 2]
 
 
 def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
@@ -49,17 +60,16 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     body = problem.body()
     if rules is None or not np.isfinite(motion.position).all():
         return result
-    gaps = _gaps(problem, motion)
-    lowest = gaps.argmin(axis=0)
+    arms = _arms(problem, motion)
+    gaps = _gaps(motion, arms)
+    nearest = gaps.argmin(axis=0)
     touches = gaps.min(axis=0) < TOUCH * size(body)
     result["lifts off"] = rise(problem, motion) > TOUCH * size(body)
     if rules.stem:
-        result["lands on the stem"] = bool((touches & (lowest == 1)).any())
+        result["lands on the stem"] = bool((touches & (nearest == 1)).any())
     moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()
     if problem.law.set_valued and moves:
-        offset, radius = [*problem.balls.values()][lowest[-1]]
-        arm = offset * axis_of(motion.quaternion)[-1] - [0.0, 0.0, radius]
-        slip = motion.velocity[-1] + np.cross(motion.omega[-1], arm)
+        slip = motion.velocity[-1] + np.cross(motion.omega[-1], arms[nearest[-1], -1])
         slow = math.hypot(slip[0], slip[1]) < STICKS * math.sqrt(body.g * size(body))
         result["sticks"] = bool(touches[-1] and slow)
     return result

@@ -10,14 +10,16 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import ROUNDING, Compared, energy, shown, size_of
+from ..exchange.comparison import ROUNDING, Compared, shown, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
+from ..mechanics.contact.body import size
 from ..problem import Problem
+from ..runs.shape import frames, moments, surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
-from .truth import VECTORS, Truth, differences, length_of, truth
+from .truth import VECTORS, Truth, differences, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
@@ -169,9 +171,9 @@ class Score:
             if r.judgement != "right":
                 faults.append(f"outcome must be right, but is {r.judgement}")
             for name, limit in limits.items():
-                size = r.compared.numbers.get(name)
-                if size is None or size["max"] > limit:
-                    found = f"is {size['max']:.3g}" if size else "its columns are missing"
+                error = r.compared.numbers.get(name)
+                if error is None or error["max"] > limit:
+                    found = f"is {error['max']:.3g}" if error else "its columns are missing"
                     faults.append(f"error of {name} must be at most {limit:g}, but {found}")
             sentences += [f"`{r.compared.path}`: the {fault}." for fault in faults]
         return sentences
@@ -369,13 +371,13 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
     """
     q = there.quaternion
     body = problem.body()
-    size = length_of(problem)
-    rate = math.sqrt(body.g / size)
-    arm = body.c * axis_of(q)
+    length = size(body)
+    rate = math.sqrt(body.g / length)
+    arm = turned(q, surface_of(body).centre)
     units = {
         "attitude [rad]": 1.0,
-        "position [m]": size,
-        "velocity [m/s]": size * rate,
+        "position [m]": length,
+        "velocity [m/s]": length * rate,
         "omega [rad/s]": rate,
     }
     readings = {
@@ -415,7 +417,9 @@ def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     for m in (there, exact):
         axis = axis_of(m.quaternion)
         spins.append((m.omega * axis).sum(axis=1))
-        energies.append(energy(m.velocity, m.omega, m.position[:, 2], axis, body))
+        parts = np.einsum("nij,nj->in", frames(m.quaternion), m.omega)
+        moving = body.m * (m.velocity**2).sum(axis=1) + moments(body) @ parts**2
+        energies.append(moving / 2 + body.m * body.g * m.position[:, 2])
     return {
         "attitude": apart["attitude [rad]"],
         "theta": apart["theta [rad]"],

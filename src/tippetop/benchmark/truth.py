@@ -35,12 +35,6 @@ def sample_times(problem: Problem) -> np.ndarray:
     return np.union1d(0.0, problem.times[:])
 
 
-def length_of(problem: Problem) -> float:
-    """Return the radius of a body, or the distance from its tip to its centre of mass [m]."""
-    body = problem.body()
-    return float(body.R or abs(body.c))
-
-
 def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tuple[Truth, Solution]:
     """Return the motion of a problem at ascending times [s], and its run.
 

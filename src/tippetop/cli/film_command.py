@@ -72,7 +72,7 @@ def film(
     if out.suffix not in FORMATS or not fits:
         raise InputError(
             "--out must end with .mp4 or .gif, --size be from 16 to 8192 pixels, --fps from 1 to "
-            "100, and --speed positive."
+            f"100, and --speed positive, but they are {out}, {size}, {fps:g} and {speed:g}."
         )
     if out.suffix == ".gif":
         fps = 100 / max(2, round(100 / fps))

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..arguments import measured
+from ..arguments import PlainData, measured
 from ..awaiting import awaited
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
@@ -174,7 +174,7 @@ def potential(
     return 0
 
 
-def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
+def picture(store: Path, attrs: PlainData, look: Look) -> Any:
     """Draw the store of `surface` or `potential`."""
     from ..landscape import surface
     from ..sampling import spread
@@ -188,7 +188,7 @@ def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
     return _surface(root.loaded(group.isel(some), store), attrs["parameters"], look)
 
 
-def describe(attrs: dict[str, Any], as_json: bool) -> int:
+def describe(attrs: PlainData, as_json: bool) -> int:
     """Print the content of the store of `surface` or `potential`."""
     if as_json:
         return print_json(attrs)

@@ -7,6 +7,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+from ..arguments import PlainData
 from ..errors import InputError
 from .streams import complain, print_json, report, visible
 from .text import table, warn
@@ -179,8 +180,8 @@ def replay(
 
 
 def _interruptible(
-    work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path
-) -> tuple[dict[str, Any], dict[str, float]]:
+    work: Callable[[Event], tuple[Any, PlainData]], store: Path
+) -> tuple[PlainData, dict[str, float]]:
     """Return the attributes and the seconds of a run; on a signal exit with 128 + its number."""
     from ..errors import Interrupted
     from ..store.root import root_of
@@ -200,7 +201,7 @@ def _interruptible(
 
 
 def _print(
-    attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool
+    attrs: PlainData, seconds: dict[str, float], places: dict[str, Any], as_json: bool
 ) -> int:
     """Print the result of a run; return its exit code."""
     from ..runs.attributes import headline_of

@@ -6,7 +6,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, StoreError
+from ..errors import InputError
 from .streams import print_json, visible
 from .text import entries, plain, table, units_of, warn
 from .values import Place, Seconds
@@ -136,8 +136,8 @@ def export(
     Parameters
     ----------
     store
-        The store of a run or of a sweep; for mjcf and urdf a scenario, a preset or the store of a
-        run.
+        The store of a run, a sweep, a surface or a potential; for mjcf and urdf a scenario, a
+        preset or the store of a run.
     to
         The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
     out
@@ -154,11 +154,6 @@ def export(
         from ..store.export import export as write
 
         attrs = root.attributes(store)
-        content = attrs.get("content", "run")
-        if content not in ("run", "sweep"):
-            raise StoreError(
-                f"`{store}` must be a run or a sweep to be exported, but is a {content}."
-            )
         tables = {
             name: root.open_group(store, name)
             for name in root.groups_of(store)

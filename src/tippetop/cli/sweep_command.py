@@ -5,10 +5,10 @@ from __future__ import annotations
 import shlex
 from functools import partial
 from pathlib import Path
-from typing import Any
 
+from ..arguments import PlainData
 from .streams import complain, print_json, report, visible
-from .text import table, units_of
+from .text import table, units_of, warn
 from .values import Place, Whole
 
 
@@ -66,7 +66,7 @@ def sweep(
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS)
 
 
-def describe(report: dict[str, Any], as_json: bool) -> int:
+def describe(report: PlainData, as_json: bool) -> int:
     """Print the content of a sweep's store."""
     from ..sweeps.sweep_summary import lines
 
@@ -77,7 +77,7 @@ def describe(report: dict[str, Any], as_json: bool) -> int:
     return 0
 
 
-def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, str]]:
+def examine(tables: PlainData, folder: Path) -> tuple[PlainData, dict[str, str]]:
     """Return the axes, the size and the cost of a plan, and the units of its scenario."""
     from ..awaiting import awaited
     from ..scenario import build
@@ -100,5 +100,6 @@ def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
         "tops_per_chunk": plan.chunk,
         "expected": expected,
         "plan": plan.document,
+        "warnings": warn(plan.doubts),
     }
     return facts, units_of(build.resolved(plan.base)) | {"compiling": "s"}

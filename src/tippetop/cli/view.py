@@ -62,11 +62,8 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
     from ..views.run_page import page_of_store
 
     attrs = root.attributes(store)
-    content = attrs.get("content", "run")
-    if content == "run":
+    if attrs.get("content") != "sweep":
         return page_of_store(store, attrs, start, until)
-    if content != "sweep":
-        raise InputError(f"a page shows a run or a sweep, but `{store}` is a {content}.")
     from ..views.sweep_page import page_of_sweep
 
     if (start, until) != (None, None):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ..columns import Arrays
 from .integrator import Compiled
 from .loop import MOST_COEFFICIENTS, NO_ROWS, Loop, Rows, new_motion
 from .status import Status
@@ -61,9 +62,7 @@ class Slice:
     samples: np.ndarray  # (k, variables) states on the way
     passages: Passages
     status: Status | None  # None: to be continued
-    tables: dict[str, dict[str, np.ndarray]] = field(
-        default_factory=dict
-    )  # new rows of further tables, SI
+    tables: dict[str, Arrays] = field(default_factory=dict)  # new rows of further tables, SI
 
 
 class Request(Protocol):
@@ -333,7 +332,7 @@ class Driver:
         self.goal = end
         self.motion.end[0] = float(end)
 
-    def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
+    def last_rows(self) -> dict[str, Arrays]:
         """Return the rows of further tables that an end of the run here completes."""
         return {}
 
@@ -380,7 +379,6 @@ class Driver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        self.forget()
         self.put(state, clock)
         self.forget()
         self.tallies.lane[0] = tuple(kept["tally"])

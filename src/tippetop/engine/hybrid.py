@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 
+from ..arguments import PlainData
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO, zero_of
 from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, STALL, Exit, Next, Phase
@@ -401,7 +402,7 @@ class HybridDriver(Driver):
         struck = None
         if contact is not None:
             kind = type(body[0].friction), contact.restitution, problem.precision
-            self.impacts = ImpactMotions(*kind, stop)
+            self.impacts = ImpactMotions(*kind, stop, body[0])
             struck = self.impacts.struck
         tables = dict(system.tables)
         self.words = {
@@ -591,7 +592,7 @@ class HybridDriver(Driver):
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
         if self.short > 2:
-            shortest *= float(self.problem.scales.of(SECOND))
+            shortest *= self.problem.unit(SECOND)
             self.sentence = (
                 f"phases change more often than every {shortest:.1g} s, at last "
                 f"from `{track.name}` to `{n.phase}` by `{jump.exit.event}`"
@@ -695,11 +696,11 @@ class HybridDriver(Driver):
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
 
-    def joint(self, names: Iterable[str]) -> dict[str, Any]:
+    def joint(self, names: Iterable[str]) -> PlainData:
         joint = super().joint(self.numbers)
         lasts = float(self.until - self.now)
         sides = {name: sign for name, sign in joint["signs"].items() if sign}
-        follows: dict[str, Any] = {"phase": self.track.name, "sides": sides}
+        follows: PlainData = {"phase": self.track.name, "sides": sides}
         if lasts < math.inf:
             follows["lasts"] = max(lasts, 0.0)
         lasted = float(self.now) - self.began

@@ -6,12 +6,14 @@ import math
 import threading
 from collections.abc import Callable
 from functools import lru_cache, partial
+from itertools import repeat
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
 from ..mechanics.contact.body import Moving, Touch, as_ball, velocities
+from ..mechanics.contact.frame import Asymmetric, Frame
 from ..mechanics.contact.impact_motion import CLOCK_RATE
 from ..mechanics.contact.response import work_of
 from ..mechanics.lines import unit_of
@@ -45,12 +47,13 @@ way.
 
 
 @lru_cache(maxsize=64)
-def formulas_of_impact(friction: Any, name: str) -> Formulas:
-    """Return the formulas of a stage, with the type of the record of a friction law."""
+def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> Formulas:
+    """Return the formulas of a stage, of a law and of a body like `pattern` that `lies` like this;
+    both are filled with numbers.
+    """
     stage = motion.stages(friction)[name]
-    ball = Touch(*(1.0,) * 6, friction._make(friction._fields))
-    axis = Vector(1.0, 1.0, 1.0)
-    template = motion.Blow(axis, *(1.0,) * 4, axis, axis, ball)
+    vector = Vector(1.0, 1.0, 1.0)
+    template = motion.Blow(vector, *(1.0,) * 4, lies, vector, pattern)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         return [event.formula(q, b) for event in stage.events]
@@ -89,6 +92,8 @@ class ImpactMotions:
         Of the numbers: "double", "longdouble" or "quad".
     stop
         Set it to give up while a motion is being compiled.
+    body
+        A body of the run; by default a ball.
     """
 
     def __init__(
@@ -97,18 +102,23 @@ class ImpactMotions:
         restitution: str,
         precision: str = "double",
         stop: threading.Event | None = None,
+        body: Any = None,
     ):
         self.law = law
         self.restitution = restitution
         self.precision = precision
         self.stop = stop
         self.stages = motion.stages(law)
+        lies: Any = Frame if isinstance(body, Asymmetric) else Vector
+        if lies is Vector:
+            body = Touch(*(1.0,) * 6, law._make(law._fields))
+        self.pattern = lies(*(1.0,) * len(lies._fields)), refill(as_ball(body), repeat(1.0))
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
         """Return the executor of the motion in a region, compiled when it is first needed."""
         if region not in self.drivers:
-            formulas = formulas_of_impact(self.law, region)
+            formulas = formulas_of_impact(self.law, region, *self.pattern)
             code = compiled_when((formulas, self.precision, 0.0, 0, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[self.precision])
             pars = [1.0] * len(code.integrator.pars)

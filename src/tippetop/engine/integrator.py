@@ -42,7 +42,7 @@ class Compiled:
     machine: Any
 
 
-# terms of the right-hand side from which LLVM would take a minute, unless in compact mode
+# terms of the right-hand side of a phase from which LLVM would take a minute for all phases
 HUGE = 100_000
 MOST_COMPILED = 64  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
@@ -141,7 +141,8 @@ def compiled_from(
             equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
-    compact = precision != "double" or terms > HUGE
+    huge = terms > HUGE and not formulas.alone
+    compact = precision != "double" or huge
     integrator = compiled_once(
         hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive,
         equations,

@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from ..columns import Arrays
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT
 from ..problem import Problem
 from .expressions import component, integrated, integrates_axis
 
 
-def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def invariants(problem: Problem, values: Arrays) -> Arrays:
     """Return the quantities that a run must conserve.
 
     Parameters
@@ -49,7 +50,7 @@ def taken(name: str) -> str:
 CANCELS = 0.1  # of its parts: a smaller invariant is small because its parts cancel
 
 
-def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def sizes(problem: Problem, values: Arrays) -> Arrays:
     """Scales of the drifts of the invariants: their values at the start.
 
     Rounding does not become less where the parts of an invariant cancel at the start: it is then

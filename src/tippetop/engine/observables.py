@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Column, column, flag_attributes
+from ..columns import Arrays, Column, column, flag_attributes
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import Vector, refill
 from ..mechanics.rotation import outer
@@ -44,7 +44,7 @@ class Observables:
         """Return the arguments of formulas for the rows, or for one row, in internal units."""
         return moment(self.problem.form, *self.state(rows), self.body)
 
-    def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+    def evaluate(self, rows: np.ndarray) -> Arrays:
         """Return all values of the rows by name, internal units; NaN where an angle is undefined,
         exactly at a pole.
         """
@@ -149,7 +149,7 @@ def sources(problem: Problem) -> dict[str, Source]:
     return {name: found[name] for name in found if name in problem.kept_columns}
 
 
-def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
+def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
     """Return all values of states (variables, k) of the runs `which` (k,) by name, in internal
     units; (k,) each. NaN where an angle is undefined, exactly at a pole.
 
@@ -178,9 +178,7 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     return values
 
 
-def orientations_of(
-    problems: Problems, states: np.ndarray, which: np.ndarray
-) -> dict[str, np.ndarray]:
+def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
     """Return the unit quaternions that turn body axes into space axes, by QUATERNION, and `psi`
     [rad], NaN exactly at a pole, unless the motion is planar, in states (variables, k) of the runs
     `which` (k,).
@@ -214,7 +212,7 @@ ALONE = np.zeros(1, int)
 
 def _computed(
     formulas: Callable, problems: Problems, states: np.ndarray, which: np.ndarray
-) -> dict[str, np.ndarray]:
+) -> Arrays:
     """Return the values of formulas by name: doubles by their compiled function, wider numbers by
     numpy in 80 bits.
     """

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..columns import Arrays
 from ..mechanics.contact.body import BALLS, Touch, by_scalars
 from ..mechanics.contact.contact_phases import PHASES
 from ..mechanics.friction import has_parts, takes_nothing
@@ -17,7 +18,7 @@ from ..problem import Problem, Problems
 SETTLED_FOR = 200.0
 
 
-def stays(problem: Problem, values: dict[str, np.ndarray]) -> bool:
+def stays(problem: Problem, values: Arrays) -> bool:
     """Return whether a motion without sliding lasts; a top near an unstable pole will leave it.
 
     Parameters
@@ -37,7 +38,7 @@ def stays(problem: Problem, values: dict[str, np.ndarray]) -> bool:
     if not isinstance(body, Touch) or "omega3" not in values:
         return True
     theta = float(values["theta"][0])
-    omega3 = float(values["omega3"][0]) / float(problem.scales.of(SECOND))
+    omega3 = float(values["omega3"][0]) / problem.unit(SECOND)
     return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
 
 
@@ -87,9 +88,7 @@ NEAR = 0.1  # rad from a pole: upright or inverted
 LOST = 1e-9  # energy, internal units, that is not rounding
 
 
-def classes_of(
-    system: System, values: dict[str, np.ndarray], second: Any, settled: Any, body: Any
-) -> np.ndarray:
+def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: Any) -> np.ndarray:
     """Return the fates of tops that have not lifted off, as numbers of CLASSES, (n,).
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under

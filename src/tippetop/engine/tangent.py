@@ -57,11 +57,11 @@ class Tangents:
             name: float(value) for name, value in given.items() if not isinstance(value, bool)
         }
         self.directions = np.array([[float(name == one) for one in wrt] for name in self.values])
-        self.second = float(problem.scales.of(SECOND))
+        self.second = problem.unit(SECOND)
 
     def scale(self, name: str) -> float:
         """SI units in one internal unit of a number."""
-        return float(self.problem.scales.of(self.problem.rules[name].unit))
+        return self.problem.unit(self.problem.rules[name].unit)
 
     def parameters(self, ways: np.ndarray, values: Mapping[str, Any] | None = None) -> np.ndarray:
         """Return the parameters of compiled functions: numbers in internal units, then directions.

@@ -67,7 +67,7 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
 
 def internal_end(problem: Problem) -> Any:
     """Return the internal time of the end of a run, in its precision."""
-    return problem.number(problem.until) / problem.number(float(problem.scales.of(SECOND)))
+    return problem.number(problem.until) / problem.number(problem.unit(SECOND))
 
 
 def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None = None) -> Compiled:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,18 +17,13 @@ from ..engine.observables import event_functions
 from ..engine.settling import slides
 from ..engine.tallies import EventRows, Tallies, new_tallies
 from ..errors import InputError
-from ..problem import Problem, Problems, derivative_faults
-from ..progress import Report, reporting
-from ..runs import attributes
+from ..problem import Problem, Problems
+from ..progress import Report
 from .hybrid_lanes import HybridLanes
 from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, Lanes
-from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude, dataset
-from .top_events import event_table, log_events
-
-
-if TYPE_CHECKING:
-    import xarray as xr
+from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude
+from .top_events import log_events
 
 
 @QUIET
@@ -89,8 +84,8 @@ def measure(
         pooled = [HybridLanes(measured, ended) for _ in range(n)]
         _run_all([partial(worker.run, queue) for worker in pooled], [w.stop for w in pooled])
         separate = sorted(chain(*(worker.alone for worker in pooled)))
-        measured.steps_made += sum(worker.steps for worker in pooled)
-        measured.steps_possible += sum(worker.possible for worker in pooled)
+        possible = sum(worker.possible for worker in pooled)
+        measured.occupancy = sum(worker.steps for worker in pooled) / max(1, possible)
     run_each(measured, separate, ended, events=events)
     measured.faults.sort()
     if len(numbers := np.flatnonzero(tops.valid & ~alone)):
@@ -102,8 +97,6 @@ def measure(
             [partial(worker.run, measured, tallies, queue, ended) for worker in workers],
             [worker.stop for worker in workers],
         )
-        measured.steps_made += int(tallies.lane["steps"].sum())
-        measured.steps_possible += sum(worker.steps_possible for worker in workers)
         _write(measured, numbers, tallies, workers[0].rows)
         if measured.passages:
             log_events(measured, measured.passages, tallies.lane["lasts_since"])
@@ -232,59 +225,3 @@ def base_faults(base: Problem) -> list[str]:
             f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".'
         )
     return sentences
-
-
-def of_problem(
-    base: Problem,
-    variations: Mapping[str, Any],
-    *,
-    threads: int | None = None,
-    progress: Report | bool = False,
-    orientation: bool = False,
-    lyapunov: bool = False,
-    events: bool = False,
-) -> "tuple[xr.Dataset, xr.Dataset | None]":
-    """Return a Dataset with one row per top, and one with their events if these are wanted.
-
-    The tops are a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
-
-    Parameters
-    ----------
-    base
-        The base of the tops.
-    variations
-        Arrays (n,) in SI units, under dotted keys.
-    threads
-        How many; by default one per usable core.
-    progress
-        Called as progress(done, of); True draws a bar.
-    orientation
-        Whether the orientation at the end is wanted.
-    lyapunov
-        Whether the finite-time Lyapunov exponents are wanted.
-    events
-        Whether the events are wanted.
-
-    Returns
-    -------
-    (xarray.Dataset, xarray.Dataset or None)
-        Dimensions `top` and `event`, SI units.
-
-    Raises
-    ------
-    InputError
-        If the problem cannot run in lanes, or a key or a shape is wrong.
-
-    Notes
-    -----
-    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; the
-    attributes contain the faults of the first of them.
-    """
-    if lyapunov and (sentences := derivative_faults(base)):
-        raise InputError(sentences)
-    tops = vary(base, variations, orientation=orientation)
-    with reporting(progress, "tops") as tell:
-        measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov, events=events)
-        found = dataset(measured)
-        table = attributes.dataset(event_table(measured), found.attrs) if events else None
-        return found, table

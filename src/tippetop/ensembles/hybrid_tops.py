@@ -111,7 +111,5 @@ def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     outcomes.status[top] = end.status.code
     outcomes.final[:, top] = end.last[0]
     outcomes.settled[top] = end.settled_since is not None
-    outcomes.steps_made += end.steps
-    outcomes.steps_possible += end.steps
     for name, worst in end.drift.items():
         outcomes.drift[name][top] = worst

@@ -79,7 +79,6 @@ class Lanes:
         self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n)
         self.top = self.motion.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
-        self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
         # twice what a step may find
@@ -128,7 +127,7 @@ class Lanes:
                 samples.filled[0] = 0
             if idle or self.stop.is_set():
                 return
-            self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
+            self.loop.drive(MOST_DRIVEN)
             if len(self.log.rows):
                 logged = slice(self.log.filled[0])
                 outcomes.passages.append(

@@ -93,18 +93,13 @@ class Outcomes:
         drift = Drift(tops, tops.start, tops.valid)
         self.look, self.begin = drift.look, drift.begin
         self.drift = drift.worst
-        self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
         # zeros of event functions that lanes found, rows and states; and the events of tops
         self.passages: list[tuple[np.ndarray, np.ndarray]] = []
         self.events: dict[int, EventTable] = {}
+        self.occupancy = 1.0  # of the lanes of tops whose contact may change
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
-
-    @property
-    def occupancy(self) -> float:
-        """Return the steps that tops made, over those that the lanes could have made."""
-        return self.steps_made / max(1, self.steps_possible)
 
 
 def _conclude(outcomes: Outcomes) -> None:
@@ -153,7 +148,6 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
     attrs = {
         "title": tops.base.system.title,
         **build.resolved(tops.base),
-        "occupancy": outcomes.occupancy,
         "seconds": outcomes.seconds,
         "processor_seconds": outcomes.processor,
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],

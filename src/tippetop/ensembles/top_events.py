@@ -23,7 +23,9 @@ def log_of(tops: Problems, top: int) -> EventLog:
     """Return an empty log of one top."""
     problem = problem_of(tops, top)
     tallies = new_tallies(event_rows((), (), ()), np.ones((0, 1)))
-    return EventLog(problem, Observables(problem), problem.start()[None], tallies)
+    log = EventLog(problem, Observables(problem), problem.start()[None], tallies)
+    log.kept = []  # the tallies of the lanes have these numbers
+    return log
 
 
 def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray) -> None:
@@ -35,7 +37,7 @@ def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray
     rows, states = map(np.concatenate, zip(*found, strict=True))
     order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend
     some, first = np.unique(rows["phase"][order], return_index=True)
-    for top, numbers in zip(some.tolist(), np.split(order, first[1:]), strict=True):
+    for top, numbers in zip(some.tolist(), np.split(order, first)[1:], strict=True):
         log = log_of(tops, top)
         its = rows[numbers]
         log.tallies.lane["lasts_since"] = lasts_since[top]

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import PlainData
+from ..columns import Arrays
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
@@ -25,7 +27,6 @@ MAIN = ("attitude", "axis", "theta", "place", "omega3")
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
 ROUNDING = 1e-13  # smaller differences have no order of convergence
-TOUCH = 1e-6  # [radius] largest gap of a contact
 
 
 class Compared(NamedTuple):
@@ -47,10 +48,10 @@ class Compared(NamedTuple):
 
     path: Path
     t: np.ndarray
-    curves: dict[str, np.ndarray]
+    curves: Arrays
     theta: np.ndarray
     reference: np.ndarray
-    numbers: dict[str, Any]
+    numbers: PlainData
 
     @property
     def step(self) -> float | None:
@@ -121,7 +122,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         kept = conserved(there, problem, body)
         touching = _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
-    numbers: dict[str, Any] = {
+    numbers: PlainData = {
         "file": str(path),
         "rows": rows,
         "from": float(t[0]),
@@ -147,7 +148,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     )
 
 
-def reference(run: Solution) -> dict[str, np.ndarray]:
+def reference(run: Solution) -> Arrays:
     """Return the columns of a run, and further quantities of a table, SI."""
     problem = run.problem
     body = problem.body()
@@ -158,15 +159,17 @@ def reference(run: Solution) -> dict[str, np.ndarray]:
     if not isinstance(body, contact.Touch):
         return columns
     view = Observables(problem)
-    scale = float(problem.scales.of(METRE_PER_SECOND))
+    scale = problem.unit(METRE_PER_SECOND)
     state = view.state(run.rows)
     theta = columns["theta"]
     none = np.zeros(len(run.times))
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
-    place = columns["x"], columns.get("y", none), contact.height(np.cos(theta), body)
+    z = np.cos(theta)
+    touching = contact.touching_ball(z, np.sin(theta) ** 2, body)
+    place = columns["x"], columns.get("y", none), contact.height(z, touching)
     across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
     columns["place"] = np.stack(place, axis=1)
-    rise = body.c * np.sin(theta) * columns["theta_dot"]
+    rise = touching.c * np.sin(theta) * columns["theta_dot"]
     columns["velocity"] = np.stack([*across, rise], axis=1)
     if "L" in columns:
         spin = columns["omega3"][:, None] * columns["axis"]
@@ -174,11 +177,9 @@ def reference(run: Solution) -> dict[str, np.ndarray]:
     return columns
 
 
-def differences(
-    there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]
-) -> dict[str, np.ndarray]:
+def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
-    result: dict[str, np.ndarray] = {}
+    result: Arrays = {}
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi"):
@@ -194,11 +195,11 @@ def differences(
     return result
 
 
-def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, np.ndarray]:
+def conserved(there: Motion, problem: Problem, body: contact.Touch) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
-    if w is None:
+    if w is None or hasattr(body, "I2"):  # three moments need more than the axis
         return {}
     values = {}
     if problem.system.name.endswith("tippe-top"):
@@ -222,8 +223,8 @@ def _relative(values: np.ndarray) -> np.ndarray:
     return values / values[np.isfinite(values)][0] - 1
 
 
-def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, Any]:
-    """Return the penetration of the floor by the other motion, and the times when it leaves it."""
+def _contact(there: Motion, problem: Problem, body: contact.Touch) -> PlainData:
+    """Return by how much the other motion penetrates the floor, and leaves it [m]."""
     axis: Any = there.axis
     if (
         there.place is None
@@ -233,19 +234,15 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
         return {}
     z = axis[:, 2]
     gap = there.place[:, 2] - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
-    off = gap > TOUCH * contact.size(body)
-    leaves = there.t[1:][off[1:] & ~off[:-1]]
     return {
         "contact": {
             "penetration": float(max(0.0, -np.nanmin(gap))),
             "gap": float(max(0.0, np.nanmax(gap))),
-            "leaves": leaves[:100].tolist(),
-            "times_off": len(leaves),
         }
     }
 
 
-def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
+def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
     """Return the largest difference and its time, means, and when it exceeds each level."""
     given = np.isfinite(curve)
     t = t[given]
@@ -264,9 +261,7 @@ def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
     return missing if value is None else format(value, form)
 
 
-def _start_faults(
-    numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention
-) -> str:
+def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) -> str:
     """Return a message if the first row differs from the start of the reference."""
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
@@ -279,7 +274,7 @@ def _start_faults(
     return ""
 
 
-def orders_of(compared: Sequence[Compared]) -> list[dict[str, Any]]:
+def orders_of(compared: Sequence[Compared]) -> list[PlainData]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
     They are those of the time in which the coarser motion is within 0.1 rad.
@@ -290,7 +285,7 @@ def orders_of(compared: Sequence[Compared]) -> list[dict[str, Any]]:
     for (long, coarse), (short, fine) in itertools.pairwise(stepped):
         if long == short:
             continue
-        orders: dict[str, Any] = {"steps": [long, short]}
+        orders: PlainData = {"steps": [long, short]}
         for name in ("theta", "attitude", "axis", "place"):
             if name not in coarse.curves or name not in fine.curves:
                 continue

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from ..arguments import PlainData
 from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
@@ -18,7 +19,7 @@ from .observation import TIMES, Observation
 WIDEST = 1e6
 
 
-def plain(fit: Fit, observation: Observation) -> dict[str, Any]:
+def plain(fit: Fit, observation: Observation) -> PlainData:
     """Return the object that `tippetop fit --json` prints."""
     from pandas import DataFrame
 
@@ -31,8 +32,7 @@ def plain(fit: Fit, observation: Observation) -> dict[str, Any]:
         "reason": " ".join(fit.reason),
         "noise": fit.noise,
         "rows": len(observation.t),
-        "rows_used": {name: used for name, (used, _) in observation.cells.items()},
-        "evaluations": fit.evaluations,
+        "rows_used": observation.used,
     }
 
 
@@ -51,8 +51,8 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
         f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()
     )
     rows.append(f"residuals: {noise} (root mean square)")
-    cells = (f"{name} {used} of {given}" for name, (used, given) in observation.cells.items())
-    rows.append(f"rows used: {', '.join(cells)}")
+    used = ", ".join(f"{name} {count}" for name, count in observation.used.items())
+    rows.append(f"rows used: {used} of {len(observation.t)}")
     return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
 
 
@@ -63,7 +63,7 @@ def _digits(estimate: Estimate) -> int:
     return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
-def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
+def tables(problem: Problem, fit: Fit) -> PlainData:
     """Return the tables of the scenario with the fitted numbers."""
     changed = build.resolved(problem)
     for name, estimate in fit.estimates.items():
@@ -85,7 +85,7 @@ def toml(problem: Problem, fit: Fit) -> str:
     return "\n".join([heading, toml_of(tables(problem, fit), notes), *clock]) + "\n"
 
 
-def toml_of(tables: dict[str, Any], notes: Mapping[str, str] = MappingProxyType({})) -> str:
+def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return the tables of a scenario as TOML; `notes`: comments by dotted name."""
     text: list[str] = []
     for name, table in sorted(tables.items(), key=lambda item: isinstance(item[1], dict)):

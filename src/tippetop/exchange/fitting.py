@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from .misfit import ROUNDING, Misfit
@@ -62,8 +63,6 @@ class Fit(NamedTuple):
         two parts, across it.
     noise
         Name -> its standard deviation.
-    evaluations
-        The number of motions that were computed.
     """
 
     estimates: dict[str, Estimate]
@@ -71,9 +70,8 @@ class Fit(NamedTuple):
     converged: bool
     trustworthy: bool
     reason: list[str]
-    residuals: dict[str, np.ndarray]
+    residuals: Arrays
     noise: dict[str, float]
-    evaluations: int
 
 
 def fit(
@@ -170,7 +168,7 @@ def _refuse(misfit: Misfit) -> None:
         )
 
 
-def _excess(parts: dict[str, np.ndarray]) -> float:
+def _excess(parts: Arrays) -> float:
     """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
     lags = np.arange(1, LAGS + 1)
     worst = 0.0
@@ -247,11 +245,10 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
         reasons,
         parts,
         noise,
-        misfit.evaluations,
     )
 
 
-def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
+def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
     """Return sentences on residuals that are not noise, or not of the stated size."""
     observation = misfit.observation
     reasons = []

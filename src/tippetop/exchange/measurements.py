@@ -1,9 +1,7 @@
 """Measurements from a table, with the prediction of a scenario for them."""
 
-from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -11,9 +9,8 @@ from ..arguments import dotted_keys, measured
 from ..errors import InputError
 from ..mechanics.units import RADIAN
 from ..problem import Problem
-from .headers import KIND
 from .motion import Convention, motion
-from .motion_table import Table, read
+from .motion_table import read
 from .observation import Observation
 
 
@@ -52,24 +49,4 @@ def observation_of(
             "the body (--marker x,y,z, metres in body axes), but one of them is missing."
         )
     names = dotted_keys(free, problem.rules)
-    observation = Observation(problem, names, motion(table, convention), marker, noise)
-    observation.cells = cells(table, observation.groups)
-    return observation
-
-
-def cells(table: Table, groups: dict[str, np.ndarray]) -> dict[str, tuple[int, int]]:
-    """Return in how many rows a fit uses each quantity of a table, and how many have it."""
-    given: dict[str, Any] = defaultdict(lambda: np.zeros(len(table.t), bool))
-    used = given.copy()
-    for name, values in table.columns.items():
-        given[KIND.get(name, name)] |= np.isfinite(values)
-    for kind, rows in groups.items():
-        used[kind] |= np.isfinite(rows).any(axis=1)
-    for angle in ("theta", "phi"):  # an axis may be theirs
-        used[angle] |= used["axis"] & ~given["axis"]
-    used["omega"] = used["omega3"] & ~given["omega3"]
-    return {
-        kind: (int((rows & used[kind]).sum()), int(rows.sum()))
-        for kind, rows in given.items()
-        if kind != "t" and rows.any()
-    }
+    return Observation(problem, names, motion(table, convention), marker, noise)

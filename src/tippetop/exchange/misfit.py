@@ -51,7 +51,6 @@ class Misfit:
             for group, seen in observation.groups.items()
         }
         self.rows = len(observation.t)
-        self.evaluations = 0
 
     def at(
         self, points: np.ndarray, rows: int, *, slopes: bool = True
@@ -61,7 +60,6 @@ class Misfit:
         Without `slopes` the Jacobians have no columns. Gaps are left out; a motion that cannot be
         computed leaves `WORST`, constant.
         """
-        self.evaluations += len(points)
         parts = self.observation.predictions(
             [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
         )

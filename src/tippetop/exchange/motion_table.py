@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..columns import Arrays
 from ..errors import InputError
 from .headers import heading
 
@@ -33,7 +34,7 @@ class Table:
     """
 
     path: Path
-    columns: dict[str, np.ndarray]
+    columns: Arrays
 
     @property
     def t(self) -> np.ndarray:
@@ -138,7 +139,7 @@ def _number(cell: Any, place: str, name: str, gaps: Collection[str]) -> float:
     )
 
 
-def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -> None:
+def _check(columns: Arrays, wrapped: bool, noise: float | None) -> None:
     """Raise InputError for columns that are not those of a motion."""
     t = columns["t"]
     if not (rises := np.diff(t) > 0).all():

@@ -1,10 +1,11 @@
 """The predictions of a scenario for a table of measurements, and their derivatives."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from ..columns import Arrays
 from ..engine.expressions import AXES, component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
@@ -65,11 +66,7 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
-    cells
-        In how many rows each quantity of a table is used, and how many have it.
     """
-
-    cells: Mapping[str, tuple[int, int]] = {}
 
     def __init__(
         self,
@@ -84,7 +81,7 @@ class Observation:
         self.noise = noise
         if problem.contact is not None:
             raise InputError(UNSUPPORTED)
-        self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
+        self.second, self.metre = map(problem.unit, (SECOND, METRE))
         longest = LONGEST * self.second
         # [s] Within which the time of the table's clock is searched
         self.reach = REACH * float(self.t[-1] - self.t[0])
@@ -119,6 +116,13 @@ class Observation:
             )
         )
 
+    @property
+    def used(self) -> dict[str, int]:
+        """In how many rows each kind of measurement is used."""
+        return {
+            kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
+        }
+
     def refine(self) -> None:
         """Predict with the tolerance of the scenario from now on."""
         self.tangents.problem = self.exact
@@ -151,14 +155,14 @@ class Observation:
             parts[group] = off.reshape(k, len(t), -1), moves.reshape(k, len(t), *moves.shape[1:])
         return parts
 
-    def dots(self) -> dict[str, np.ndarray]:
+    def dots(self) -> Arrays:
         """Return the measurements for a figure, by group, (rows, parts); theta for orientations."""
         rows = dict(self.groups)
         if "orientation" in rows:
             rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
-    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
         """Return the predictions of `dots`, also between them: times [s], and curves by group."""
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
         jets = self._read([values], t, slopes=False)
@@ -172,9 +176,7 @@ class Observation:
             curves["orientation"] = np.arctan2(np.hypot(x, y), z)
         return t, curves
 
-    def _read(
-        self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool
-    ) -> dict[str, np.ndarray]:
+    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> Arrays:
         """Read the motions of sets of values, by name, (points rows, 1 + free), internal units.
 
         The first column is the value, the others its derivatives by the free numbers in SI units.
@@ -203,7 +205,7 @@ class Observation:
         return jets
 
     def _residual(
-        self, group: str, seen: np.ndarray, jets: dict[str, np.ndarray]
+        self, group: str, seen: np.ndarray, jets: Arrays
     ) -> tuple[np.ndarray, np.ndarray]:
         if group == "orientation":
             axes, turn = self._axes(jets)
@@ -216,7 +218,7 @@ class Observation:
         off = seen - model
         return (np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off), moves
 
-    def _model(self, group: str, jets: dict[str, np.ndarray]) -> np.ndarray:
+    def _model(self, group: str, jets: Arrays) -> np.ndarray:
         """Return the predictions of a group and their derivatives, (rows, parts, 1 + free)."""
         sizes = {"place": self.metre, "marker": self.metre, "omega3": 1 / self.second}
         names = NAMES.get(group, (group,))
@@ -227,7 +229,7 @@ class Observation:
             model += np.concatenate([arm, np.cross(turn, arm, axis=1)], axis=2)
         return model
 
-    def _axes(self, jets: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def _axes(self, jets: Arrays) -> tuple[np.ndarray, np.ndarray]:
         """Return the axes of the body (rows, space, axes), and their rotation vectors."""
         first, third = (
             np.stack([jets[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:])
@@ -238,9 +240,9 @@ class Observation:
         return axes, residuals.turning(a, c, first[..., 1:], third[..., 1:])
 
 
-def _groups(problem: Problem, seen: Motion) -> dict[str, np.ndarray]:
+def _groups(problem: Problem, seen: Motion) -> Arrays:
     """Return the measurements by kind, (rows, parts), each quantity once."""
-    groups: dict[str, np.ndarray] = {}
+    groups: Arrays = {}
     kinds = {"theta": seen.theta}
     if "axis" in problem.system.vectors:
         kinds = {"orientation": seen.orientation, "axis": seen.axis, **kinds, "phi": seen.phi}

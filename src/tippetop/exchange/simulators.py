@@ -13,9 +13,9 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
-from ..runs.shape import refuse_outline
+from ..runs.shape import Surface, angular_velocity, moments, surface_of
 from ..scenario import build
-from .motion import axis_of, turned
+from .motion import turned
 
 
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
@@ -67,12 +67,14 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
 
     state, carried = read.state(rows)
     x = contact.turning(state)
-    u = np.stack(x.u, axis=1).astype(float)
     L = vectors(ANGULAR_MOMENTUM, *x.L)
+    u = np.stack(x.u[:3], axis=1).astype(float)
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
     spin = (L * u).sum(axis=1)[:, None]
     w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
+    if hasattr(body, "I2"):
+        w = angular_velocity(q, L, moments(body))
     if fixed:
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
@@ -101,17 +103,30 @@ def _opened(problem: Problem) -> Problem:
 def text_of(problem: Problem, to: str) -> str:
     """Return the text of the file.
 
-    Raises InputError for a planar body whose contact never opens, or another format.
+    Raises InputError for a planar body whose contact never opens, for a surface that the format
+    cannot express, or without orientation.
     """
     planar = "axis" not in problem.system.vectors and problem.contact is None
-    if planar or not isinstance(problem.body(), contact.Touch):
+    if planar or not hasattr(problem.body(), "outline"):
         raise InputError(
             f"a body for a simulator must be a top, but this is `{problem.system.name}`."
         )
-    refuse_outline(problem.body(), problem.system.name)
+    if to not in formats_of(problem):
+        raise InputError(
+            f"the surface of `{problem.system.name}` must be one that `{to}` can express: MJCF and "
+            "SDF have spheres and ellipsoids, URDF has spheres."
+        )
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))
+
+
+def formats_of(problem: Problem) -> tuple[str, ...]:
+    """Return the formats that can express the surface of a body, with its name."""
+    surface = surface_of(problem.body())
+    if len(surface.meridian):
+        return ()
+    return ("mjcf", "sdf") if np.ptp(surface.half) else ("mjcf", "urdf", "sdf")
 
 
 DIGITS = 12
@@ -148,8 +163,10 @@ class Model(NamedTuple):
         In SI units.
     fixed
         Whether its tip is fixed.
-    balls
-        Name, offset along the axis and radius of each ball that touches the plane.
+    moments
+        Principal moments of inertia.
+    surfaces
+        Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem.
     friction
         Coefficients of sliding, and of drilling and rolling torques [m].
     bounce
@@ -162,7 +179,8 @@ class Model(NamedTuple):
     body: Any
     start: Start
     fixed: bool
-    balls: list[tuple[str, float, float]]
+    moments: np.ndarray
+    surfaces: dict[str, Surface]
     friction: tuple[float, float, float]
     bounce: float
     title: str
@@ -171,17 +189,16 @@ class Model(NamedTuple):
     @property
     def inertia(self) -> dict[str, str]:
         """Moments of inertia about the centre of mass by their names in URDF and SDF."""
-        across = _numbers(self.body.I1)
-        along = _numbers(self.body.I3)
-        return {"ixx": across, "iyy": across, "izz": along, "ixy": "0", "ixz": "0", "iyz": "0"}
+        moments = dict(zip(("ixx", "iyy", "izz"), map(_numbers, self.moments), strict=True))
+        return moments | {"ixy": "0", "ixz": "0", "iyz": "0"}
 
     def comment(self, *sentences: str) -> str:
         """Return the differences of a simulator, and further ones, as a comment."""
         sentences = (*self.differences, *sentences)
         lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
+        third = "its axis of symmetry" if self.moments[0] == self.moments[1] else "axis 3"
         return (
-            f"<!--\n  {self.title}, from tippetop. SI units, z up, z of the body along its "
-            "axis of symmetry.\n"
+            f"<!--\n  {self.title}, from tippetop. SI units, z up, z of the body along {third}.\n"
             f"  Compare the output with: {RESULT}\n"
             f"  Differences from tippetop:\n{lines}\n-->\n"
         )
@@ -205,10 +222,14 @@ def _model(problem: Problem) -> Model:
     body = problem.body()
     opens = problem.contact
     fixed = problem.system.name == "heavy-top"
-    tip = TIP * abs(body.c)
-    balls = [("sphere", body.c, body.R) if body.R else ("tip", body.c, tip)]
+    touching = surface_of(body)
+    pointed = not touching.half.any()
+    tip = TIP * abs(touching.centre[2])
+    name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
+    surfaces = {name: touching._replace(half=np.full(3, tip)) if pointed else touching}
     if opens is not None and opens.stem:
-        balls.append(("stem", body.c + opens.h, opens.r))
+        centre = touching.centre + np.array([0.0, 0.0, opens.h])
+        surfaces["stem"] = Surface(centre, np.full(3, opens.r))
     mu = float(getattr(law, "mu", 0.0))
     sentences = []
     if not fixed:
@@ -239,7 +260,7 @@ def _model(problem: Problem) -> Model:
         sentences.append(f"restitution e_n = {bounce:g}: set it in the simulator")
     if "axis" not in problem.system.vectors:
         sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
-    if body.R == 0 and not fixed:
+    if pointed and not fixed:
         sentences.append(f"a tip that is a point: here a ball of radius {tip:.3g} m")
     if opens is None and not fixed:
         sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
@@ -248,7 +269,8 @@ def _model(problem: Problem) -> Model:
         body,
         start_of(problem),
         fixed,
-        balls,
+        moments(body),
+        surfaces,
         (mu, torsion, rolling),
         bounce,
         problem.system.title,
@@ -256,12 +278,21 @@ def _model(problem: Problem) -> Model:
     )
 
 
+def _ellipsoid(surface: Surface) -> str:
+    """Return type, size and attitude of a geom in MJCF."""
+    if not np.ptp(surface.half):
+        return f'type="sphere" size="{_numbers(surface.half[0])}"'
+    angle = surface.turn / 2
+    quaternion = _numbers([math.cos(angle), 0.0, 0.0, math.sin(angle)])
+    return f'type="ellipsoid" size="{_numbers(surface.half)}" quat="{quaternion}"'
+
+
 def _mjcf(model: Model) -> str:
     body, start, (mu, torsion, rolling) = model.body, model.start, model.friction
-    frame = body.c  # the centre of the ball that touches, or the fixed tip
+    frame = next(iter(model.surfaces.values())).centre  # or the fixed tip
     inertia = (
-        f'<inertial pos="0 0 {_numbers(-frame)}" mass="{_numbers(body.m)}" '
-        f'diaginertia="{_numbers(body.I1, body.I1, body.I3)}"/>'
+        f'<inertial pos="{_numbers(-frame)}" mass="{_numbers(body.m)}" '
+        f'diaginertia="{_numbers(*model.moments)}"/>'
     )
     condim = 6 if rolling else 4 if torsion else 3 if mu else 1
     surface = f'condim="{condim}" friction="{_numbers(*model.friction)}"'
@@ -280,16 +311,16 @@ def _mjcf(model: Model) -> str:
     else:
         joint = "<freejoint/>"
         geoms = "\n".join(
-            f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 '
-            f'{_numbers(offset - frame)}" {surface}/>'
-            for name, offset, radius in model.balls
+            f'      <geom name="{name}" {_ellipsoid(each)} pos="{_numbers(each.centre - frame)}" '
+            f"{surface}/>"
+            for name, each in model.surfaces.items()
         )
         floor = f'<geom name="floor" type="plane" size="1 1 0.1" {surface}/>'
         default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
         contact_words = (
             "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
         )
-        arm = frame * axis_of(start.quaternion)
+        arm = turned(start.quaternion, frame)
         turning = turned(start.quaternion, start.omega)
         qpos = _numbers(start.place + arm, start.quaternion)
         qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
@@ -324,9 +355,9 @@ def _urdf(model: Model) -> str:
             "body (the tip) at the origin"
         )
     balls = "\n".join(
-        f'    <collision name="{name}">\n      <origin xyz="0 0 {_numbers(offset)}"/>\n'
-        f'      <geometry><sphere radius="{_numbers(radius)}"/></geometry>\n    </collision>'
-        for name, offset, radius in ([] if model.fixed else model.balls)
+        f'    <collision name="{name}">\n      <origin xyz="{_numbers(each.centre)}"/>\n'
+        f'      <geometry><sphere radius="{_numbers(each.half[0])}"/></geometry>\n    </collision>'
+        for name, each in ([] if model.fixed else model.surfaces.items())
     )
     inertia = " ".join(f'{name}="{value}"' for name, value in model.inertia.items())
     return f"""<?xml version="1.0"?>
@@ -352,6 +383,12 @@ def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
     return [total - difference, pitch, total + difference]
 
 
+def _sdf_geometry(surface: Surface) -> str:
+    if not np.ptp(surface.half):
+        return f"<sphere><radius>{_numbers(surface.half[0])}</radius></sphere>"
+    return f"<ellipsoid><radii>{_numbers(surface.half)}</radii></ellipsoid>"
+
+
 def _sdf(model: Model) -> str:
     body, fixed, (mu, torsion, _) = model.body, model.fixed, model.friction
     sentence = (
@@ -371,11 +408,11 @@ def _sdf(model: Model) -> str:
     balls = "".join(
         f"""
         <collision name="{name}">
-          <pose>0 0 {_numbers(offset)} 0 0 0</pose>
-          <geometry><sphere><radius>{_numbers(radius)}</radius></sphere></geometry>
+          <pose>{_numbers(each.centre)} 0 0 {_numbers(each.turn)}</pose>
+          <geometry>{_sdf_geometry(each)}</geometry>
           {surface}
         </collision>"""
-        for name, offset, radius in ([] if fixed else model.balls)
+        for name, each in ([] if fixed else model.surfaces.items())
     )
     inertia = "".join(f"<{name}>{value}</{name}>" for name, value in model.inertia.items())
     pose = _numbers(model.start.place, _roll_pitch_yaw(model.start.quaternion))
@@ -395,8 +432,9 @@ def _sdf(model: Model) -> str:
         <child>top</child>
         <pose>0 0 {_numbers(body.c)} 0 0 0</pose>
       </joint>"""
+    version = "1.8" if "ellipsoid" in model.surfaces else "1.6"
     return f"""<?xml version="1.0"?>
-{model.comment(sentence, *model.settings())}<sdf version="1.6">
+{model.comment(sentence, *model.settings())}<sdf version="{version}">
   <world name="default">
     <gravity>0 0 {_numbers(-body.g)}</gravity>{"" if fixed else floor}
     <model name="top">

@@ -15,9 +15,6 @@ EXACT = 1e-16
 UPRIGHT = 1e-3
 """Least range of theta that is drawn [rad]; the height is drawn where no motion leaves it."""
 
-STILL = 1e-9
-"""Least error of an attitude that is drawn [rad]."""
-
 
 @styled()
 def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
@@ -33,10 +30,9 @@ def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
     """
     fig = figure(10, 4.8)
     left, right = fig.subplots(1, 2)
-    turned = any(result.compared.numbers["attitude"]["max"] > STILL for result in results)
-    moved, unit = ("attitude", "rad") if turned else ("position", "m")
     tilts = any(np.max([r.compared.theta, r.compared.reference]) > UPRIGHT for r in results)
     upright = not tilts and all(np.isfinite(r.heights[0]).all() for r in results)
+    moved, unit = ("position", "m") if upright else ("attitude", "rad")
     by_setting: dict[str, list[Any]] = {}
     for result in results:
         by_setting.setdefault(f"{result.engine} {result.setting}", []).append(result)

@@ -1,7 +1,8 @@
 """A film strip, the body at eight times on one line, and the frames of a film.
 
-The body is made of surfaces of revolution; their facets are painted from the far ones to the near
-ones. The camera looks along y, from somewhat above; z is up. Lengths are in units of the body.
+The body is made of ellipsoids and surfaces of revolution; their facets are painted from the far
+ones to the near ones. The camera looks along y, from somewhat above; z is up. Lengths are in units
+of the body.
 """
 
 from collections.abc import Callable, Iterator
@@ -119,8 +120,9 @@ def frames(
     fig.set_dpi(100)
     fig.set_layout_engine("none")
     ax = fig.add_axes((0, 0, 1, 1))
+    centre = shape["surfaces"][0]["centre"] @ np.array(shape["axes"])
     for q, place, text in zip(orientations, places, texts, strict=True):
-        below = (place + shape["balls"][0]["offset"] * rotation(q)[:, 2])[:2] / shape["unit"]
+        below = (place + rotation(q) @ centre)[:2] / shape["unit"]
         dots = (FLOOR - below % STEP) @ SCREEN[:, :2].T
         ax.clear()
         ax.set(xlim=HALF * width / height, ylim=1 + HALF)
@@ -139,45 +141,62 @@ def pose(
 
     Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
     """
-    axes = rotation(np.asarray(row["orientation"]))
+    axes = rotation(np.asarray(row["orientation"])) @ np.transpose(shape["axes"])
     unit = shape["unit"]
-    third = axes[:, 2]
-    balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
-    (offset, radius), stems = balls[0], balls[1:]
+    down = -axes[2]
+    profile = np.array(_capsule(1.0, 1.0))
+    if shape["meridian"]:
+        profile = np.array(shape["meridian"])[::-1, 1::-1].T
+    surfaces = [
+        (np.array(each["centre"]) / unit, np.array(each["half"]) / unit)
+        for each in shape["surfaces"]
+    ]
+    (offset, _), *stems = surfaces
     if "z" in row:
         height = float(row["z"]) / unit
     elif shape["fixed"]:
-        height = -offset * third[2]
+        height = -(axes @ offset)[2]
     else:  # the lowest point is on the floor
-        height = max(size - at * third[2] for at, size in balls)
+        height = max(down @ (at + _farthest(down, size, profile)) for at, size in surfaces)
     # the ball, or the tip, stays in the middle
-    mass = np.array([0, 0, height]) - offset * third * (1, 1, 0)
-    thick = [(mass + at * third, size) for at, size in balls]
-    centre = thick[0][0]
+    mass = np.array([0, 0, height]) - axes @ offset * (1, 1, 0)
+    thick = [(mass + axes @ at, size) for at, size in surfaces]
     if shape["kind"] == "heavy":
-        across, along = (half / unit for half in shape["ellipsoid"])
-        thick = [(mass, max(across, along))]
-        parts = [
-            _facets(mass, axes, *_capsule(across, along), None),
-            _facets(mass, axes, *_capsule(0.05, 0.05, offset, -along), IRON),
-            _facets(mass, axes, *_capsule(0.05, 0.05, along, along + 0.3), IRON),
-        ]
+        thick = [(mass, np.array(shape["ellipsoid"]) / unit)]
+    centre, half = thick[0]
+    parts = [_facets(centre, axes * half, profile[0], profile[1], None)]
+    if shape["kind"] == "heavy":
+        for ends in ((offset[2], -half[2]), (half[2], half[2] + 0.3)):
+            parts.append(_facets(mass, axes, *_capsule(0.05, 0.05, *ends), IRON))
     elif shape["kind"] == "cylinder":
-        half = 0.7 * radius
-        profile = np.array([0, radius, radius, 0]), np.array([-half, -half, half, half])
+        radius = half[0]
+        wide = 0.7 * radius
+        can = np.array([0, radius, radius, 0]), np.array([-wide, -wide, wide, wide])
         paint = np.where(_even()[:, None], CREAM, BLUE)
-        parts = [_facets(centre, axes[:, [2, 0, 1]], *profile, paint)]
-    else:
-        parts = [_facets(centre, axes, *_capsule(radius, radius), None)]
+        parts = [_facets(centre, axes[:, [2, 0, 1]], *can, paint)]
     for at, size in stems:
-        rod = np.sqrt(radius**2 - size**2), at - offset
-        parts.append(_facets(centre, axes, *_capsule(size, size, *rod), WOOD))
+        rod = np.sqrt(half[0] ** 2 - size[0] ** 2), at[2] - offset[2]
+        parts.append(_facets(centre, axes, *_capsule(size[0], size[0], *rod), WOOD))
     corners, colours = (np.concatenate(each) for each in zip(*parts, strict=True))
     far_first = np.argsort(-corners.mean(axis=1) @ AHEAD)
-    hangs = shape["fixed"] and offset * third[2] > 0  # then there is no floor
-    shadows = np.array([_shadow(*ball) for ball in ([] if hangs else thick)]).reshape(-1, FACETS, 3)
+    hangs = shape["fixed"] and (axes @ offset)[2] > 0  # then there is no floor
+    shadows = np.array(
+        [_shadow(at, axes, size, profile) for at, size in ([] if hangs else thick)]
+    ).reshape(-1, FACETS, 3)
     screen = (corners[far_first] @ SCREEN.T, shadows @ SCREEN.T)
     return *screen, colours[far_first], mass @ SCREEN.T
+
+
+def _farthest(direction: Array, half: Array, profile: Array) -> Array:
+    """Return the point of a surface that lies farthest in a direction, in axes of the surface.
+
+    The surface has a profile of radii and heights, in units of its half axes.
+    """
+    x, y, z = half * direction
+    across = np.hypot(x, y)
+    radius, height = profile[:, np.argmax([across, z] @ profile)]
+    radius /= across or 1.0
+    return half * [radius * x, radius * y, height]
 
 
 def _capsule(across: float, along: float, low: float = 0, high: float = 0) -> tuple[Array, Array]:
@@ -217,16 +236,18 @@ def _facets(
     if paint is None:
         middle = (heights[1:] + heights[:-1])[:, None, None] / 2
         paint = np.where(middle > 0, CREAM, BLUE) * np.where(_even(), 1.0, 0.75)[:, None]
-        paint = np.where(middle > 0.93 * heights.max(), ORANGE, paint)
+        top = (middle > 0.93 * heights.max()) & (radii[:-1, None, None] < 0.4)
+        paint = np.where(top, ORANGE, paint)
     seen = normal @ AHEAD < 0
     normal = normal[seen] / np.linalg.norm(normal[seen], axis=1, keepdims=True)
     bright = 0.42 + 0.64 * np.clip(normal @ LIGHT, 0, 1)[:, None]
     return corners[seen], np.clip(np.broadcast_to(paint, (*seen.shape, 3))[seen] * bright, 0, 1)
 
 
-def _shadow(centre: Array, radius: float) -> Array:
-    """Return the rim (FACETS, 3) of the shadow of a ball on the floor."""
+def _shadow(centre: Array, axes: Array, half: Array, profile: Array) -> Array:
+    """Return the rim (FACETS, 3) of the shadow of a surface on the floor."""
     angle = np.linspace(0, 2 * np.pi, FACETS)[:, None]
     _, one, other = np.linalg.svd(LIGHT[None])[2]
-    rim = centre + radius * (np.cos(angle) * one + np.sin(angle) * other)
+    around = (np.cos(angle) * one + np.sin(angle) * other) @ axes
+    rim = centre + [axes @ _farthest(way, half, profile) for way in around]
     return rim - rim[:, 2:] / LIGHT[2] * LIGHT

@@ -39,6 +39,10 @@ def reconstruction(
         raise InputError(
             f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."
         )
+    if speed := problem.initial.get("theta_dot"):
+        raise InputError(
+            f"`initial.theta_dot` must be 0, so that the run starts at a turning, but is {speed:g}."
+        )
     names = "modified_energy", *system.momenta
     require(("theta", *names), rows, "what theta is reconstructed from")
     times = rows["time"].values

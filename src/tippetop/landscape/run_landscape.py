@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..arguments import PlainData
 from ..columns import capitalised, on_sphere, significant_turnings
 from ..errors import InputError
 from ..mechanics.friction import PARTS, Frictionless
@@ -26,7 +27,7 @@ SPINNING = ("D", "lambda")  # the momenta over which spinning states are lines
 
 
 def band(
-    trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]
+    trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData
 ) -> tuple[xr.Dataset, xr.Dataset, str]:
     """Return the band along a run, the logged turning angles with the nearer edge, and a title.
 
@@ -59,7 +60,7 @@ def band(
     )
 
 
-def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
+def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tuple[Any, ...]:
     """Return the surface around a run, the marked lines, the run on its sphere, and a title."""
     refuse_parts(attrs.get("friction", {}))
     parameters = attrs["parameters"]
@@ -74,7 +75,7 @@ def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -
     return grid, lines, seen, capitalised(attrs["title"])
 
 
-def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
+def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tuple[Any, ...]:
     """Return V(z), E~ and the turning angles at several times, and a title.
 
     The times are evenly spread in theta, hence all through an inversion.
@@ -106,7 +107,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
 
 
 def states(
-    trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]
+    trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData
 ) -> tuple[list[tumbling.Branch], dict[str, float], str, tuple[np.ndarray, np.ndarray]]:
     """Return the asymptotic states of the body of a run; see `diagram`.
 

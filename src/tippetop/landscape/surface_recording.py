@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column
 from ..progress import Report
 from ..store import files, ledger, zarr3
@@ -52,7 +53,7 @@ class Surface:
             for name, values in landscape_labels.momenta(self.top, self.x, self.y).items()
         }
 
-    def header(self) -> dict[str, Any]:
+    def header(self) -> PlainData:
         """Return the header of the ledger: the axes, and F, z and status over them."""
         axes = self.axes()
         about = {
@@ -146,9 +147,7 @@ def write(
     return path
 
 
-def write_potential(
-    path: str | Path, V: Any, attrs: dict[str, Any], *, overwrite: bool = False
-) -> None:
+def write_potential(path: str | Path, V: Any, attrs: PlainData, *, overwrite: bool = False) -> None:
     """Write the Dataset V of `potential` along z into a new store. Raises StoreError."""
     group = "potential"
     columns = {

@@ -60,7 +60,7 @@ def sensitivities(
 
     Parameters
     ----------
-    source : TippeTop, HeavyTop, Cylinder, Spheroid, Disc, str, path, System, mapping or Problem
+    source : body, str, path, System, mapping or Problem
         As for `run`.
     wrt : list of str
         Names of numbers: "alpha", "mu", "omega3", ...; write one that occurs in several
@@ -128,7 +128,7 @@ def lyapunov(
 
     Parameters
     ----------
-    source : TippeTop, HeavyTop, Cylinder, Spheroid, Disc, str, path, System, mapping or Problem
+    source : body, str, path, System, mapping or Problem
         As for `run`.
     friction : law or mapping, optional
         As for `run`.

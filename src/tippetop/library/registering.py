@@ -1,13 +1,16 @@
 """Register user-defined systems and friction laws by name."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
 from ..errors import InputError
 from ..mechanics import systems
+from ..mechanics.contact.body import Top
 from ..mechanics.friction import FrictionLaw
+from ..mechanics.number import Number
 from ..mechanics.system import System
+from ..mechanics.systems import revolution, user_outline
 
 
 SYSTEMS = MappingProxyType(systems.SYSTEMS)
@@ -66,3 +69,37 @@ def register(record: System | type[FrictionLaw]) -> Any:
             f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}."
         )
     return record
+
+
+def outline(numbers: Mapping[str, Number], height: Callable) -> type[Top]:
+    """Register a body of revolution by the height of its centre of mass on the plane.
+
+    Its two systems, gliding and rolling, are named after the function: that of `hen_egg` is
+    "hen-egg", and "rolling-hen-egg". They have every law and every phase of the contact that a
+    Spheroid has.
+
+    Parameters
+    ----------
+    numbers : dict of Number
+        Its numbers by name, other than m, I1, I3 and g.
+    height : callable
+        height(z, s2, b) -> the height of the centre of mass [m] at the inclination theta: z is
+        cos(theta), s2 is sin(theta)^2, b has the numbers. It may use + - * /, whole powers and
+        `tippetop.extending.root`; derivatives follow.
+
+    Returns
+    -------
+    class
+        The body, which `tippetop.run` takes as it does a Spheroid.
+
+    Raises
+    ------
+    InputError
+        If `height` cannot be evaluated, or the name is known. A body whose outline is not smooth
+        or not convex is refused when it is made.
+    """
+    body = user_outline.body_by_height(numbers, height)
+    title = body.gliding.replace("-", " ")
+    for system in revolution.systems(body, title, "", classes=revolution.SPHEROID.classes):
+        register(system)
+    return body

@@ -40,7 +40,7 @@ def run(
 
     Parameters
     ----------
-    source : TippeTop, HeavyTop, Cylinder, Spheroid, Disc, str, path, System, mapping or Problem
+    source : body, str, path, System, mapping or Problem
         A body; the name of a preset; a TOML file; a System, with `parameters`; or the tables of
         a scenario. A body with a friction law glides. Without a law, a HeavyTop has a fixed tip
         and a Cylinder rolls; a TippeTop requires a law, unless `system="rolling-tippe-top"`.

@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ..arguments import in_python, instance, measured_values, plain, takes
+from ..arguments import PlainData, in_python, instance, measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
@@ -92,16 +92,14 @@ def checked(problem: Problem) -> Problem:
         return build.checked(problem)
 
 
-def _tables(
-    source: Any, system: str | System | None, friction: Any
-) -> tuple[dict[str, Any], System]:
+def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[PlainData, System]:
     """Return the tables of the source, and its system."""
     record = next((each for each in (system, source) if isinstance(each, System)), None)
     if record is not None:
         check(record)
     if isinstance(source, Top):
         glides = friction is not None or source.gliding == "tippe-top"
-        tables: dict[str, Any] = {
+        tables: PlainData = {
             "system": source.gliding if glides else source.resting,
             "parameters": source._asdict(),
         }
@@ -113,9 +111,9 @@ def _tables(
         tables = reading.read(os.fspath(source))
     else:
         raise InputError(
-            "the first argument must be a body (TippeTop, HeavyTop, Cylinder, Spheroid, Disc), the "
-            "name of a preset, a TOML file, the tables of a scenario or a System, but is "
-            f"{source!r:.60}."
+            "the first argument must be a body (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, "
+            "Ellipsoid), the name of a preset, a TOML file, the tables of a scenario or a System, "
+            f"but is {source!r:.60}."
         )
     if system is not None:
         tables["system"] = record.name if record else system
@@ -137,14 +135,14 @@ def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tupl
     return [each if isinstance(each, str) else each.name for each in records], own
 
 
-def _merge(tables: dict[str, Any], name: str, given: dict[str, Any]) -> None:
+def _merge(tables: PlainData, name: str, given: PlainData) -> None:
     """Add values to a table; the check of the scenario reports other values."""
     base = tables.get(name, {})
     if isinstance(base, dict):
         tables[name] = reading.merged(name, base, given)
 
 
-def _start(tables: dict[str, Any], given: Any, system: System) -> None:
+def _start(tables: PlainData, given: Any, system: System) -> None:
     """Replace initial data, and those of the source that mean the same in another way."""
     if isinstance(given, str | os.PathLike):
         given = {"from": os.fspath(given)}
@@ -159,7 +157,7 @@ def _start(tables: dict[str, Any], given: Any, system: System) -> None:
         tables["initial"] = system.replaced(base, plain(given))
 
 
-def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
+def _options(tables: PlainData, run: PlainData) -> None:
     """Replace options of the run."""
     given = plain(run)
     if isinstance(times := given.get("output_times"), list):
@@ -167,7 +165,7 @@ def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     _merge(tables, "run", given)
 
 
-def table_of(law: Any) -> dict[str, Any]:
+def table_of(law: Any) -> PlainData:
     """Return the table [friction] of the record of a law that is known. Raises InputError."""
     if isinstance(law, FrictionLaw):
         kind = type(law)

@@ -7,6 +7,7 @@ from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.cylinder import Cylinder
+from ..mechanics.systems.ellipsoid import Ellipsoid
 from ..mechanics.systems.heavy_top import HeavyTop
 from ..mechanics.systems.revolution import Disc, Spheroid
 from ..mechanics.systems.tippe_top import TippeTop
@@ -15,7 +16,7 @@ from .finished_run import Run
 from .scenarios import checked, problem_of
 
 
-KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc)
+KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, Ellipsoid)
 
 
 def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:

@@ -5,14 +5,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import dotted_keys, flag, instance, measured_values, path_of, plain, takes, whole
-from ..ensembles import ensemble as ensembles
-from ..errors import InputError
+from ..ensembles import outcomes, top_events
+from ..ensembles.ensemble import measure, vary
+from ..ensembles.hybrid_tops import problem_of as one_of
+from ..errors import InputError, warn
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import ONE, SECOND
-from ..problem import Problem
-from ..progress import Report
+from ..problem import Problem, derivative_faults
+from ..progress import Report, reporting
+from ..runs import attributes
+from ..runs.certificate import broken_by_tops
+from ..scenario.doubts import doubts
 from ..sweeps.plan import Plan
 from ..sweeps.sweep import sweep as swept
 from .extensions import given_records
@@ -106,16 +111,20 @@ def ensemble(
     flag("orientation", orientation)
     flag("lyapunov", lyapunov)
     flag("event_table", event_table)
-    found, events = ensembles.of_problem(
-        base,
-        dotted,
-        threads=threads,
-        progress=progress,
-        orientation=orientation,
-        lyapunov=lyapunov,
-        events=event_table,
-    )
-    return (found, events) if event_table else found
+    if lyapunov and (sentences := derivative_faults(base)):
+        raise InputError(sentences)
+    tops = vary(base, dotted, orientation=orientation)
+    if tops.valid[:1].any():
+        warn(doubts(one_of(tops, 0)), 3)
+    with reporting(progress, "tops") as report:
+        measured = measure(
+            tops, threads=threads, progress=report, lyapunov=lyapunov, events=event_table
+        )
+    found = outcomes.dataset(measured)
+    warn(broken_by_tops(found, base.tolerance), 3)
+    if not event_table:
+        return found
+    return found, attributes.dataset(top_events.event_table(measured), found.attrs)
 
 
 @takes(swept)
@@ -139,7 +148,7 @@ def sweep(
         The store to make or to continue.
     events, columns
         As for `ensemble`. To continue the sweep, pass the same ones. Other processes compute with
-        formulas of modules that they can import, not with those of a notebook or a script.
+        named functions of modules that they can import, not with those of a notebook or a script.
     workers
         Processes on this machine that compute. One: this process itself; by default as many as
         usable cores, or threads of this process where little is to be done.

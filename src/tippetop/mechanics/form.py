@@ -83,7 +83,8 @@ class Orientation:
     integrals
         Integrals that it needs.
     psi
-        psi(first, third) of these axes [rad]; None: a planar motion, which has no psi.
+        psi(first, third) of these axes [rad]; None: a planar motion has no psi, or it is one of the
+        angles.
     """
 
     axes: Callable

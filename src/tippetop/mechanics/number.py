@@ -36,8 +36,11 @@ class Number:
         It must be less than `below`, at most `most`.
     nonzero : bool
         Whether it must differ from 0.
-    default : float, optional
-        The value if the number is omitted; without a default it is required.
+    default : float or str, optional
+        The value if the number is omitted, or arithmetic of the other numbers; without a default it
+        is required.
+    where_zero : str
+        A number that must be 0 for the default to apply.
     symbol : str
         Symbol in figures, in TeX.
     optional : bool
@@ -57,7 +60,8 @@ class Number:
     least: float | None = None  # must be at least
     below: float | None = None  # must be less than
     most: float | None = None  # must be at most
-    default: float | None = None  # where it is left out; None: it must be given
+    default: float | str | None = None  # where it is left out; None: it must be given
+    where_zero: str = ""
     nonzero: bool = False  # must not be 0
     symbol: str = ""
     optional: bool = False
@@ -74,7 +78,7 @@ class Number:
         unit = cast(Any, self.unit)
         if not isinstance(unit, Unit):
             raise InputError([f"`unit` {of} must be a Unit, but is {unit!r:.60}."])
-        if self.default is not None and self.broken(self.default):
+        if not isinstance(self.default, str | None) and self.broken(self.default):
             raise InputError([f"`default` {of} {self.must()}, but is {self.default:g}."])
 
     @cached_property
@@ -166,12 +170,30 @@ number = Number
 coefficient")`."""
 
 
-def reuse(rule: Number, *, default: None = None, **changes: Any) -> Any:
+def reuse(rule: Number, *, default: Any = None, **changes: Any) -> Any:
     """Return the Number of another record as a field.
 
     Type checkers read `default` and `kw_only`.
     """
-    return replace(rule, **changes)
+    return replace(rule, **changes | ({} if default is None else {"default": default}))
+
+
+def completed(given: Mapping[str, Any], rules: Mapping[str, Number]) -> dict[str, Any]:
+    """Return numbers by name, with the defaults of those that are omitted, if no other is."""
+    omitted = {key: rule.default for key, rule in rules.items() if given.get(key) is None}
+    return {**given} if None in omitted.values() else {**given, **omitted}
+
+
+def omission_faults(
+    given: Mapping[str, Any], numbers: Mapping[str, float], rules: Mapping[str, Number]
+) -> list[str]:
+    """Return a sentence for each omitted number whose default does not apply to the others."""
+    return [
+        f"`parameters.{key}` must be given where {rule.where_zero} is not 0, but is missing: its "
+        "default is that of a uniform body."
+        for key, rule in rules.items()
+        if rule.where_zero and given.get(key) is None and numbers[rule.where_zero]
+    ]
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, reuse))
@@ -253,17 +275,17 @@ class Record(tuple, metaclass=RecordType, abstract=True):
             refuse_unknown(cls.__name__, named, cls.__signature__.parameters)
             given = dict(zip(cls._fields, values, strict=False)) | named
             kind = cls.given([key for key, value in given.items() if value is not None])
-            needed = [key for key, rule in kind.parameters.items() if rule.default is None]
+            rules = kind.parameters
+            operands = any(map(_is_operand, given.values()))
+            without = (type(None), str) if operands else type(None)  # texts take plain numbers
+            needed = [key for key, rule in rules.items() if isinstance(rule.default, without)]
             missing = ", ".join(f"`{key}`" for key in needed if key not in given)
             if missing or len(given) < len(values) + len(named):
                 found = f"lacks {missing}" if missing else "was given too many arguments"
                 raise TypeError(f"{cls.__name__}({', '.join(cls._fields)}) {found}.")
-            whole = {
-                key: rule.default if given.get(key) is None else given[key]
-                for key, rule in kind.parameters.items()
-            }
-            checked = whole if any(map(_is_operand, whole.values())) else kind.checked(whole)
-            return kind._make(checked.values())
+            whole = {key: given.get(key) for key in rules}
+            read = completed(whole, rules) if operands else kind.checked(whole)
+            return kind._make(read.values())
 
     @classmethod
     def given(cls, names: Any) -> Any:
@@ -285,12 +307,13 @@ class Record(tuple, metaclass=RecordType, abstract=True):
         faults = []
         read = {}
         units = {cls.table: {key: rule.unit for key, rule in rules.items()}}
-        for key, value in worked_out({cls.table: values}, units)[cls.table].items():
+        whole = completed(values, rules)
+        for key, value in worked_out({cls.table: whole}, units)[cls.table].items():
             try:
                 read[key] = rules[key].read(f"{cls.table}.{key}", value)
             except InputError as error:
                 faults += error.sentences
-        if faults := faults or cls.faults(read):
+        if faults := faults or omission_faults(values, read, rules) or cls.faults(read):
             raise InputError(faults)
         return read
 

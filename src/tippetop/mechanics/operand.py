@@ -3,13 +3,12 @@
 import inspect
 import math
 import operator
+import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar
 
 import heyoka as hy
 import numpy as np
-
-from tippetop_kernels import numba_extension
 
 
 # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
@@ -47,7 +46,7 @@ def formula(function: F) -> F:
     Notes
     -----
     numba is imported only by those who use it: before it compiles anything, its entry point
-    (`numba_extensions` in pyproject.toml) leads to `teach_numba`, if this module is imported.
+    (`numba_extensions` in pyproject.toml) calls `teach_numba`, if this module is imported.
     """
     _teach(function)
     return function
@@ -220,7 +219,8 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
 def teach_numba() -> None:
     """Make every formula callable inside numba.njit.
 
-    numba calls this itself, before its first compilation after this module was imported.
+    numba calls this itself, before its first compilation; where it was imported before, this module
+    does.
     """
     global _teach
     if _teach != _untaught.append:
@@ -268,4 +268,5 @@ def teach_numba() -> None:
         teach(function)
 
 
-numba_extension.at_beginning(teach_numba)
+if "numba" in sys.modules:  # it may have begun
+    teach_numba()

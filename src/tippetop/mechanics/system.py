@@ -94,6 +94,8 @@ class Opening(NamedTuple):
     sphere: bool = False
     # whether it has an outline, and is a different ball at each inclination
     outlined: bool = False
+    # angles, form and `read` of the rows of a body without an axis of symmetry
+    framed: Any = ()
     # domains of its rows
     domains: tuple[Domain, ...] = ()
     # Routh's function of the gliding body, if it has one
@@ -105,7 +107,7 @@ class Opening(NamedTuple):
 
     @property
     def rounded(self) -> bool:
-        """Return whether its contact has curvature: there may be a contact disc."""
+        """Return whether there may be a contact disc: a rounded contact of a body with an axis."""
         return self.sphere or self.outlined
 
 
@@ -363,10 +365,12 @@ class System:
 
     def rivals(self, name: str) -> set[str]:
         """Return the initial numbers that cannot be given together with another."""
-        names = set()
+        names: set[str] = set()
         for alternative in self.alternatives:
-            if not alternative.flag and name in (alternative.name, *alternative.others):
-                names |= {alternative.name, *alternative.others} - {name}
+            if not alternative.flag and name == alternative.name:
+                names.update(alternative.others)
+            elif not alternative.flag and name in alternative.others:
+                names.add(alternative.name)
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:

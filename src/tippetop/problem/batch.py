@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from .problem import Problem
 
 
-WIDE_ONE = np.longdouble(1)
 ROUNDING = 1e-9  # of the numbers that a system declares to be 0 or 1
 
 
@@ -89,24 +88,16 @@ class Problems:
             return self.base.system.replaced(base, varied)
         return {**base, **varied}
 
-    @cached_property
-    def _single(self) -> bool:
-        """True if numbers replace arrays of length 1: they are faster, with the same bits."""
-        return not self.columns and self.base.exact is np.longdouble
-
     def _wide(self, value: Any) -> Any:
-        """Return a number or a column, (n,), in the type in which units are converted."""
+        """Return a number as a column, (n,), in the type in which units are converted."""
         if isinstance(value, bool):
             return value
-        if self._single:
-            return WIDE_ONE * value  # np.longdouble(value) takes ten times as long
         value = np.asarray(value, dtype=self.base.exact)
         return value if value.ndim else np.full(self.n, value)
 
     def body(self, number: Callable) -> Any:
         """Return the bodies in SI units, with numbers passed through `number`."""
-        friction = self.base.friction
-        friction = friction._replace(**self.given("friction")) if self.columns else friction
+        friction = self.base.friction._replace(**self.given("friction"))
         return self.base.system.body_of(self.given("parameters"), friction, number)
 
     @cached_property
@@ -115,12 +106,7 @@ class Problems:
 
     @cached_property
     def scales(self) -> Scales:
-        """The internal units of mass, length and time, (n,)."""
-        return Scales(*map(np.atleast_1d, self._scales))
-
-    @cached_property
-    def _scales(self) -> Scales:
-        """The internal units, (n,) or numbers.
+        """The internal units of mass, length and time, (n,).
 
         Time is in the power of two seconds that is nearest sqrt(length/g), or in seconds without
         `g`: times convert without rounding, so that output and event times are exact.
@@ -138,8 +124,8 @@ class Problems:
 
     @cached_property
     def weights(self) -> list:
-        """The SI value of one internal unit of each integrated variable, (n,) or a number each."""
-        return self.variables.weights(self._scales)
+        """The SI value of one internal unit of each integrated variable, (n,) each."""
+        return self.variables.weights(self.scales)
 
     @cached_property
     def variables(self) -> Variables:
@@ -151,7 +137,7 @@ class Problems:
         """The leaves of the bodies in internal units, (leaves, n), in the working precision."""
         system = self.base.system
         units = leaves(system.body_units(self.base.law.units()))
-        values = zip(leaves(self._body), map(self._scales.of, units), strict=True)
+        values = zip(leaves(self._body), map(self.scales.of, units), strict=True)
         body = refill(self._body, (value / unit for value, unit in values))
         folds = system.folds(self.base.form)
         for name, value in folds.items():  # the equations have it for 0 or 1
@@ -190,10 +176,7 @@ class Problems:
         s = np.sin(theta)
         z = np.cos(theta)
         pole = theta.astype(float) == math.pi  # 3.141592653589793 means the pole
-        if self._single:
-            s, z = (self._wide(0.0), self._wide(-1.0)) if pole else (s, z)
-        else:
-            s[pole], z[pole] = 0, -1
+        s[pole], z[pole] = 0, -1
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
@@ -201,8 +184,6 @@ class Problems:
 
     def _rounded(self, rows: list) -> np.ndarray:
         """Return rows of numbers or arrays (n,) in the working precision, (rows, n)."""
-        if self._single:
-            return np.array(rows).astype(self.base.number)[:, None]
         rounded = np.empty((len(rows), self.n), dtype=self.base.number)
         for i, row in enumerate(rows):
             rounded[i] = row

@@ -111,20 +111,12 @@ def start_faults(problems: "Problems") -> list[Fault]:
     evaluated, owners = _values_at(base.system, base.form.name)
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
-    values: Any = None
-    if problems.n == 1 and not owners:
-        try:  # numbers are faster than arrays of one
-            body = problems.body_of_pars(pars[:, 0].tolist())
-            values = evaluated(*variables.split(start[:, 0].tolist()), body)
-        except ArithmeticError:
-            pass
-    if values is None:
-        values = evaluated(*variables.split(start), problems.body_of_pars(pars))
+    values = evaluated(*variables.split(start), problems.body_of_pars(pars))
     table = np.empty((len(values), problems.n))
     for row, value in zip(table, values, strict=True):
         row[:] = value
     domains = base.form.domains
-    weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
+    weights = np.array(problems.weights, dtype=float)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = _law_faults(problems)
     for number, name in owners.items():
@@ -189,7 +181,6 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     n = problems.n
     if not (of := owner(kind.coefficient)):
         return []
-    scales = problems.scales
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
@@ -211,8 +202,8 @@ def _law_faults(problems: "Problems") -> list[Fault]:
             must = "be smooth in v2 = |v_A|^2 at rest (sqrt(v2 + v_0^2) for |v_A|)"
             return fault(must, f"its slope is infinite there, at cos(theta) = {z:g}", bad)
     units = problems.base.law.units()
-    scaled = kind._make(v / scales.of(u).astype(float) for v, u in zip(law, units, strict=True))
-    speed, slowness = (scales.of(u).astype(float) for u in (METRE_PER_SECOND, SECOND_PER_METRE))
+    scaled = kind._make(v / problems.unit(u) for v, u in zip(law, units, strict=True))
+    speed, slowness = map(problems.unit, (METRE_PER_SECOND, SECOND_PER_METRE))
     for v2, z in PLACES[3:]:  # at rest, a constant that keeps a root from 0 decides
         k = coefficient(v2, z, law)
         again = coefficient(v2 / speed**2, z, scaled) * slowness

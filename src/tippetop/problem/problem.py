@@ -16,7 +16,7 @@ from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Number, System
-from ..mechanics.units import Scales
+from ..mechanics.units import Scales, Unit
 from ..mechanics.variables import Variables, variables_of
 from ..sampling import EvenTimes, ListedTimes
 from .batch import Problems
@@ -193,6 +193,10 @@ class Problem(RunOptions):
         """The internal units of mass, length and time; see `Problems.scales`."""
         return Scales(*(unit[0] for unit in self.alone.scales))
 
+    def unit(self, unit: Unit) -> float:
+        """Return the SI value of one internal unit."""
+        return float(self.scales.of(unit))
+
     @cached_property
     def internal_body(self) -> Any:
         """The body in internal units, in the working precision; see `Problems.internal_body`."""
@@ -212,7 +216,7 @@ class Problem(RunOptions):
 
     def weights(self) -> list:
         """Return the SI value of one internal unit of each integrated variable."""
-        return [np.atleast_1d(weight)[0] for weight in self.alone.weights]
+        return [weight[0] for weight in self.alone.weights]
 
     def start(self) -> np.ndarray:
         """Return the internal state at t = 0, (variables,), in the working precision."""

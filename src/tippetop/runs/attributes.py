@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from ..arguments import PlainData
 from ..columns import Column, plain_attributes, with_coordinates
 from ..engine.status import Status
 from ..mechanics.friction import PARTS
@@ -29,14 +30,14 @@ def datasets(run: "Solution", attrs: dict[str, Any]) -> dict[str, Any]:
     return {name: dataset(columns, attrs) for name, columns in groups(run).items()}
 
 
-def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
+def dataset(columns: dict[str, Column], attrs: PlainData) -> Any:
     """Return columns as a labelled Dataset."""
     import xarray as xr
 
     return with_coordinates(xr.Dataset(dict(columns), attrs=plain_attributes(attrs)))
 
 
-def attributes(progress: RunProgress) -> dict[str, Any]:
+def attributes(progress: RunProgress) -> PlainData:
     """Return the root attributes of a store: scenario, measurements, provenance; no clock times."""
     problem = progress.problem
     last = zip(problem.variables.names, progress.last[0], problem.weights(), strict=True)
@@ -72,7 +73,7 @@ OF_SUMMARY = (
 """Root attributes that a summary repeats, where they are there."""
 
 
-def info(attrs: dict[str, Any]) -> dict[str, Any]:
+def info(attrs: PlainData) -> PlainData:
     """Return the object that `run --json` and `info --json` print, from root attributes."""
     return {
         "status": attrs["status"],
@@ -83,7 +84,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def headline_of(attrs: dict[str, Any]) -> str:
+def headline_of(attrs: PlainData) -> str:
     """Return the title, form, precision and law of a run in one line."""
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:

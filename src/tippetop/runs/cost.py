@@ -12,7 +12,7 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
 from .integration import Integration
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .sinks import Sink
 
 
@@ -37,7 +37,7 @@ def estimate(problem: Problem) -> dict[str, float]:
     which neither the start nor the first steps show.
     """
     initial = problem.initial
-    second = float(problem.scales.of(SECOND))
+    second = problem.unit(SECOND)
     spin = initial.get("omega3", initial.get("psi_dot", 0.0))
     fastest = max(abs(float(spin)), abs(float(initial.get("phi_dot", 0.0))), 1.0 / second)
     steps = problem.until * fastest * STEPS_PER_RADIAN
@@ -101,7 +101,7 @@ def _timed(
 
 
 @contextmanager
-def bar_of_run() -> Iterator[Callable[[RunProgress], None]]:
+def bar_of_run() -> Iterator[Progress]:
     """Provide a run's progress callback that draws a bar in a terminal."""
 
     with Bar("s", "t = {done:.4g} s") as bar:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column
 from ..engine.driver import Passages
 from ..engine.loop import count_turnings
@@ -34,7 +35,7 @@ class LogReport(NamedTuple):
     tally: Any  # a record of the tallies
     numbers: list[tuple[Kept, float]]  # what events keep, internal
 
-    def kept(self) -> dict[str, Any]:
+    def kept(self) -> PlainData:
         """Return the numbers that events keep: counts, and times [s] or None, by name."""
         return {
             kept.name: int(value)
@@ -56,7 +57,7 @@ class LogReport(NamedTuple):
             return None
         return since * self.second
 
-    def report(self) -> dict[str, Any]:
+    def report(self) -> PlainData:
         """Return counts, inversion, band and the numbers that users' events keep."""
         tally = self.tally
         kept = self.kept()
@@ -95,7 +96,7 @@ class EventLog:
 
     def __init__(self, problem: Problem, view: Observables, first: np.ndarray, tallies: Tallies):
         self.view = view
-        self.second = float(problem.scales.of(SECOND))
+        self.second = problem.unit(SECOND)
         self.events = tuple(problem.system.events)
         self.tallies = tallies
         self.kinds = problem.system.kinds
@@ -200,11 +201,11 @@ class EventLog:
         numbers = zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True)
         return LogReport(self.events, self.second, dict(self.counts), tally, list(numbers))
 
-    def snapshot(self) -> dict[str, Any]:
+    def snapshot(self) -> PlainData:
         """Return the data of a checkpoint, apart from the tallies."""
         names = ("rows", "before", "waiting", "lasting")
         return {"counts": dict(self.counts), **{name: getattr(self, name) for name in names}}
 
-    def restore(self, kept: dict[str, Any]) -> None:
+    def restore(self, kept: PlainData) -> None:
         """Continue from a checkpoint."""
         vars(self).update(kept)

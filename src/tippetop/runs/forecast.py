@@ -1,8 +1,10 @@
 """Facts about a scenario before it is run: invariants, regime, fate."""
 
 from dataclasses import replace
-from typing import Any
 
+import numpy as np
+
+from ..arguments import PlainData
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of
 from ..problem import Problem
@@ -10,7 +12,11 @@ from ..scenario.doubts import contact_start, starts_at_pole
 from .cost import estimate
 
 
-def assessment(problem: Problem) -> dict[str, Any]:
+ROUNDING = 2.0**-52
+"""Relative change of each number of a state; a quantity that it changes by its size is 0."""
+
+
+def assessment(problem: Problem) -> PlainData:
     """Return the quantities at the start (SI, with units), predictions, and the expected cost."""
     start = at_start(problem)
     quantities = {
@@ -30,27 +36,29 @@ def assessment(problem: Problem) -> dict[str, Any]:
 
 
 def at_start(problem: Problem) -> dict[str, float]:
-    """Return the quantities at the start by name, SI."""
+    """Return the quantities at the start by name, SI; 0 where rounding of the state hides them."""
     first = problem.start()[None, :]
     if problem.contact is not None:  # its phase decides the reaction
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
-    values = Observables(problem).evaluate(first)
-    start = {
-        q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
-        for q in problem.system.quantities
-    }
-    theta = problem.initial.get("theta", 0.0)
-    return start | {"at_pole": float(starts_at_pole(problem)), "theta": theta}
+    signs = np.random.default_rng(0).choice([-1, 1], (16, first.size))
+    signs[0] = 0
+    values = Observables(problem).evaluate(first * (1 + ROUNDING * signs))
+    start = {}
+    for q in problem.system.quantities:
+        numbers = values[q.name] * problem.unit(q.unit)
+        start[q.name] = 0.0 if abs(numbers[0]) <= np.ptp(numbers) else float(numbers[0])
+    given = {name: problem.initial.get(name, 0.0) for name in ("theta", "phi_dot")}
+    return start | {"at_pole": float(starts_at_pole(problem)), **given}
 
 
-def comments(problem: Problem) -> dict[str, Any]:
+def comments(problem: Problem) -> PlainData:
     """Return the part of a report that follows from theory: the name of the motion."""
     motion = problem.system.motion
     return {} if motion is None else {"motion": motion(problem.body(), at_start(problem))}
 
 
-def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
+def _outlook(problem: Problem, start: dict[str, float]) -> PlainData:
     """Return thresholds, regime and predicted fate, as far as the theory of the system goes."""
     if problem.system.outlook is None:
         return {}

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
 from ..engine.integrator import compiling
 from ..engine.observables import Observables
@@ -20,7 +21,7 @@ from . import keyframes
 from .drift import Drift
 from .event_log import EventLog
 from .phases import Story
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .sinks import Sink
 
 
@@ -69,7 +70,7 @@ class Integration:
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
-        self.second = float(problem.scales.of(SECOND))
+        self.second = problem.unit(SECOND)
         self.first = self.last = self.driver.first
         self.drift = Drift(problem.alone, self.first.T)
         self.force = Extremes()
@@ -82,7 +83,7 @@ class Integration:
         self.status: Status | None = None
         self.last_slice: dict[str, Any] | None = None
 
-    def run(self, sink: Sink, progress: Callable[[RunProgress], None] | None = None) -> None:
+    def run(self, sink: Sink, progress: Progress | None = None) -> None:
         """Integrate to the end.
 
         Parameters
@@ -256,7 +257,7 @@ class Integration:
 
     # --- snapshots -------------------------------------------------------------------------------
 
-    def snapshot(self) -> dict[str, Any]:
+    def snapshot(self) -> PlainData:
         """Return all that is needed to continue bit by bit, as plain JSON data."""
         return self._encoded(self._state())
 
@@ -270,7 +271,7 @@ class Integration:
             end["joint"] = self.driver.joint(event.name for event in self.problem.system.events)
         return {"slice": self.last_slice, "end": end}
 
-    def encoded(self, ending: dict[str, Any]) -> dict[str, Any]:
+    def encoded(self, ending: dict[str, Any]) -> PlainData:
         """Return an ending as plain JSON data."""
         start = ending["slice"]
         end = hexfloat.encode(ending["end"])
@@ -290,10 +291,10 @@ class Integration:
             "story": self.story.report(),
         }
 
-    def _encoded(self, state: dict[str, Any]) -> dict[str, Any]:
+    def _encoded(self, state: dict[str, Any]) -> PlainData:
         return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
-    def restore(self, kept: dict[str, Any]) -> None:
+    def restore(self, kept: PlainData) -> None:
         """Continue from a snapshot. Raises ValueError if it was made with other equations."""
         if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but are others here")

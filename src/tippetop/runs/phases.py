@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column, column, flag_attributes
 from ..engine.phase_tables import as_table
 from ..mechanics.system import System
@@ -40,7 +41,7 @@ NAMED = {
 FIRST = 6
 
 
-def tables_of(attributes: dict[str, Any]) -> tuple[str, ...]:
+def tables_of(attributes: PlainData) -> tuple[str, ...]:
     """Return the names of the tables of a run with these root attributes."""
     if "contact" in attributes:
         return tuple(DIMENSIONS)
@@ -54,8 +55,8 @@ class Story:
     words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)
     impacts: int = 0
-    first: list[dict[str, Any]] = field(default_factory=list)
-    last: dict[str, Any] | None = None
+    first: list[PlainData] = field(default_factory=list)
+    last: PlainData | None = None
 
     def follow(self, new: dict[str, Rows]) -> None:
         """Take in rows of the tables."""
@@ -82,7 +83,7 @@ class Story:
         phases = {"phases": sum(self.counts.values())}
         return phases | ({"impacts": self.impacts} if "ball" in self.words else {})
 
-    def report(self) -> dict[str, Any]:
+    def report(self) -> PlainData:
         """Return plain data for the report of the run and for `Story(words, **data)`."""
         return {
             "counts": dict(self.counts),

@@ -6,10 +6,10 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column
 from ..engine.observables import Observables
 from ..errors import Interrupted
@@ -23,7 +23,7 @@ from . import attributes, keyframes, phases, reporting
 from .events import EventTable, event_columns
 from .integration import Integration
 from .phases import Rows
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .run import Solution
 from .sinks import Sink
 
@@ -38,7 +38,6 @@ SIGNIFICANT = "significant"
 COMMIT_EVERY = 5.0
 # After this time [s] a stop does not wait for the end of a slice: its rows are made again.
 PATIENCE = 2.0
-Progress = Callable[[RunProgress], None]
 
 
 class Recorder(Writer, Sink):
@@ -53,7 +52,7 @@ class Recorder(Writer, Sink):
         self.stop = stop or threading.Event()
         self.growing = {name: Table(store, name) for name in store.state.header["tables"]}
         # Versions and processors that wrote the store before.
-        self.begun_with: list[dict[str, Any]] = []
+        self.begun_with: list[PlainData] = []
         self.committed_at = time.monotonic()
         self.asked = 0.0
 
@@ -82,7 +81,7 @@ class Recorder(Writer, Sink):
             if len(next(iter(table.values()))):
                 self.later(partial(self.growing[name].append, table))
 
-    def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
+    def slice_done(self, progress: RunProgress, snapshot: Callable[[], PlainData]) -> None:
         """Commit now and then; stop at a commit if asked to."""
         asked = self.stop.is_set()
         if asked or time.monotonic() - self.committed_at > COMMIT_EVERY:
@@ -99,7 +98,7 @@ class Recorder(Writer, Sink):
         """Set the flags of some events."""
         self.growing["events" + LATE].mark(SIGNIFICANT, rows, value)
 
-    def commit(self, progress: RunProgress, snapshot: dict[str, Any]) -> None:
+    def commit(self, progress: RunProgress, snapshot: PlainData) -> None:
         """Acknowledge all rows, and the state from which the run can be continued."""
         changed = {
             "report": finite(reporting.report(progress)),
@@ -113,7 +112,7 @@ class Recorder(Writer, Sink):
         self.now(work)
         self.committed_at = time.monotonic()
 
-    def tail(self, snapshot: dict[str, Any]) -> bytes:
+    def tail(self, snapshot: PlainData) -> bytes:
         """Return the rows that no chunk contains, and the state of the run."""
         state = {
             **here(),
@@ -140,7 +139,7 @@ class Recorder(Writer, Sink):
         """Return the rows of all tables, by their names in the ledger."""
         return {name: table.rows for name, table in self.growing.items()}
 
-    def finish(self, attrs: dict[str, Any], ending: dict[str, Any] | None) -> dict[str, Any]:
+    def finish(self, attrs: PlainData, ending: PlainData | None) -> PlainData:
         """Write waiting rows, and close the store with its last root attributes; return them."""
         attrs = finite(attrs) | ({"begun_with": self.begun_with} if self.begun_with else {})
 
@@ -163,7 +162,7 @@ def record(
     progress: Progress | None = None,
     stop: threading.Event | None = None,
     in_sweep: bool = False,
-) -> tuple[Integration, dict[str, Any]]:
+) -> tuple[Integration, PlainData]:
     """Integrate a problem into a new store, in any thread.
 
     Parameters
@@ -197,7 +196,7 @@ def record(
     """
     begun: list[Integration] = []
 
-    def head() -> dict[str, Any]:
+    def head() -> PlainData:
         begun.append(Integration(problem, stop))
         return header(begun[0])
 
@@ -211,7 +210,7 @@ def run_into(
     progress: Progress | None,
     stop: threading.Event | None,
     take_up: Callable[[Recorder], None] = lambda _: None,
-) -> tuple[Integration, dict[str, Any]]:
+) -> tuple[Integration, PlainData]:
     """Integrate into an open store: from its start, or from where `take_up` puts it."""
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
@@ -224,7 +223,7 @@ def run_into(
 
 
 def save(
-    solution: Solution, attrs: dict[str, Any], target: str | Path, *, overwrite: bool = False
+    solution: Solution, attrs: PlainData, target: str | Path, *, overwrite: bool = False
 ) -> None:
     """Write a run in memory as the store that `record` makes, whole or not at all.
 
@@ -246,12 +245,12 @@ def save(
         recorder.finish(attrs, integration.encoded(solution.ending))
 
 
-def header(integration: Integration, attrs: dict[str, Any] | None = None) -> dict[str, Any]:
+def header(integration: Integration, attrs: PlainData | None = None) -> PlainData:
     """Return the header of the ledger of a run, from an integration at its start.
 
     `attrs` are root attributes other than its own.
     """
-    tables: dict[str, dict[str, Any]] = {}
+    tables: dict[str, PlainData] = {}
     for name, columns, chunk in _tables_of(integration):
         for key, column in columns.items():
             table = name + LATE if key == SIGNIFICANT else name
@@ -274,6 +273,6 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
         yield "keyframes", keyframes.empty(problem, integration.driver), keyframes.PER_CHUNK
 
 
-def here() -> dict[str, Any]:
+def here() -> PlainData:
     """Return the versions and settings that determine the bits of a run with its scenario."""
     return {"versions": provenance.versions(), "cpu": provenance.cpu()}

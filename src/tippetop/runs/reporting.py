@@ -1,11 +1,12 @@
 """The progress of a run, as an immutable record, and its report: measurements, outcome, reason."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.driver import Extremes
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, classes_of
@@ -55,7 +56,7 @@ class RunProgress:
     drift: dict[str, float]
     force: Extremes
     events: LogReport
-    phases: dict[str, Any] | None
+    phases: PlainData | None
     sentence: str
 
     @cached_property
@@ -74,7 +75,11 @@ class RunProgress:
         return self.events.kept().get("lifted_at")
 
 
-def report(progress: RunProgress) -> dict[str, Any]:
+Progress = Callable[[RunProgress], None]
+"""A progress callback, which is called after every slice."""
+
+
+def report(progress: RunProgress) -> PlainData:
     """Return the measured part of `info --json`, as far as the run has come."""
     events = progress.events.report()
     if is_peg(progress.problem.parameters):
@@ -91,13 +96,13 @@ def report(progress: RunProgress) -> dict[str, Any]:
     }
 
 
-def _normal_force(progress: RunProgress) -> dict[str, Any]:
+def _normal_force(progress: RunProgress) -> PlainData:
     """Return the extremes of the normal force; empty without such a force."""
     force = progress.force
     problem = progress.problem
     if not math.isfinite(force.least):
         return {}
-    newton, second = (float(problem.scales.of(unit)) for unit in (NEWTON, SECOND))
+    newton, second = map(problem.unit, (NEWTON, SECOND))
     return {
         "normal_force": {
             "min": force.least * newton,
@@ -119,7 +124,7 @@ def outcome(progress: RunProgress) -> dict[str, str]:
         return {"outcome": "lifted-off"}
     values = progress.view.evaluate(progress.last)
     settled = np.array([progress.settled_since is not None])
-    second = float(problem.scales.of(SECOND))
+    second = problem.unit(SECOND)
     return {"outcome": CLASSES[classes_of(system, values, second, settled, problem.body())[0]]}
 
 

@@ -3,8 +3,8 @@
 import json
 import threading
 from pathlib import Path
-from typing import Any
 
+from ..arguments import PlainData
 from ..engine.status import Status
 from ..errors import InputError, StoreError
 from ..mechanics.system import System
@@ -24,7 +24,7 @@ def resume(
     stop: threading.Event | None = None,
     accept_other_version: bool = False,
     known: System | None = None,
-) -> tuple[Integration, dict[str, Any]]:
+) -> tuple[Integration, PlainData]:
     """Continue an interrupted run to its end, or a finished one to a later end, in any thread.
 
     The last slice of a finished run is integrated again from its beginning, because the end
@@ -130,8 +130,8 @@ def opened(target: Path) -> Ledger:
 
 
 def same_here(
-    target: Path, kept: dict[str, Any], accept_other_version: bool, verb: str = "resumed"
-) -> dict[str, Any]:
+    target: Path, kept: PlainData, accept_other_version: bool, verb: str = "resumed"
+) -> PlainData:
     """Return a record of a store with `begun_with` as it is from here on.
 
     Raises StoreError if other versions or another processor wrote it, and that is not accepted.
@@ -151,7 +151,7 @@ def same_here(
     return kept | {"begun_with": [*kept.get("begun_with", []), before]}
 
 
-def _compare(store: Ledger, wanted: dict[str, Any]) -> None:
+def _compare(store: Ledger, wanted: PlainData) -> None:
     """Raise StoreError if a store has other columns than its scenario makes here."""
     members = store.state.header["members"]
     wanted = json.loads(json.dumps(wanted["members"]))
@@ -163,7 +163,7 @@ def _compare(store: Ledger, wanted: dict[str, Any]) -> None:
             )
 
 
-def _put_back(target: Path, integration: Integration, kept: dict[str, Any]) -> None:
+def _put_back(target: Path, integration: Integration, kept: PlainData) -> None:
     """Restore an integration from a record of its store. Raises StoreError."""
     try:
         integration.restore(kept)
@@ -184,7 +184,7 @@ def _rows(integration: Integration) -> dict[str, int]:
     }
 
 
-def _refuse(target: Path, attrs: dict[str, Any], until: float | None) -> None:
+def _refuse(target: Path, attrs: PlainData, until: float | None) -> None:
     """Raise StoreError, InputError for a store that cannot be continued to this end."""
     if until is None:
         if attrs["status"] != Status.RUNNING.value:

@@ -1,7 +1,6 @@
 """Integrate a problem in memory."""
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,7 +16,7 @@ from . import reporting
 from .events import EventTable
 from .integration import Integration
 from .phases import Rows
-from .reporting import RunProgress
+from .reporting import Progress, RunProgress
 from .sinks import Memory, Sink
 
 
@@ -96,9 +95,7 @@ def refuse_more_than_memory(problem: Problem) -> None:
         )
 
 
-def solve(
-    problem: Problem, progress: Callable[[RunProgress], None] | None = None, *, keep: bool = True
-) -> Solution:
+def solve(problem: Problem, progress: Progress | None = None, *, keep: bool = True) -> Solution:
     """Integrate a problem to its end, gathering rows and events in memory.
 
     Parameters

@@ -1,13 +1,14 @@
-"""The shape of a body: its balls, its stem, or the ellipsoid with its moments of inertia."""
+"""The shape of a body: the surfaces that touch the plane, or the ellipsoid with its moments."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.contact.body import Touch
-from ..mechanics.contact.outline import Ball
+from ..mechanics.contact.body import Touch, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact.outline import Ball, Spheroid
 from ..mechanics.friction import Frictionless
+from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import by_name, find
 from ..problem import column_names
@@ -15,9 +16,15 @@ from ..problem import column_names
 
 # Longest half axis of the ellipsoid of a heavy top, as a part of the distance from the tip.
 BIGGEST = 0.78
+# Points of a meridian, at equal steps of its normal; their distance from the poles [rad]
+POINTS = 62
+NEAR_POLE = 1e-3
+# By how much a drawn meridian is rounded, as a part of its size, and the cones at its ends rise
+ROUNDED = 0.002
+LEAST_TIP = 1e-6
 
 
-def body_of(attrs: dict[str, Any]) -> Touch:
+def body_of(attrs: dict[str, Any]) -> Any:
     """Return the body of a store, SI; without a friction law where its contact changes its phase.
 
     Raises InputError for what cannot be drawn.
@@ -30,22 +37,14 @@ def body_of(attrs: dict[str, Any]) -> Touch:
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = system.laws.get(friction.get("law"), Frictionless)
     body = system.body_of(attrs["parameters"], law._make(friction[name] for name in law._fields))
-    refuse_outline(body, system.name)
+    if hasattr(body, "outline"):
+        return body
     needed = [name for name in Touch._fields if name not in Touch._field_defaults]
     missing = [name for name in needed if not hasattr(body, name)]
     if missing:
         what = f"a body that is shown must have {', '.join(needed)}"
         raise InputError([f"{what}, but that of `{attrs['system']}` has no {missing[0]}."])
     return Touch(*(getattr(body, name) for name in needed))
-
-
-def refuse_outline(body: Any, system: str) -> None:
-    """Raise InputError for a body that pictures and files of simulators cannot contain yet."""
-    if not isinstance(getattr(body, "outline", Ball()), Ball):
-        raise InputError(
-            f"a body that is drawn or exported must touch the plane with spheres, but `{system}` "
-            "has another outline."
-        )
 
 
 def columns_of(attrs: dict[str, Any]) -> set[str]:
@@ -55,47 +54,121 @@ def columns_of(attrs: dict[str, Any]) -> set[str]:
     return {*column_names(system, system.forms[attrs["form"]], True, "double"), *of_contact}
 
 
+class Surface(NamedTuple):
+    """What touches the plane: an ellipsoid or, with a meridian, a surface of revolution.
+
+    `centre` is seen from the centre of mass, in body axes; the half axes are turned against them by
+    `turn` about axis 3. A meridian has height and radius, in units of the half axes, and the
+    inclination of its normal, at POINTS equal steps of this, from above, and at a point of the axis
+    before and after these.
+    """
+
+    centre: np.ndarray
+    half: np.ndarray
+    turn: float = 0.0
+    meridian: Any = ()
+
+    @property
+    def axes(self) -> np.ndarray:
+        """Return its axes in body axes, the columns of a matrix."""
+        k, s = np.cos(self.turn), np.sin(self.turn)
+        return np.array([[k, -s, 0.0], [s, k, 0.0], [0.0, 0.0, 1.0]])
+
+
+def surface_of(b: Any) -> Surface:
+    """Return the surface of a body."""
+    outline = shape_of(b)
+    if isinstance(outline, Ball):
+        return Surface(np.array([0.0, 0.0, b.c]), np.full(3, b.R))
+    if isinstance(outline, Spheroid):
+        half = np.array([outline.b, outline.b, outline.a])
+        return Surface(np.array([0.0, 0.0, outline.c]), half)
+    if hasattr(b, "I2"):
+        centre, half = np.array([outline[-3:], outline[:3]])
+        return Surface(centre, half, float(np.arctan2(outline.sin, outline.cos)))
+    normal = np.linspace(0, np.pi, POINTS)
+    theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
+    ball = touching_ball(np.cos(theta), np.sin(theta) ** 2, b)
+    rows = np.array([ball.c - ball.R * np.cos(theta), ball.R * np.sin(theta), normal])
+    rows[:2] += ROUNDED * rows[1].max() * np.array([np.cos(normal), np.sin(normal)])
+    middle = (rows[0, 0] + rows[0, -1]) / 2
+    along, across = rows[0, 0] - middle, rows[1].max()
+    rows = np.array([(rows[0] - middle) / along, rows[1] / across, normal]).T
+    top, bottom = 1 + np.maximum(ROUNDED * rows[[0, -1], 1], LEAST_TIP)  # steeper than the rows
+    meridian = np.vstack([[top, 0.0, 0.0], rows, [-bottom, 0.0, np.pi]])
+    half = np.array([across, across, along])
+    return Surface(np.array([0.0, 0.0, middle]), half, meridian=meridian)
+
+
+def moments(b: Any) -> np.ndarray:
+    """Return the principal moments of inertia about the centre of mass, (3,) [kg m^2]."""
+    return np.array([b.I1, getattr(b, "I2", b.I1), b.I3], float)
+
+
+def frames(orientation: np.ndarray) -> np.ndarray:
+    """Return the axes of a body in space, (n, axis, 3), by its unit quaternions, (n, 4)."""
+    return np.moveaxis(np.array(axes(Quaternion(*orientation.T))), -1, 0)
+
+
+def lowest(orientation: np.ndarray, b: Any) -> np.ndarray:
+    """Return the lowest point from the centre of mass in space, (n, 3) [m]."""
+    frame = frames(orientation)
+    if hasattr(b, "I2"):
+        local = b.outline.arm(Vector(*frame[:, :, 2].T))
+        return np.einsum("in,nij->nj", local, frame)
+    u = Vector(*frame[:, 2].T)
+    return np.stack(arm(u, by_axis(u, b)), axis=1)
+
+
+def angular_velocity(orientation: np.ndarray, L: np.ndarray, inertia: np.ndarray) -> np.ndarray:
+    """Return omega in space, (n, 3) [rad/s], of L and principal moments of inertia."""
+    frame = frames(orientation)
+    return np.einsum("nij,nik,nk->nj", frame, frame / inertia[:, None], L)
+
+
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the body as the page draws it, from root attributes; lengths in metres.
+    """Return the body as pages and films draw it, from root attributes; lengths in metres.
 
     Returns
     -------
     dict
-        kind (ball, heavy, cylinder), unit (the length that is 1 in the picture), balls (offset
-        along 3hat from the centre of mass, and radius), ellipsoid (half axes across and along),
-        weight [N], fixed.
+        kind (ball, lathe, heavy, cylinder), unit (the length that is 1 in the picture), axes (of
+        the surfaces, in body axes), surfaces (centre and half axes along these axes, the stem last)
+        and meridian as in `Surface`, ellipsoid (half axes) of a heavy top, weight [N], fixed.
     """
     b = body_of(attrs)
     system = by_name(attrs["system"])
-    kind = "ball" if b.R > 0 else "heavy"
-    if not system.vectors:
-        kind = "cylinder"
-    offset, radius, weight, *ellipsoid = map(float, sizes(b, heavy=kind == "heavy"))
-    balls = [{"offset": offset, "radius": radius}]
+    surface = surface_of(b)
+    heavy = not surface.half.any()
+    kind = "lathe" if len(surface.meridian) else "heavy" if heavy else "ball"
+    centre = surface.centre @ surface.axes
+    surfaces = [{"centre": centre.tolist(), "half": surface.half.tolist()}]
     stem = attrs.get("stem")
     if stem:
-        balls.append({"offset": offset + stem["h"], "radius": stem["r"]})
+        above = [0.0, 0.0, centre[2] + stem["h"]]
+        surfaces.append({"centre": above, "half": [stem["r"]] * 3})
     return {
-        "kind": kind,
-        "unit": radius or -offset,
-        "balls": balls,
-        "ellipsoid": ellipsoid,
-        "weight": weight,
-        "fixed": kind == "heavy" and "x" not in system.initial,
+        "kind": kind if system.vectors else "cylinder",
+        "unit": float(np.max(surface.half) or -surface.centre[2]),
+        "axes": surface.axes.T.tolist(),
+        "surfaces": surfaces,
+        "meridian": np.asarray(surface.meridian).tolist(),
+        "ellipsoid": inertial_ellipsoid(b) if heavy else [],
+        "weight": float(b.m * b.g),
+        "fixed": heavy and "x" not in system.initial,
     }
 
 
-def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
-    """Return offset and radius of the ball, the weight, and the half axes of the ellipsoid.
+def inertial_ellipsoid(b: Touch) -> list[float]:
+    """Return the half axes of the uniform ellipsoid with the moments of inertia of a heavy top.
 
-    The ellipsoid has the moments of inertia of the body; that of a heavy top shrinks until it ends
-    before the tip. Half axes are across and along 3hat. Numbers, or symbols of a page.
+    It shrinks until it ends before the tip.
     """
     across2 = 2.5 * b.I3 / b.m
+    along = np.sqrt(max(5 * b.I1 / b.m - across2, 0.02 * across2))
     across = np.sqrt(across2)
-    along = np.sqrt(np.maximum(5 * b.I1 / b.m - across2, 0.02 * across2))
-    size = np.minimum(1.0, -b.c * BIGGEST / np.maximum(across, along)) if heavy else 1.0
-    return b.c, b.R, b.m * b.g, size * across, size * along
+    size = min(1.0, -b.c * BIGGEST / max(across, along))
+    return [float(size * half) for half in (across, across, along)]
 
 
 def rotation(quaternion: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import path_of
+from ..arguments import PlainData, path_of
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError, StoreError
@@ -69,7 +69,7 @@ def load_any(source: str | os.PathLike, assignments: list[str] | None = None) ->
     return build.problem(reading.override(build.tables_of(attrs), assignments))
 
 
-def problem(tables: dict[str, Any], source: Any, known: System | None = None) -> Problem:
+def problem(tables: PlainData, source: Any, known: System | None = None) -> Problem:
     """Return the checked Problem of a scenario's tables, read from `source`.
 
     Their `initial.from` may name the store of a run, from the folder of the source.
@@ -127,7 +127,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     return build.problem(tables | {"initial": dict(run.initial)}, known, origin)
 
 
-def _ended(path: Path) -> dict[str, Any]:
+def _ended(path: Path) -> PlainData:
     """Return the root attributes of the store of a run that ended ordinarily. Raises StoreError."""
     attrs = root.attributes(path)
     if "content" in attrs or "replay" in attrs:
@@ -148,9 +148,9 @@ def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
             if name in names:
                 state[0, names.index(name)] = value
     columns = Observables(before).columns(np.zeros(1), state)
-    values = {
-        name: float(columns[name].values[0]) for name in before.system.initial if name in columns
-    }
+    others = {alternative.name for alternative in before.system.alternatives}
+    known = [name for name in before.system.initial if name in columns and name not in others]
+    values = {name: float(columns[name].values[0]) for name in known}
     if "gap" in values:
         values["gap"] = max(values["gap"], 0.0)  # a contact is under the plane by rounding
     return {name: value for name, value in values.items() if np.isfinite(value)}

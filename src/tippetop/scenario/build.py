@@ -6,11 +6,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..arguments import measured, not_among, plain
-from ..errors import InputError, first_sentences
+from ..arguments import PlainData, measured, not_among, plain
+from ..errors import InputError
 from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
+from ..mechanics.number import completed, omission_faults
 from ..mechanics.quantity import worked_out
 from ..mechanics.system import Form, System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
@@ -41,7 +42,7 @@ TABLES = ("system", "form", "parameters", "friction", "contact", "stem", "initia
 
 
 def problem(
-    tables: dict[str, Any], known: System | None = None, origin: dict[str, Any] | None = None
+    tables: PlainData, known: System | None = None, origin: PlainData | None = None
 ) -> Problem:
     """Return the checked Problem of a scenario's tables.
 
@@ -63,15 +64,16 @@ def problem(
     name = law_name(tables)
     if name and name not in system.laws:
         load_entry_points()
+    body = tables.get("parameters", {})
+    if body and isinstance(body, Mapping):
+        tables = {**tables, "parameters": completed(body, system.parameters)}
     tables = worked_out(tables, units_of(system, tables))
     try:
         model = scenario_model(system, system.laws.get(name))
         scenario: Any = model.model_validate(tables)
     except ValidationError as error:
         errors = error.errors(include_url=False)
-        raise InputError(
-            first_sentences(errors, lambda e: scenario_sentence(e, system, tables))
-        ) from None
+        raise InputError(errors, lambda e: scenario_sentence(e, system, tables)) from None
     given: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run}
     run = RunOptions(**given)
     system = system.with_requested(run.columns or ())
@@ -106,7 +108,7 @@ def problem(
         **given,
     )
     faults = [
-        *system.checks(parameters),
+        *(omission_faults(body, parameters, system.parameters) or system.checks(parameters)),
         *built.clashes(),
         *contact_faults(built),
         *_pole_faults(built),
@@ -157,7 +159,7 @@ def checked(given: Problem) -> Problem:
     return problem(plain(resolved(given)), None if opened else given.system, given.origin)
 
 
-def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
+def units_of(system: System, tables: PlainData) -> dict[str, dict[str, Unit]]:
     """Return the units of the numbers of a scenario, by table and key."""
     law = system.laws.get(law_name(tables))
     numbers = numbers_of(system, law.given(tables["friction"]).parameters if law else {})
@@ -165,7 +167,7 @@ def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit
     return units | {"run": UNITS}
 
 
-def system_of(tables: dict[str, Any]) -> System:
+def system_of(tables: PlainData) -> System:
     """Return the registered system that a scenario names. Raises InputError."""
     name = tables.get("system")
     system = find(name) if isinstance(name, str) else None
@@ -176,21 +178,19 @@ def system_of(tables: dict[str, Any]) -> System:
     return system
 
 
-def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
+def ending(tables: PlainData, until: Any) -> PlainData:
     """Return the tables with another `run.until`, a number or a text; None keeps it."""
     if until is None:
         return tables
     return override(tables, [f"run.until={measured('until', until, SECOND)!r}"])
 
 
-def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
+def tables_of(attrs: PlainData) -> PlainData:
     """Return the tables in a store's root attributes: those of `resolved`."""
     return {name: attrs[name] for name in TABLES if name in attrs}
 
 
-def stored(
-    attrs: dict[str, Any], until: float | None = None, known: System | None = None
-) -> Problem:
+def stored(attrs: PlainData, until: float | None = None, known: System | None = None) -> Problem:
     """Return the Problem of a store's root attributes, or one with another end.
 
     Parameters
@@ -220,9 +220,9 @@ def stored(
     return result
 
 
-def resolved(problem: Problem) -> dict[str, Any]:
+def resolved(problem: Problem) -> PlainData:
     """Return the scenario with all defaults as plain data, which a store keeps too."""
-    tables: dict[str, Any] = {name: dict(table) for name, table in problem.tables.items()}
+    tables: PlainData = {name: dict(table) for name, table in problem.tables.items()}
     tables["run"] = problem.table()
     if problem.system.frictional:
         tables["friction"] = {"law": problem.law.key, **tables["friction"]}

@@ -4,12 +4,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from ..arguments import PlainData
 from ..errors import InputError
 from ..mechanics.contact.body import size
 from ..mechanics.contact.contact_phases import LEAST_PATCH
+from ..mechanics.contact.frame import Asymmetric
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
-from ..mechanics.contact.uniqueness import most_rolling, painleve_bound
+from ..mechanics.contact.uniqueness import (
+    most_rolling,
+    painleve_bound,
+    painleve_bound_of_frame,
+)
 from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import opening_systems
@@ -23,7 +29,7 @@ HIGHEST = 1e6  # gap of a start, by the radius: beyond it a landing has no digit
 UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is not there by rounding
 
 
-def system_with_contact(system: System, tables: dict[str, Any]) -> System:
+def system_with_contact(system: System, tables: PlainData) -> System:
     """Return the system of a scenario, with a contact that may open if the scenario requires it.
 
     `[contact]`, `[stem]`, a Coulomb law without `eps`, and `on_liftoff = "fly"` require it.
@@ -140,19 +146,23 @@ def contact_faults(problem: Problem) -> list[str]:
     ]
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
         return faults  # which are found already
-    balls = problem.balls
     coefficients = {getattr(friction, name): name for name in law.bounded_by}
     mu = max(coefficients, default=0.0)
     mu_r = getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
+    framed = isinstance(body, Asymmetric)
+    balls = {} if framed else problem.balls
     bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
+    if framed:
+        bounds["body"] = painleve_bound_of_frame(problem.internal_body, _highest(problem))
     name = min(bounds, key=bounds.__getitem__)
     if mu >= bounds[name]:
         faults.append(
             f"`friction.{coefficients[mu]}` must be less than {bounds[name]:.4f}, but is {mu:g}: "
             f"above it the contact force of this {name} is not unique (Painleve)."
         )
-    most = min(most_rolling(body.m, body.I1, *ball, mu) for ball in balls.values())
+    limits = [most_rolling(body.m, body.I1, *ball, mu) for ball in balls.values()]
+    most = min(limits, default=math.inf)
     if not faults and mu_r >= most:
         faults.append(
             f"`friction.mu_r` must be less than {most:.3g}, or the contact force is not unique, "
@@ -167,9 +177,19 @@ def contact_faults(problem: Problem) -> list[str]:
     return faults
 
 
+def _highest(problem: Problem) -> float:
+    """Return the height to which the energy of the start can raise the centre of mass, internal
+    units.
+    """
+    q, _ = problem.variables.split(problem.start().astype(float))
+    b = problem.internal_body
+    energy = next(one for one in problem.system.quantities if one.name == "energy")
+    return float(energy.formula(problem.form.scalars(q, b), b) / (b.m * b.g))
+
+
 def on_stem(
-    initial: dict[str, Any], parameters: Mapping[str, float], rules: ContactLaw | None
-) -> dict[str, Any]:
+    initial: PlainData, parameters: Mapping[str, float], rules: ContactLaw | None
+) -> PlainData:
     """Return the start with the gap at which the stem touches, where none is given.
 
     Only where the stem would be under the plane if the sphere touched it.
@@ -189,6 +209,6 @@ def touches(problem: Problem) -> bool:
     return rules.stem and gap > 0 and gap == _least_gap(problem.initial, problem.body().R, rules)
 
 
-def _least_gap(initial: dict[str, Any], R: float, rules: ContactLaw) -> float:
+def _least_gap(initial: PlainData, R: float, rules: ContactLaw) -> float:
     """Return the gap of the sphere where the stem touches [m]; it may be negative."""
     return rules.r - R - rules.h * math.cos(float(initial.get("theta", 0.0)))

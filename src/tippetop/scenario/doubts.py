@@ -22,7 +22,7 @@ def doubts(problem: Problem) -> list[str]:
     theta = float(initial.get("theta", 0.0))
     if "omega3" in problem.system.initial:
         turns = initial.get("phi_dot", 0.0) != 0 and theta not in (0.0, math.pi)
-        if not turns and not {"omega3", "psi_dot"} & set(initial):
+        if not turns and not {"omega3", "psi_dot", "spin"} & set(initial):
             sentences.append("`initial.omega3` is not given: this top does not spin.")
         if "theta" not in initial and starts_at_pole(problem):
             sentences.append(
@@ -55,7 +55,8 @@ def doubts(problem: Problem) -> list[str]:
                 f"{whole:.3g} kg m2: hardly a body of this mass and size; units are SI."
             )
     parts = [f"`friction.{name}`" for name in PARTS if getattr(problem.friction, name, 0.0) > 0]
-    if problem.law.torque and parts:
+    lies_flat = any(event.ends == "flat" for event in problem.system.events)
+    if problem.law.torque and parts and not lies_flat:
         sentences.append(
             f"{' and '.join(parts)} can bring this body to rest, for which there is no phase: a "
             "run then takes some 1e4 to 1e7 steps a second. End it before."
@@ -66,6 +67,8 @@ def doubts(problem: Problem) -> list[str]:
 def starts_at_pole(problem: Problem) -> bool:
     """Return whether the axis starts exactly vertical, with nothing that turns it away."""
     initial = problem.initial
+    if "tilt" in problem.system.initial:  # it has no axis of symmetry
+        return False
     turning = ["theta_dot"]
     if not is_frictionless(problem.friction):
         turning += ["nu_x", "nu_y"]
@@ -75,7 +78,7 @@ def starts_at_pole(problem: Problem) -> bool:
 
 def contact_start(problem: Problem) -> str:
     """Return how the contact point starts where the scenario leaves that out, or an empty text."""
-    given = {"nu_x", "nu_y", "nu_z", "centre_at_rest"} & set(problem.initial)
+    given = {"nu_x", "nu_y", "nu_z", "centre_at_rest", "spin"} & set(problem.initial)
     stands = problem.contact is None or touches(problem)
     if given or not stands or is_frictionless(problem.friction) or starts_at_pole(problem):
         return ""

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..errors import owner
 from ..mechanics.contact.opening import SETTLED, opened
 from ..mechanics.event import Event
@@ -28,7 +29,7 @@ def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
     return {kind: of for kind, of in digests.items() if of}
 
 
-def changed_records(attrs: dict[str, Any], problem: Problem, known: System | None) -> list[str]:
+def changed_records(attrs: PlainData, problem: Problem, known: System | None) -> list[str]:
     """Return sentences on events and columns of a problem that are not those of a stored run.
 
     Parameters
@@ -56,7 +57,7 @@ def changed_records(attrs: dict[str, Any], problem: Problem, known: System | Non
     return faults
 
 
-def missing_records(attrs: dict[str, Any], system: System) -> list[str]:
+def missing_records(attrs: PlainData, system: System) -> list[str]:
     """Return the names of user-defined events and columns of a stored run that a system lacks."""
     known = system.record_names
     return [name for of in attrs.get(DIGESTS, {}).values() for name in of if name not in known]

@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..arguments import TOO_DEEP, plain
+from ..arguments import TOO_DEEP, PlainData, plain
 from ..errors import InputError, suggestion
 
 
@@ -40,7 +40,7 @@ def _presets() -> dict[str, str]:
     return {name: (folder / f"{name}.toml").read_text(encoding="utf-8") for name in names}
 
 
-def read(source: str) -> dict[str, Any]:
+def read(source: str) -> PlainData:
     """Return the tables of a TOML file or of a preset. Raises InputError."""
     path = Path(source)
     try:
@@ -65,7 +65,7 @@ def read(source: str) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=64)
-def _parsed(text: str) -> dict[str, Any]:
+def _parsed(text: str) -> PlainData:
     """Return the tables of a TOML text. Raises ValueError."""
     try:
         return tomllib.loads(text)
@@ -73,13 +73,13 @@ def _parsed(text: str) -> dict[str, Any]:
         raise InputError(TOO_DEEP) from None
 
 
-def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str, Any]:
+def override(tables: PlainData, assignments: list[str] | None) -> PlainData:
     """Return the tables with `table.key=value` assignments; values are TOML, or bare words.
 
     Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`.
     Raises InputError.
     """
-    given: dict[str, dict[str, Any]] = {}
+    given: dict[str, PlainData] = {}
     listed = [] if assignments is None else assignments
     if not isinstance(listed, list | tuple) or not all(isinstance(each, str) for each in listed):
         raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
@@ -107,7 +107,7 @@ def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str,
     return tables
 
 
-def merged(table: str, old: dict[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def merged(table: str, old: PlainData, given: Mapping[str, Any]) -> PlainData:
     """Return a table of a scenario with other values, without those that they replace.
 
     `initial.from` replaces the start, another law replaces the numbers of the law, and a key that

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..arguments import PlainData
 from ..columns import dataframe, plain_attributes
 from ..errors import InputError
 from . import chunks, files, root
@@ -16,7 +17,7 @@ ENDINGS = {".nc": "netcdf", ".csv": "csv", ".parquet": "parquet", ".pq": "parque
 
 def export(
     tables: dict[str, Any],
-    attrs: dict[str, Any],
+    attrs: PlainData,
     of: str,
     to: str,
     out: Path,
@@ -108,7 +109,7 @@ def _csv(table: Any, path: Path, of: str) -> None:
             named.to_csv(file, header=not i, index=False, float_format="%.17g")
 
 
-def _parquet(table: Any, path: Path, of: str, attrs: dict[str, Any]) -> None:
+def _parquet(table: Any, path: Path, of: str, attrs: PlainData) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -127,4 +128,4 @@ def _frames(table: Any, of: str) -> Iterator[Any]:
     names = [*first, *sorted(table.variables.keys() - {*first})] if first else [*table.variables]
     for piece in chunks.blocks(table[names], of):
         frame = dataframe(piece)
-        yield frame.reset_index(drop=frame.index.name not in names)
+        yield frame.reset_index(drop=frame.index.names[0] not in names)

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..errors import StoreError
 from . import zarr3
 from .folder import NEW, Folder
@@ -54,24 +55,24 @@ class Damaged(ValueError):
 class Acknowledged:
     """The sum of the records of a ledger."""
 
-    header: dict[str, Any]
+    header: PlainData
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
     failed: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> why it failed
     rows: dict[str, int] = field(default_factory=dict)  # of the tables that grow
     tail: str = ""  # the name of its file, which contains its digest
     end: Any = None  # where a finished run can be continued
-    changed: dict[str, Any] = field(default_factory=dict)  # attributes other than in the header
+    changed: PlainData = field(default_factory=dict)  # attributes other than in the header
     seal: bool = False  # everything is acknowledged
 
     @classmethod
-    def of(cls, records: list[dict[str, Any]]) -> "Acknowledged":
+    def of(cls, records: list[PlainData]) -> "Acknowledged":
         """Add up the records of a ledger."""
         state = cls(records[0])
         for record in records[1:]:
             state.add(record)
         return state
 
-    def add(self, record: dict[str, Any]) -> None:
+    def add(self, record: PlainData) -> None:
         """Add one record."""
         self.chunks |= record.get("chunks", {})
         failed = self.failed | record.get("failed", {})
@@ -81,17 +82,17 @@ class Acknowledged:
             setattr(self, name, record.get(name, getattr(self, name)))
 
     @property
-    def attributes(self) -> dict[str, Any]:
+    def attributes(self) -> PlainData:
         """Those of the root group."""
         return self.header["attributes"] | self.changed
 
-    def sum(self) -> dict[str, Any]:
+    def sum(self) -> PlainData:
         """Return all but the header as one record, without empty fields."""
         self.chunks = dict(sorted(self.chunks.items()))
         names = ("chunks", "rows", "tail", "end", "changed", "seal")
         return {name: value for name in names if (value := getattr(self, name))}
 
-    def documents(self) -> dict[str, dict[str, Any]]:
+    def documents(self) -> dict[str, PlainData]:
         """Return the document of every array and group by its path; last that of the root, ""."""
         members = {path: dict(document) for path, document in self.header["members"].items()}
         for table, rows in self.rows.items():
@@ -125,7 +126,7 @@ def mark_of(files: Mapping[str, bytes]) -> str:
     return mark({name: (len(data), data[-CHECKSUM:]) for name, data in files.items()})
 
 
-def lines(records: list[dict[str, Any]], before: str = "") -> tuple[str, bytes]:
+def lines(records: list[PlainData], before: str = "") -> tuple[str, bytes]:
     """Return the digest of the last record, and the lines of the records after `before`."""
     whole = b""
     for record in records:
@@ -135,13 +136,13 @@ def lines(records: list[dict[str, Any]], before: str = "") -> tuple[str, bytes]:
     return before, whole
 
 
-def records_of(raw: bytes) -> list[dict[str, Any]]:
+def records_of(raw: bytes) -> list[PlainData]:
     """Return the records of a ledger, without an append that was cut off. Raises Damaged.
 
     Such an append has no end of line, and is not one of the first two lines; nor does one follow
     a seal. Any other bad line is damaged, and may have been acknowledged.
     """
-    records: list[dict[str, Any]] = []
+    records: list[PlainData] = []
     *each, rest = raw.split(b"\n")
     before = ""
     for number, line in enumerate(each, 1):
@@ -175,9 +176,7 @@ def acknowledged(raw: bytes) -> Acknowledged:
     return state
 
 
-def header(
-    attributes: dict[str, Any], tables: Mapping[str, Mapping[str, dict[str, Any]]]
-) -> dict[str, Any]:
+def header(attributes: PlainData, tables: Mapping[str, Mapping[str, PlainData]]) -> PlainData:
     """Return the header of a new store.
 
     Parameters
@@ -188,7 +187,7 @@ def header(
         Table -> path -> document of the arrays whose chunks are written together; arrays that grow
         have no rows.
     """
-    members: dict[str, Any] = {}
+    members: PlainData = {}
     for arrays in tables.values():
         members |= {path.partition("/")[0]: zarr3.group({}) for path in arrays} | dict(arrays)
     head = {
@@ -216,7 +215,7 @@ class Ledger:
         self.held: int | None = None
 
     @classmethod
-    def created(cls, path: Path, head: dict[str, Any]) -> "Ledger":
+    def created(cls, path: Path, head: PlainData) -> "Ledger":
         """Make the store of a header in an empty folder. Raises OSError.
 
         Its root document contains all others, which are written when rows are acknowledged, so
@@ -426,7 +425,7 @@ class Ledger:
                 self.folder.write(name, data, derived=True)
             self._describe(derived=True)
 
-    def finish(self, changed: dict[str, Any], **record: Any) -> None:
+    def finish(self, changed: PlainData, **record: Any) -> None:
         """Acknowledge that everything is written, in one step; `changed` are the last attributes.
 
         The ledger then has its last form: equal stores have equal ones.
@@ -440,7 +439,7 @@ class Ledger:
             self._tidy()
 
     def restart(
-        self, head: dict[str, Any], keys: Collection[str], tail: bytes | None = None, **record: Any
+        self, head: PlainData, keys: Collection[str], tail: bytes | None = None, **record: Any
     ) -> None:
         """Continue from some of the chunks, with another header and tail, in one step."""
         with self._whole():
@@ -522,7 +521,7 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         data = _found(folder.read, name)
         if data is None and path and not (state.rows or state.chunks):
             continue  # a store that has just been created
-        stored: dict[str, Any] = {}
+        stored: PlainData = {}
         with contextlib.suppress(ValueError):
             stored = json.loads(data or b"")
         rows[path], most = (each.get("shape", [0])[0] for each in (stored, document))
@@ -557,7 +556,7 @@ def _tail(folder: Folder, state: Acknowledged) -> bytes | None:
     return data
 
 
-def _fixed(document: dict[str, Any]) -> dict[str, Any]:
+def _fixed(document: PlainData) -> PlainData:
     """Return the parts of a document that commits do not change."""
     varying = ("shape",) if "shape" in document else ("attributes", "consolidated_metadata")
     return {key: value for key, value in document.items() if key not in varying}

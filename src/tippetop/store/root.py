@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import flag, path_of
+from ..arguments import PlainData, flag, path_of
 from ..columns import plain_attributes, with_coordinates
 from ..errors import StoreError
 from . import files, ledger
@@ -35,7 +35,7 @@ def finite(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
+def attributes(path: str | Path, *, whole: bool = True) -> PlainData:
     """Return the root attributes of a store after comparing it with its ledger.
 
     With `whole=False` only the ledger is read. Raises StoreError; see `ledger.read`.
@@ -45,7 +45,7 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     return ledger.read(place, chunks=whole).attributes
 
 
-def root_of(path: str | Path) -> dict[str, Any]:
+def root_of(path: str | Path) -> PlainData:
     """Return the root attributes in the ledger. Raises StoreError."""
     return attributes(path, whole=False)
 
@@ -86,7 +86,7 @@ def groups_of(path: str | Path) -> list[str]:
     return [name for name in members if "/" not in name and name != RUNS]
 
 
-def annotate(path: str | Path, more: dict[str, Any]) -> None:
+def annotate(path: str | Path, more: PlainData) -> None:
     """Add root attributes to a finished store. Raises StoreError."""
     place = Path(path)
     with files.writing(place), Ledger.opened(place) as store:

@@ -8,6 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Self
 
+from ..arguments import PlainData
 from ..errors import StoreError
 from . import files, root
 from .ledger import Ledger
@@ -50,7 +51,7 @@ class Writer:
         self.store.release()
 
 
-def begin(target: str | Path, head: Callable[[], dict[str, Any]], **how: bool) -> Ledger:
+def begin(target: str | Path, head: Callable[[], PlainData], **how: bool) -> Ledger:
     """Create the store of a header, and lock it. Raises StoreError; see `root.new_store`."""
     with contextlib.ExitStack() as held:
         with root.new_store(target, **how) as scratch:
@@ -62,7 +63,7 @@ def begin(target: str | Path, head: Callable[[], dict[str, Any]], **how: bool) -
 
 def begin_or_continue(
     path: str | Path,
-    head: Callable[[], dict[str, Any]],
+    head: Callable[[], PlainData],
     same: Iterable[str],
     overwrite: bool,
 ) -> Ledger:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column
 
 
@@ -17,7 +18,7 @@ DOCUMENT = "zarr.json"
 CHECKSUM = 4  # bytes at the end of a chunk: its CRC-32C
 
 
-def group(attributes: dict[str, Any], members: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def group(attributes: PlainData, members: Mapping[str, Any] | None = None) -> PlainData:
     """Return the document of a group.
 
     A root group also contains the documents of all `members`, by path.
@@ -27,7 +28,7 @@ def group(attributes: dict[str, Any], members: Mapping[str, Any] | None = None) 
     return {"zarr_format": 3, "node_type": "group", "attributes": attributes, **more}
 
 
-def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None) -> dict[str, Any]:
+def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None) -> PlainData:
     """Return the document of an array.
 
     Parameters
@@ -74,7 +75,7 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
     }
 
 
-def dump(document: dict[str, Any]) -> bytes:
+def dump(document: PlainData) -> bytes:
     """Return a document as bytes. The order of its keys is kept: reports show attributes in it."""
     return json.dumps(document, allow_nan=False).encode()
 

@@ -1,10 +1,11 @@
 """A chunk of a sweep: the task of a worker, and the rows that it returns, without integrators."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..columns import Column, column, without_rows
+from ..arguments import PlainData
+from ..columns import Arrays, Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
 from ..mechanics.event import Event
@@ -15,7 +16,7 @@ from ..scenario import build
 from ..store import provenance
 
 
-Rows = dict[str, np.ndarray]  # the columns of a chunk by name
+Rows = Arrays  # the columns of a chunk by name
 # names in `keep` for several columns; those of the orientation are left out unless they are named
 FINAL = "final_state"
 DRIFT = "drift"
@@ -31,8 +32,8 @@ class Task(NamedTuple):
     """A chunk to compute."""
 
     chunk: int
-    tables: dict[str, Any]  # of the base scenario
-    columns: dict[str, np.ndarray]  # numbers of the tops
+    tables: PlainData  # of the base scenario
+    columns: Arrays  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
     own: Records = ((), ())
@@ -54,13 +55,13 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
     return {name: each.values for name, each in table.items()}
 
 
-def base_of(tables: dict[str, Any], own: Records) -> Problem:
+def base_of(tables: PlainData, own: Records) -> Problem:
     """Return the problem of a scenario's tables, with events and columns of the user."""
     return build.problem(tables, build.system_of(tables).with_records(*own))
 
 
 def measure(
-    base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None, threads: int = 1
+    base: Problem, numbers: Arrays, keep: list[str] | None, threads: int = 1
 ) -> outcomes.Outcomes:
     """Run tops as far as the columns that are kept require."""
     names = keep or []

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from ..columns import Arrays
 from ..mechanics.caching import cached_property
 from ..scenario.schema import Table
 
@@ -79,12 +80,12 @@ class Design:
         return math.prod(self.sizes.values())
 
     @cached_property
-    def _drawn(self) -> dict[str, np.ndarray]:
+    def _drawn(self) -> Arrays:
         axes = [axis for axis in self.axes if axis.sampled]
         points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
         return {axis.key: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}
 
-    def numbers(self, tops: np.ndarray) -> dict[str, np.ndarray]:
+    def numbers(self, tops: np.ndarray) -> Arrays:
         """Return the numbers of some tops on every axis, by key; tops are counted from 0."""
         indices = np.unravel_index(tops, tuple(self.sizes.values()))
         places = dict(zip(self.sizes, indices, strict=True))

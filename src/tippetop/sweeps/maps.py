@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import greek, units_text
+from ..arguments import PlainData
+from ..columns import Arrays, greek, units_text
 from ..engine.settling import NEAR
 from ..engine.status import Status
 from ..ensembles.outcomes import CLASSES
@@ -66,8 +67,8 @@ class Map:
     kind: str
     title: str
     axes: tuple[MapAxis, ...]
-    fields: dict[str, np.ndarray]
-    borders: dict[str, np.ndarray]
+    fields: Arrays
+    borders: Arrays
     notes: list[str]
     classes: tuple[str, ...] = SHOWN  # the names of the field `class`
 
@@ -135,7 +136,7 @@ def make_map(path: Path, kind: str) -> Map:
 
 def borders_of(
     plan: Plan, axes: tuple[MapAxis, ...], further: dict[str, float], every: int = 1
-) -> dict[str, np.ndarray]:
+) -> Arrays:
     """Return log(|lambda|/threshold) over the spans of axes, by the label of the threshold.
 
     A threshold that is on one side of all points is left out.
@@ -175,7 +176,7 @@ def shown_classes(path: Path, table: Any) -> np.ndarray:
     return np.where(waits, SHOWN.index("near-upright"), classes)
 
 
-def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
+def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
     """Return the cells of an axis: one for each number, or bins of drawn numbers."""
     values = np.unique([v for v in axis.values if np.isfinite(v)] if axis.values else axis.between)
     if not len(values):
@@ -194,7 +195,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
     return MapAxis(axis.key, labelled(attrs), np.exp(edges) if log else edges, log)
 
 
-def labelled(attrs: dict[str, Any]) -> str:
+def labelled(attrs: PlainData) -> str:
     """Return name and unit of an axis."""
     words = greek(attrs["long_name"]).partition(":")[0]
     return words if attrs["units"] == "1" else f"{words} ({units_text(attrs['units'])})"

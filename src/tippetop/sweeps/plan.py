@@ -1,5 +1,6 @@
 """The plan of a sweep: a TOML file becomes the checked numbers of many tops."""
 
+import contextlib
 import math
 import operator
 import os
@@ -11,10 +12,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, ValidationError
 
-from ..arguments import path_of
+from ..arguments import PlainData, path_of
 from ..ensembles import ensemble
 from ..ensembles.outcomes import LYAPUNOV
-from ..errors import InputError, first_sentences
+from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..mechanics.quantity import number_of
 from ..mechanics.units import ONE, Unit
@@ -22,6 +23,7 @@ from ..problem import Problem, derivative_faults, key_faults
 from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
+from ..scenario.doubts import doubts
 from ..scenario.identity import user_records
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
@@ -40,7 +42,7 @@ WAYS = ("values", "linspace", "geomspace", "between")  # in which an axis gives 
 # of a top whose contact may change its phase; one that drills and hops takes three times as long
 SECONDS_OF_CHANGES = 0.02
 POOLED = 8, 256  # fewest such tops of a chunk: they must fill the lanes of many phases
-Maker = Callable[[dict[str, Any]], Problem]
+Maker = Callable[[PlainData], Problem]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
 
@@ -75,9 +77,9 @@ gamma, lambda"""
 class PlanTable(Table, use_attribute_docstrings=True):
     """A plan as TOML gives it."""
 
-    scenario: str | dict[str, Any]
+    scenario: str | PlainData
     """the top that varies: a preset, a TOML file next to the plan, or tables"""
-    set: dict[str, dict[str, Any] | str] = Field(default_factory=dict)
+    set: dict[str, PlainData | str] = Field(default_factory=dict)
     """changes to it: tables as in a scenario"""
     axis: Annotated[list[AxisTable], Field(min_length=1)]
     """a number that differs from top to top"""
@@ -101,7 +103,7 @@ class Plan:
 
     base: Problem
     design: Design
-    document: dict[str, Any]
+    document: PlainData
 
     @classmethod
     def from_toml(cls, path: str | Path, made: Maker = build.problem) -> "Plan":
@@ -111,7 +113,7 @@ class Plan:
 
     @classmethod
     def from_tables(
-        cls, document: dict[str, Any], folder: Path = Path(), made: Maker = build.problem
+        cls, document: PlainData, folder: Path = Path(), made: Maker = build.problem
     ) -> "Plan":
         """Return the plan of plain data.
 
@@ -124,9 +126,7 @@ class Plan:
         try:
             shape = PlanTable.model_validate(document)
         except ValidationError as error:
-            raise InputError(
-                first_sentences(error.errors(include_url=False), scenario_sentence)
-            ) from None
+            raise InputError(error.errors(include_url=False), scenario_sentence) from None
         base = made(_base(shape, folder))
         sentences = []
         keys = [axis.of for axis in shape.axis]
@@ -215,6 +215,13 @@ class Plan:
             run["output_times"] = [t for t in run["output_times"] if t <= run["until"]]
         return base_of(tables, self.own)
 
+    @property
+    def doubts(self) -> list[str]:
+        """Doubts about the first top; none if it is invalid."""
+        with contextlib.suppress(InputError):
+            return doubts(self.problem(0))
+        return []
+
     @cached_property
     def seconds_per_top(self) -> float:
         """Estimated seconds of one core for a top: the same on every computer."""
@@ -230,19 +237,19 @@ class Plan:
         return max(max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6, least)
 
 
-def is_plan(tables: dict[str, Any]) -> bool:
+def is_plan(tables: PlainData) -> bool:
     """Return whether a TOML file is a plan rather than a scenario."""
     return "axis" in tables or "sample" in tables
 
 
-def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
+def _base(shape: PlanTable, folder: Path) -> PlainData:
     """Return the tables of the scenario, with the changes of `set`."""
     if isinstance(shape.scenario, dict):
         tables = dict(shape.scenario)
     else:
         local = folder / shape.scenario
         tables = reading.read(str(local) if os.path.isfile(local) else shape.scenario)
-    for name, value in dict[str, Any](shape.set).items():
+    for name, value in PlainData(shape.set).items():
         old: Any = tables.get(name)
         both = isinstance(old, dict) and isinstance(value, dict)
         tables[name] = reading.merged(name, old, value) if both else value

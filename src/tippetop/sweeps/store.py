@@ -4,10 +4,10 @@ A finished store does not depend on who computed what or when: equal sweeps make
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..columns import Column, column
 from ..mechanics.units import ONE
 from ..scenario.identity import DIGESTS, digests_of
@@ -24,7 +24,7 @@ GROUP = "sweep"
 PER_FILE = 1 << 17  # events
 
 
-def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dict[str, str]]:
+def chunk_counts(path: Path, attrs: PlainData) -> tuple[dict[str, int], dict[str, str]]:
     """Count the chunks that are todo, done and failed; return them, and why chunks failed."""
     state = ledger.read(path, chunks=False)
     failed = {key.rpartition("/")[2]: sentence for key, sentence in state.failed.items()}
@@ -39,11 +39,11 @@ def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
     return begin_or_continue(path, lambda: _header(plan), same, overwrite)
 
 
-def _header(plan: Plan) -> dict[str, Any]:
+def _header(plan: Plan) -> PlainData:
     coordinates = _coordinates(plan)
     columns = chunk.column_schema(plan.base, plan.keep)
     sizes = {"top": (plan.n, plan.chunk), "row": (0, PER_FILE), "part": (plan.chunks, 1)}
-    tables: dict[str, dict[str, Any]] = {}
+    tables: dict[str, PlainData] = {}
     for name, each in {**coordinates, **columns}.items():
         path = name if "/" in name else f"{GROUP}/{name}"
         tables.setdefault(path.partition("/")[0], {})[path] = zarr3.array(each, sizes)

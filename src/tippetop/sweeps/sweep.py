@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..arguments import instance, whole
-from ..errors import InputError, Interrupted, StoreError, Unfinished
+from ..errors import InputError, Interrupted, StoreError, Unfinished, warn
 from ..mechanics.systems import find, known_to_others
 from ..problem import Problem
 from ..progress import Report, reporting
 from ..runs import recording, resuming
+from ..runs.certificate import broken_by_tops
 from ..scenario import build
 from ..scenario.identity import user_records
 from ..store import files, provenance, root
@@ -50,6 +51,7 @@ def sweep(
     unknown = _unknown_to_others(plan.base)
     if unknown and (scheduler is not None or (workers or 1) > 1):
         raise InputError(f"{unknown}: take workers=1.")
+    warn(plan.doubts, 4)
     with (
         reporting(progress, "tops") as report,
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as cluster,
@@ -64,7 +66,9 @@ def sweep(
                     store.finish(store.state.changed | FINISHED)
     if sentences:
         raise Unfinished(sentences)
-    return open_sweep(place)
+    table = open_sweep(place)
+    warn(broken_by_tops(table, plan.base.tolerance), 4)
+    return table
 
 
 def _unknown_to_others(base: Problem) -> str:
@@ -74,7 +78,10 @@ def _unknown_to_others(base: Problem) -> str:
     except Exception:  # a formula may be any object
         is_named = False
     if not is_named:
-        return "formulas of `events` and `columns` must come from a module that workers can import"
+        return (
+            "formulas of `events` and `columns` must be named functions (`def`, not `lambda`) of a "
+            "module that workers can import"
+        )
     package = "must come from an installed package for workers to know it"
     if not known_to_others(find(base.system.name)):
         return f"the system `{base.system.name}` {package}"

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import PlainData
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
 from ..store import root
@@ -21,9 +22,7 @@ def open_sweep(path: str | Path) -> Any:
 
     Raises StoreError.
     """
-    table = root.open_group(path, GROUP)
-    table.attrs["chunks"] = json.dumps(chunk_counts(Path(path), table.attrs)[0])
-    return table
+    return root.open_group(path, GROUP)
 
 
 def plan_of(table: Any) -> Plan:
@@ -61,7 +60,7 @@ def gridded(table: Any) -> Any:
     return xr.Dataset(columns, axes, table.attrs).set_coords(others)
 
 
-def report(path: str | Path) -> dict[str, Any]:
+def report(path: str | Path) -> PlainData:
     """Return the content of a sweep's store, as `info --json` prints it."""
     table = open_sweep(path)
     folder = Path(path)
@@ -96,7 +95,7 @@ def report(path: str | Path) -> dict[str, Any]:
     }
 
 
-def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
+def lines(facts: PlainData) -> list[tuple[str, str]]:
     """Return name and text of each line of a report."""
     plan = facts["plan"]
     sizes = zip(facts["dimensions"], facts["shape"], strict=True)

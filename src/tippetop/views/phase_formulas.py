@@ -24,7 +24,6 @@ from ..mechanics.systems import SYSTEMS
 from ..mechanics.theory.thresholds import poles, thresholds
 from ..mechanics.variables import Variables
 from ..problem import Problem
-from ..runs.shape import sizes
 from .javascript import arrow
 from .samples import well_quantities
 
@@ -153,7 +152,7 @@ def _of_law(law: Any) -> str:
             lambda y, x, b: [*mobility_inverse_times(axis(y[0]), x, b)],
         ),
         "seen": arrow({"y": y, "force": force, "b": b}, channels, fills=True),
-        "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=False)),
+        "sizes": arrow({"b": b}, lambda b: [b.c, b.R, b.m * b.g]),
         "thresholds": _thresholds(b),
         "potential": arrow(WELL | {"b": b}, lambda *z: [potential_of(*z)]),
     }

@@ -40,6 +40,8 @@ def page_of_store(
 
 def refuse(attrs: dict[str, Any], what: str) -> None:
     """Raise InputError or StoreError if a run cannot be shown."""
+    if "content" in attrs:
+        raise InputError(f"`{what}` must be a run to be viewed, but is a {attrs['content']}.")
     if attrs["status"] == "running":
         raise StoreError(
             f"`{what}` must be finished to be viewed, but is not: tippetop resume {what}."

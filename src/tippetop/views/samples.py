@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import Touch, Turning, angular_velocity_of, tip_inertia
+from ..mechanics.contact.body import Touch, tip_inertia
 from ..mechanics.friction import slip_coefficient
-from ..mechanics.operand import Vector, cross, times
+from ..mechanics.operand import Vector, cross
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import body_of, shape
+from ..runs.shape import angular_velocity, body_of, lowest, moments, shape
 
 
 Columns = Mapping[str, np.ndarray]
 ORIENTATION = slice(0, 4)
 OMEGA = slice(4, 7)
 NEEDED = (
-    *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
+    *("time", "orientation", "L", "theta", "theta_dot", "phi", "nu_x", "nu_y"),
     *("x", "y", "z", "phase", "ball"),
 )
 """Columns without which there is no page; the force and the potential are drawn if they are there.
@@ -49,7 +49,8 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     b = body_of(attrs)
     n = len(columns["time"])
     drawn = shape(attrs)
-    third = axes(Quaternion(*columns["orientation"].T))[2]
+    orientation = columns["orientation"]
+    third = axes(Quaternion(*orientation.T))[2]
     if drawn["kind"] == "cylinder":
         none = np.zeros(n)
         spin = columns["theta_dot"]
@@ -57,11 +58,11 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         momentum = Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
-        inert = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip then
-        x = Turning(Vector(*columns["axis"].T), momentum)
-        omega = angular_velocity_of(x, b.I3 * columns["omega3"], inert)
-    offset, radius = _ball(columns, attrs, b)
-    arm = Vector(offset * third.x, offset * third.y, offset * third.z - radius)
+        inertia = moments(b)
+        if drawn["fixed"]:  # L is about the tip
+            inertia[:2] = tip_inertia(b)
+        omega = Vector(*angular_velocity(orientation, columns["L"], inertia).T)
+    arm = Vector(*lowest(orientation, _touching(columns, attrs, b)).T)
     slip = _slip(columns, n)
     turning = cross(omega, arm)
     velocity = np.stack([slip[0] - turning.x, slip[1] - turning.y])
@@ -72,7 +73,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         [
             columns["orientation"],
             *omega,
-            _place(columns, third, offset, radius, drawn["fixed"]),
+            _place(columns, arm, drawn["fixed"]),
             _force(columns, velocity, slip, third.z, b),
             *slip,
             np.zeros(n),
@@ -85,12 +86,13 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     )
 
 
-def _ball(columns: Columns, attrs: dict[str, Any], b: Touch) -> tuple[Any, Any]:
-    """Return offset and radius of the last ball in contact with the plane; numbers or (n,)."""
+def _touching(columns: Columns, attrs: dict[str, Any], b: Touch) -> Touch:
+    """Return the body with the last ball that touched the plane, whose numbers are (n,) then."""
     if "ball" not in columns or "stem" not in attrs:
-        return b.c, b.R
+        return b
     stem = columns["ball"] == 1
-    return np.where(stem, b.c + attrs["stem"]["h"], b.c), np.where(stem, attrs["stem"]["r"], b.R)
+    of_stem = b.c + attrs["stem"]["h"], attrs["stem"]["r"]
+    return b._replace(c=np.where(stem, of_stem[0], b.c), R=np.where(stem, of_stem[1], b.R))
 
 
 def _slip(columns: Columns, n: int) -> np.ndarray:
@@ -107,12 +109,12 @@ def _slip(columns: Columns, n: int) -> np.ndarray:
     return np.nan_to_num([v.real, v.imag])
 
 
-def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: bool) -> np.ndarray:
+def _place(columns: Columns, arm: Vector, fixed: bool) -> np.ndarray:
     """Return the centre of mass, (n, 3)."""
     if fixed:
-        return np.stack(times(-offset, third), axis=1)
-    height = columns["z"] if "z" in columns else radius - offset * third.z
-    return np.stack([columns["x"], columns.get("y", np.zeros(len(third.z))), height], axis=1)
+        return -np.stack(arm, axis=1)
+    y = columns.get("y", np.zeros(len(arm.z)))
+    return np.stack([columns["x"], y, columns.get("z", -arm.z)], axis=1)
 
 
 def _force(

@@ -61,4 +61,4 @@ def test_a_run_has_the_bits_of_a_fresh_process_whatever_ran_before() -> None:
         tt.run(scenario(seed), events=[above], until=0.2)
     assert [digest(seed) for seed in reversed(SEEDS)] == alone[::-1]
     with ThreadPoolExecutor(3) as pool:
-        assert list(pool.map(digest, [*SEEDS, *SEEDS])) == alone * 2
+        assert list(pool.map(digest, SEEDS)) == alone

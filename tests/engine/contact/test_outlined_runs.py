@@ -16,8 +16,6 @@ from scipy.integrate import solve_ivp
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
 from tippetop.runs.certificate import certificate_violations
-from tippetop.runs.shape import shape
-from tippetop.scenario.build import resolved
 
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "outlines.json").read_text())
@@ -178,6 +176,25 @@ def test_a_disc_that_falls_flat_ends_by_an_event() -> None:
                 tt.run(coin, tt.friction.Frictionless(), start=start, until=1.0, **options)
 
 
+@pytest.mark.parametrize(
+    ("law", "options"),
+    [
+        (None, {}),
+        (tt.friction.Viscous(mu=1.0), {}),
+        (tt.friction.Coulomb(mu=1.0, mu_r=1e-9), {"contact": {}}),
+    ],
+)
+def test_a_disc_that_lies_nearly_flat_keeps_its_balance(law: Any, options: dict[str, Any]) -> None:
+    """Its ball has a radius of some hundred discs there, and R - c z cancels."""
+    theta = 0.004
+    phi_dot = 2 * np.sqrt(9.81 / (0.036 * theta))
+    start = {"theta": theta, "phi_dot": phi_dot, "omega3": -0.01} | ({"nu_x": 0.0} if law else {})
+    disc = tt.Disc(m=0.44, ring=0.036, tube=0.0015)
+    run = tt.run(disc, law, start=start, until=0.1, on_liftoff=None, **options)
+    assert np.ptp(run.trajectory.theta.values) > 1e-5
+    assert run.drift["energy_balance"] < 2e-15
+
+
 # --- the tippe top ------------------------------------------------------------------------------
 
 
@@ -212,6 +229,45 @@ def assert_tippe_top(law: Any, start: dict[str, float], **options: Any) -> None:
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-12 * size)
 
 
+# --- presets ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("rpm", "jumps"), [(1500, 0), (2000, 35)])
+def test_an_egg_jumps_if_it_spins_fast_enough(rpm: int, jumps: int) -> None:
+    run = tt.run("jumping-egg", start={"phi_dot": f"{rpm} rpm"})
+    assert run.summary.event_counts.get("liftoff", 0) == jumps
+    assert run.drift["energy_balance"] < 1e-13
+
+
+def test_the_disc_of_euler_lies_flat_in_the_end() -> None:
+    """Before, it goes round ever faster: phi'^2 sin(theta) is constant for small theta."""
+    run = tt.run("euler-disc")
+    assert run.summary.status == "ended"
+    assert run.summary.event_counts["flat"] == 1
+    assert run.drift["energy_balance"] < 1e-13
+    last = run.trajectory.isel(time=slice(-200, None))
+    scaled = np.sqrt(np.sin(last.theta)) * last.phi_dot
+    assert float(last.phi_dot[-1]) > 500
+    assert float(scaled.std() / scaled.mean()) < 0.02
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        tt.friction.Viscous(mu=3.0, mu_r=2e-4, mu_d=2e-4),
+        tt.friction.Contensou(mu=0.3, patch=4e-4, mu_r=4e-4),
+        tt.friction.Coulomb(mu=0.3, mu_r=4e-4, mu_d=2e-4),
+        at_night(tt.friction.Coulomb(mu=0.4, mu_r=5e-4)),
+    ],
+)
+def test_a_disc_that_loses_energy_ends_flat(law: Any) -> None:
+    disc = tt.Disc(m=0.1, ring=0.02, tube=0.001)
+    start = {"theta": 0.3, "phi_dot": 48.0, "nu_x": 0.0}
+    run = tt.run(disc, law, start=start, until=10.0)
+    assert (run.summary.status, run.summary.event_counts["flat"]) == ("ended", 1)
+    assert run.drift["energy_balance"] < 1e-13
+
+
 # --- what surrounds a run -----------------------------------------------------------------------
 
 
@@ -244,15 +300,10 @@ def test_the_ensemble_is_that_of_single_runs() -> None:
         assert end == pytest.approx(alone, abs=1e-11)
 
 
-SPHERES = "must touch the plane with spheres"
-
-
-def test_no_picture_and_no_file_shows_a_ball_instead() -> None:
-    for name in ("spinning-egg", "rolling-egg", "spinning-coin", "rolling-coin"):
-        problem = tt.load(name)
-        with pytest.raises(tt.InputError, match=SPHERES):
-            text_of(problem, "mjcf")
-        with pytest.raises(tt.InputError, match=SPHERES):
-            shape(resolved(problem))
-        with pytest.raises(tt.InputError, match=SPHERES):
-            tt.run(name, until=0.1).plot("film")
+@pytest.mark.parametrize(
+    ("preset", "formats"), [("spinning-egg", ["urdf"]), ("rolling-coin", ["mjcf", "urdf", "sdf"])]
+)
+def test_no_file_has_a_ball_in_place_of_another_body(preset: str, formats: list[str]) -> None:
+    for to in formats:
+        with pytest.raises(tt.InputError, match=r"one that `.*` can express"):
+            text_of(tt.load(preset), to)

@@ -6,6 +6,7 @@ from typing import Any
 import laws
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import tippetop as tt
 from tippetop.mechanics.contact.body import Touch, height, touching_ball
@@ -13,6 +14,7 @@ from tippetop.mechanics.contact.outline import Rim, Spheroid
 from tippetop.mechanics.friction import Frictionless, Viscous
 from tippetop.mechanics.systems import outlook
 from tippetop.mechanics.theory.modes import is_unstable
+from tippetop.scenario import build
 
 
 STEP = 1e-30
@@ -23,6 +25,7 @@ SHAPES = [
     Rim(0.7, 0.0, 0.0),
 ]
 Z = np.linspace(-0.99, 0.99, 67)
+STILL = {"at_pole": 0.0, "theta": 1.0, "phi_dot": 0.0}
 
 
 def body(shape: Any, **numbers: float) -> Touch:
@@ -82,7 +85,7 @@ def test_what_check_says_of_spins_is_true(a: float, c: float, inverted: bool) ->
     """By the linear modes: of prolate, round and oblate bodies."""
     top = tt.Spheroid(m=0.06, a=a, b=0.02, c=c, I1="m*(a^2 + b^2)/5", I3="2/5*m*b^2", g=9.81)
     b = top.body(Viscous(0.5))
-    words = outlook.spheroid(b, {"at_pole": False}).regime.split(", ")[inverted]
+    words = outlook.revolution(b, STILL).regime.split(", ")[inverted]
     if limit := re.search(r"is stable (above|below) (\S+) rad/s", words):
         above, spin = limit[1] == "above", float(limit[2])
         spins = {0.99 * spin: not above, 1.01 * spin: above}
@@ -90,3 +93,112 @@ def test_what_check_says_of_spins_is_true(a: float, c: float, inverted: bool) ->
         spins = dict.fromkeys((1.0, 30.0, 1000.0), not words.endswith("unstable"))
     for omega3, stable in spins.items():
         assert is_unstable(omega3, b, inverted=inverted) == (not stable), (omega3, words)
+
+
+# --- the uniform body ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("top", "end", "radius"),
+    [
+        (tt.Spheroid(0.06, 0.03, 0.02), 0.03, lambda x: 0.02 * np.sqrt(1 - (x / 0.03) ** 2)),
+        (tt.Disc("8 g", 0.011, "2 mm"), 0.002, lambda x: 0.011 + np.sqrt(0.002**2 - x**2)),
+        (tt.Disc(m=1.0, ring=1e-9, tube=1.0), 1.0, lambda x: np.sqrt(1 - x**2)),
+    ],
+)
+def test_a_body_is_uniform_by_default(top: Any, end: float, radius: Any) -> None:
+    """Its moments are sums over slices across the axis."""
+    whole, I3, more = (
+        quad(lambda x, n=n, k=k: radius(x) ** n * x**k, -end, end, epsabs=0, epsrel=1e-10)[0]
+        for n, k in ((2, 0), (4, 0), (2, 2))
+    )
+    expected = top.m * (I3 / 4 + more) / whole, top.m * I3 / (2 * whole)
+    np.testing.assert_allclose([top.I1, top.I3], expected, rtol=1e-8)
+    assert top.g == 9.81
+
+
+def test_the_uniform_body_is_that_of_a_scenario_too() -> None:
+    tables: dict[str, Any] = {"system": "rolling-spheroid", "run": {"until": 1.0}}
+    given = {"m": "60 g", "a": 0.03, "b": 0.02, "I3": "0.9*2/5*m*b^2"}
+    problem = build.problem({**tables, "parameters": given})
+    assert problem.parameters == tt.Spheroid(**given)._asdict()
+    assert problem.parameters["I1"] == 1.56e-5
+    for numbers, match in (({"c": 1e-3}, "I1` must be given where c is not 0"), ({"a": None}, "a")):
+        with pytest.raises(tt.InputError, match=match):
+            tt.Spheroid(**{**given, **numbers})
+        with pytest.raises(tt.InputError, match=match):
+            build.problem({**tables, "parameters": {**given, **numbers}})
+
+
+# --- predictions --------------------------------------------------------------------------------
+
+EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02)
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_a_rolling_egg_stands_by_the_spin_that_check_names(inverted: bool) -> None:
+    """By runs on either side of it, of a body that is heavier at one end."""
+    top = EGG._replace(c=0.002)
+    name, pole = ("inverted", np.pi) if inverted else ("upright", 0.0)
+    known = outlook.revolution(top.body(), STILL, rolls=True).thresholds
+    limit = known[f"spin_{name}"].value
+    for share, falls in ((0.98, True), (1.02, False)):
+        start = {"theta": abs(pole - 1e-5), "omega3": share * limit}
+        run = tt.run(top, start=start, until=3.0, output="steps")
+        away = np.abs(run.trajectory.theta.values - pole)
+        assert (away.max() > 1e-2) == falls
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_a_gliding_egg_stands_by_the_spin_of_the_uniform_spheroid(share: float) -> None:
+    """omega_3^2 = 5 g a^3/b^4, by runs on either side of it."""
+    limit = np.sqrt(5 * EGG.g * EGG.a**3 / EGG.b**4)
+    law = tt.friction.Viscous(mu=1.0)
+    known = outlook.revolution(EGG.body(law), STILL).thresholds["spin_upright"]
+    assert known.value == pytest.approx(limit, rel=1e-12)
+    run = tt.run(EGG, law, start={"theta": 1e-3, "omega3": share * limit}, until=20.0)
+    assert (run.trajectory.theta.values[-1] > 1e-3) == (share < 1)
+
+
+def test_where_a_body_rests_its_height_is_stationary() -> None:
+    top = tt.Spheroid(0.06, 0.03, 0.02, c=0.004, I1=1.56e-5, I3=9.6e-6)
+    known = outlook.revolution(top.body(), STILL).thresholds
+    theta = np.linspace(0, np.pi, 100_001)
+    heights = height(np.cos(theta), touching_ball(np.cos(theta), np.sin(theta) ** 2, top.body()))
+    tilted = known["height_tilted"]
+    assert tilted.value == pytest.approx(heights.min(), rel=1e-8)
+    assert f"{theta[heights.argmin()]:.4f}" in tilted.long_name
+    assert "least" in tilted.long_name
+    for name, place in (("upright", 0), ("inverted", -1)):
+        assert known[f"height_{name}"].value == pytest.approx(heights[place])
+
+
+@pytest.mark.parametrize("rolls", [False, True])
+def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
+    coin = tt.Disc(m=0.01, ring=0.02, tube=0.002, c=1e-3, I1=1e-6, I3=2e-6)
+    start = {"theta": 1.1, "phi_dot": 12.0}
+    known = outlook.revolution(coin.body(), STILL | start, rolls=rolls).thresholds
+    start["omega3"] = known["spin_steady"].value
+    law = None if rolls else tt.friction.Coulomb(mu=1.01 * known["mu_steady"].value)
+    rows = tt.run(
+        coin, law, start={**start, **({} if rolls else {"nu_x": 0.0})}, until=1.0
+    ).trajectory
+    np.testing.assert_allclose(rows.theta, 1.1, rtol=0, atol=1e-12)
+    if rolls:
+        np.testing.assert_allclose(rows.friction_needed, known["mu_steady"].value, rtol=1e-12)
+
+
+@pytest.mark.parametrize("rolls", [False, True])
+@pytest.mark.parametrize("name", ["spinning-egg", "spinning-coin"])
+def test_what_is_of_spheres_only_is_refused(name: str, rolls: bool) -> None:
+    name = name.replace("spinning", "rolling") if rolls else name
+    for call in (
+        tt.theory.thresholds,
+        lambda top: tt.theory.regime(top, 1e-6),
+        lambda top: tt.theory.asymptotic_states(top, 1e-6),
+        lambda top: tt.landscapes.minimal_surface(top, D=0.0, lam=0.0),
+        lambda top: tt.landscapes.potential(top, 0.0, D=0.0, lam=0.0),
+    ):
+        with pytest.raises(tt.InputError) as raised:
+            call(name)
+        assert len(raised.value.sentences) == 1

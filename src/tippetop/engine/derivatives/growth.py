@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...problem import Problem
+from ..observables import ALONE, values_of
 from ..tangent import Tangents
 
 
@@ -81,6 +82,10 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     data = dict(problem.initial)
     theta = data.get("theta", 0.0)
     angles = system.start(data, math.sin(theta), math.cos(theta), problem.body())._asdict()
+    if "moving" in angles:  # a start by vectors
+        found = values_of(problem.alone, problem.start()[:, None], ALONE)
+        units = system.angles._asdict()
+        angles = {n: np.nan_to_num(found[n][0]) * problem.scales.of(units[n]) for n in units}
     start = {name: float(value) for name, value in angles.items() if name in system.initial}
     form = system.forms.get("vector", problem.form)
     given = dataclasses.replace(problem, initial=start, form=form, orientation=False)

@@ -86,7 +86,7 @@ def differentiate(
             whole = _quaternions(values)
         else:
             whole = np.array([values[part] for part in source.parts])
-        whole = whole[:, :, rows] * float(problem.scales.of(source.unit))
+        whole = whole[:, :, rows] * problem.unit(source.unit)
         first = whole[:, 1][..., own] / sizes
         symbol = source.unit.symbol
         found.trajectory[name] = _column(first, symbol, name, ("time", PARAMETER), source.dims)

@@ -4,7 +4,8 @@ Vectors are those of space: regular everywhere.
 """
 
 from collections import namedtuple
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import update_wrapper
 from typing import Any, ClassVar, NamedTuple
 
 from ...errors import InputError
@@ -20,7 +21,9 @@ from ..units import (
     METRE_PER_SECOND2,
     ONE,
 )
-from .outline import Ball, Bent, Series
+from . import frame
+from .frame import Asymmetric, Frame
+from .outline import Ball, Bent, at
 
 
 class Touch(NamedTuple):
@@ -67,8 +70,8 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     if isinstance(b.outline, Ball):
         return b
     shape = shape_of(b)
-    f = shape.height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
-    bent = Bent(shape, -f.second, -f.third)
+    f = at(z, s2, shape.height)
+    bent = Bent(shape, -f.second, -f.third, f.value)
     return b._replace(R=f.value - z * f.first, c=-f.first, outline=bent)
 
 
@@ -92,12 +95,27 @@ def of_outline(of_ball: Any, of_others: Any) -> Any:
     return select(lambda outline: of_ball if outline is Ball else of_others)
 
 
-def as_ball(b: Touch) -> Touch:
-    """Return the ball by which a body touches the plane, alone."""
+def or_of_frame(of_frame: Callable) -> Callable:
+    """Return a decorator of formulas that have another one for bodies without an axis of symmetry.
+
+    Their last argument is the body.
+    """
+
+    def chosen(of_axis: Callable) -> Any:
+        by_body = select(lambda body: of_frame if body is Asymmetric else of_axis)
+        return update_wrapper(by_body, formula(of_axis))
+
+    return chosen
+
+
+def as_ball(b: Any) -> Any:
+    """Return a body in an impact, alone: the ball by which it touches the plane, if it has one."""
+    if isinstance(b, Asymmetric):
+        return b._replace(clearance=(), lever=())
     return Touch(b.m, b.R, b.c, b.I1, b.I3, b.g, b.friction)
 
 
-def size(b: Touch) -> Any:
+def size(b: Any) -> Any:
     """Return the size of a body [m], by which its other lengths are measured.
 
     That of a tip is its distance from the centre of mass.
@@ -105,11 +123,13 @@ def size(b: Touch) -> Any:
     return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
 
 
-def height_range(b: Touch) -> Any:
+def height_range(b: Any) -> Any:
     """Return a bound of the difference of two heights of the centre of mass [m]."""
     if isinstance(b.outline, Ball):
         return 2 * abs(b.c)
-    return 2 * (shape_of(b).size + abs(shape_of(b).c))
+    if isinstance(b, Asymmetric):
+        return 2 * b.outline.reach
+    return 2 * (shape_of(b).size + abs(getattr(shape_of(b), "c", 0.0)))
 
 
 class Top(Record, abstract=True):
@@ -122,11 +142,11 @@ class Top(Record, abstract=True):
     gliding: ClassVar[str]
     resting: ClassVar[str]
 
-    def seen(self, friction: Any) -> Touch:
+    def seen(self, friction: Any) -> Any:
         """Return the body that formulas take, with the record of a friction law."""
         raise NotImplementedError
 
-    def body(self, law: Any = None) -> Touch:
+    def body(self, law: Any = None) -> Any:
         """Return the body that formulas take; `law`: the record of a friction law.
 
         Raises InputError.
@@ -136,7 +156,7 @@ class Top(Record, abstract=True):
         return self.seen(Frictionless() if law is None else law)
 
     @classmethod
-    def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Touch:
+    def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Any:
         """Return the body of parameters by name, unchecked, with the record of a friction law."""
         return cls._make(parameters[name] for name in cls._fields).seen(friction)
 
@@ -151,10 +171,15 @@ def filled(**units: Any) -> Any:
     return namedtuple("State", units)(**units)
 
 
-def state(**units: Any) -> Any:
-    """Return a state filled with units: 3hat, L about the centre of mass, and more."""
+AXIS = ("ux", "uy", "uz")
+FRAME = (*AXIS, "ix", "iy", "iz")
+"""Variables that describe how a body lies."""
+
+
+def state(lies: tuple[str, ...] = AXIS, /, **units: Any) -> Any:
+    """Return a state filled with units: how a body lies, L about the centre of mass, and more."""
     turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
-    return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
+    return filled(**dict.fromkeys(lies, ONE), **turning, **units)
 
 
 VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
@@ -167,14 +192,23 @@ BALLS = ("body", "stem")
 class Turning(NamedTuple):
     """How the axis of a body lies and the body turns: what formulas take of a state `x`."""
 
-    u: Vector  # 3hat
+    u: Any  # 3hat, or a Frame
     L: Vector  # about the centre of mass
 
 
 @formula
-def axis(q):
+def axis_of(q):
     """Return 3hat, unit vector along the axis of the body, (3,), space frame."""
     return Vector(q.ux, q.uy, q.uz)
+
+
+def frame_of(q):
+    """Return axes 3 and 1 of a body without an axis of symmetry."""
+    return Frame(q.ux, q.uy, q.uz, q.ix, q.iy, q.iz)
+
+
+axis = select(lambda state: frame_of if "ix" in state._fields else axis_of)
+"""axis(q) -> how the body lies: its axis, or a Frame."""
 
 
 @formula
@@ -186,7 +220,7 @@ def turning(q):
 class Moving(NamedTuple):
     """The common state: how a body lies and moves."""
 
-    u: Vector  # 3hat
+    u: Any  # 3hat, or a Frame
     L: Vector  # about the centre of mass
     velocity: Vector  # of the centre of mass
     height: Operand  # of the centre of mass
@@ -210,25 +244,42 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 # --- geometry and velocities --------------------------------------------------------------------
 
 
+chosen_height = of_outline(
+    formula(lambda z, b, outline: b.R - b.c * z), lambda z, b, outline: outline.height
+)
+
+
 @formula
 def height(z, b):
     """Return the height of the centre of mass above the plane, s_z = R - c z [m].
 
     The body touches the plane.
     """
-    return b.R - b.c * z
+    return chosen_height(z, b, b.outline)
+
+
+@or_of_frame(frame.height)
+def height_of(u, b):
+    """Return the height of the centre of mass of a body that lies so and touches the plane [m]."""
+    return height(u.z, b)
 
 
 @formula
 def gap(x, b):
     """Return the gap between ball and plane of a moving body [m]."""
-    return x.height - height(x.u.z, b)
+    return x.height - height_of(x.u, b)
 
 
-@formula
+chosen_arm = of_outline(
+    formula(lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)),
+    lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, -outline.height),
+)
+
+
+@or_of_frame(frame.arm)
 def arm(u, b):
     """Return a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
-    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+    return chosen_arm(u, b, b.outline)
 
 
 @formula
@@ -240,13 +291,13 @@ def arm2(z, b):
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
-@formula
+@or_of_frame(frame.axis_rate)
 def axis_rate(x, b):
     """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(x.L, x.u))
 
 
-@formula
+@or_of_frame(frame.angular_velocity)
 def angular_velocity(x, b):
     """Return omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
     return angular_velocity_of(x, dot(x.L, x.u), b)
@@ -259,11 +310,22 @@ def angular_velocity_of(x, L3, b):
 
 
 @formula
-def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+def arm_velocity_of_ball(x, b, outline):
+    """Return `arm_velocity` of a sphere."""
     u_dot = axis_rate(x, b)
     w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
+
+
+chosen_arm_velocity = of_outline(
+    arm_velocity_of_ball, lambda x, b, outline: cross(angular_velocity(x, b), arm(x.u, b))
+)
+
+
+@or_of_frame(frame.arm_velocity)
+def arm_velocity(x, b):
+    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+    return chosen_arm_velocity(x, b, b.outline)
 
 
 @formula
@@ -388,6 +450,9 @@ def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
     return L3 / b.I1 * phi_dot_s2 - z * axis_speed2
 
 
+sine2 = of_outline(formula(lambda s, outline: 1 - s.z * s.z), lambda s, outline: s.s2)
+
+
 @formula
 def contact_mobility(s, b):
     """Return the upward acceleration of the contact point per unit of g_n/m; must be positive.
@@ -395,7 +460,7 @@ def contact_mobility(s, b):
     [denominator of T 3.16]
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
-    return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - height(s.z, b) * slip)
+    return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b.outline) - height(s.z, b) * slip)
 
 
 pull_on = of_outline(

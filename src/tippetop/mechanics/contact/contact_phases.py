@@ -5,18 +5,20 @@ common state.
 from collections import namedtuple
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from itertools import product
 from typing import Any, NamedTuple
 
 from ..disc_friction import STOPS_ROLLING, drilling_force, rolling
 from ..event import Event
-from ..form import Form, Phase
+from ..form import Form, Orientation, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from . import gliding
 from .body import (
+    AXIS,
     VELOCITY,
     Moving,
     Reaction,
@@ -28,6 +30,7 @@ from .body import (
     contact_velocity,
     gained,
     height,
+    height_of,
     seen_from_other,
     state,
 )
@@ -71,6 +74,13 @@ Contact: Any = namedtuple("Contact", "z z_dot by sides q")
 
 
 TURN = carried_along(axis_rate, spin)
+OF_FRAME = Orientation(lambda q, carried, b: axis(q).axes[::2])
+"""Of a state with both axes; psi is one of its angles."""
+
+
+def orientation_of(units: Any) -> Orientation:
+    """Return the orientation of states with these variables."""
+    return OF_FRAME if "ix" in units._fields else TURN
 
 
 def on_ball(
@@ -116,7 +126,7 @@ def on_ball(
 
     def leave(q, b):
         x = turning(q)
-        return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height(q.uz, b))
+        return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height_of(x.u, b))
 
     def power(q, carried, b):
         by = acts(q, b)
@@ -128,7 +138,8 @@ def on_ball(
         integral("impulse", lambda q, carried, b: acts(q, b).force.z),
         integral("jellett_lost", lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b))),
     )
-    form = Form("vector", units, rates, scalars, integrals=integrals, orientation=TURN)
+    turns = orientation_of(units)
+    form = Form("vector", units, rates, scalars, integrals=integrals, orientation=turns)
     return Phase(form, (), events, enter=entered, leave=leave, reaction=acts)
 
 
@@ -162,36 +173,43 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 # --- free flight --------------------------------------------------------------------------------
 
 
-FREE = state(**VELOCITY, height=METRE)
 Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
     still = 0 * q.uz
-    return type(FREE)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
+    return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
 
 
-FLIGHT = Phase(
-    Form(
+@cache
+def flight(lies: tuple[str, ...] = AXIS) -> Phase:
+    """Return free flight of a body whose state has these variables of how it lies."""
+    units = state(lies, **VELOCITY, height=METRE)
+    form = Form(
         "vector",
-        FREE,
+        units,
         free_rates,
-        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height(q.uz, b)),
+        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height_of(axis(q), b)),
         integrals=place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
-        orientation=TURN,
-    ),
-    (),
-    (
+        orientation=orientation_of(units),
+    )
+    events = (
         ending("land", "the ball lands", lambda s, b: s.gap),
         replace(TOUCH, formula=lambda s, b: s.gap + other_gap(s, b)),
-    ),
-    enter=lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-    leave=lambda q, b: Moving(
-        axis(q), turning(q).L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height
-    ),
-    reaction=lambda q, b: Reaction(none(q)),
-)
+    )
+
+    def enter(x: Moving, b: Any) -> Any:
+        return type(units)(*x.u, *x.L, *x.velocity, x.height)
+
+    def leave(q: Any, b: Any) -> Moving:
+        x = turning(q)
+        return Moving(x.u, x.L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height)
+
+    return Phase(form, (), events, (), enter, leave, lambda q, b: Reaction(none(q)))
+
+
+FLIGHT = flight()
 
 
 # --- sliding under a law that is smooth in the velocity -----------------------------------------
@@ -216,10 +234,10 @@ SLIP = Phase(
 # --- rolling, and sliding under a set-valued law -----------------------------------------------
 
 
-def without_slip(events: tuple, holds: Callable) -> Phase:
+def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...] = AXIS) -> Phase:
     """Return a phase in which the contact point stays at rest: holds(x, b) -> force, torque."""
     forces = lambda x, q, b: holds(x, b)  # noqa: E731
-    return on_ball(state(), events, forces, none, lambda v: (), lambda q, G: ())
+    return on_ball(state(lies), events, forces, none, lambda v: (), lambda q, G: ())
 
 
 CONE = ending(
@@ -227,14 +245,9 @@ CONE = ending(
     "rolling needs more friction than there is: the contact slides",
     lambda s, b: cone(s.by.force, b),
 )
-ROLL = without_slip((LIFTOFF, TOUCH, CONE), resting)
 
 STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
-
-DIRECTED = state(beta=RADIAN, w=METRE_PER_SECOND)
-"""v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
-length, where sliding stops."""
 
 
 def direction(q: Any) -> Vector:
@@ -253,14 +266,25 @@ STICK = ending(
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
     lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
 )
-DIRECTED_SLIP = on_ball(
-    DIRECTED,
-    (LIFTOFF, TOUCH, STICK),
-    lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
-    lambda q: times(q.w, direction(q)),
-    lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
-    directed_changes,
-)
+
+
+@cache
+def under_coulomb(lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
+    """Return the phases under Coulomb's law itself.
+
+    Where it slides, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and
+    its direction its length, where sliding stops.
+    """
+    slip = on_ball(
+        state(lies, beta=RADIAN, w=METRE_PER_SECOND),
+        (LIFTOFF, TOUCH, STICK),
+        lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
+        lambda q: times(q.w, direction(q)),
+        lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
+        directed_changes,
+    )
+    roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
+    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies)}
 
 
 # --- sliding of a disc, under a law with regions ------------------------------------------------
@@ -279,9 +303,6 @@ impulse takes the rest of its turning, which would last less than a thousandth o
 LEAST_PATCH = 1e-5
 """Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than
 STILL, where smooth friction lets it creep: it would never come to rest."""
-
-DISC = state(vx=METRE_PER_SECOND, vy=METRE_PER_SECOND)
-"""v_A."""
 
 Speeds: Any = namedtuple("Speeds", "v2 U2")
 
@@ -340,14 +361,15 @@ def border(way: Any, side: int) -> Event:
     return ending(name, "sliding against turning", beyond, way.direction)
 
 
-def with_slip(events: tuple, pushed: Callable) -> Phase:
+def with_slip(events: tuple, pushed: Callable, lies: tuple[str, ...] = AXIS) -> Phase:
     """Return a phase of sliding in any direction: pushed(x, v, b) -> force, torque."""
 
     def velocity(q):
         return Vector(q.vx, q.vy, 0 * q.uz)
 
     forces = lambda x, q, b: pushed(x, velocity(q), b)  # noqa: E731
-    return on_ball(DISC, events, forces, velocity, lambda v: v[:2], lambda q, G: G[:2])
+    units = state(lies, vx=METRE_PER_SECOND, vy=METRE_PER_SECOND)
+    return on_ball(units, events, forces, velocity, lambda v: v[:2], lambda q, G: G[:2])
 
 
 def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
@@ -367,11 +389,11 @@ def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
     return (RESTS, *ways) if names else ()
 
 
-def slip_under(law: Any, *names: str) -> Phase:
+def slip_under(law: Any, *names: str, lies: tuple[str, ...] = AXIS) -> Phase:
     """Return the phase of sliding in this region of a law, if it has any, with a torque."""
     friction, *_ = frictions_of(law, names)
     pushed = lambda x, v, b: sliding(x, friction, v, b)  # noqa: E731
-    return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed)
+    return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed, lies)
 
 
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
@@ -405,7 +427,7 @@ GIVES = Event(
     "gives",
     sampled=True,
 )
-REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
+REST = without_slip((LIFTOFF, TOUCH, GIVES))
 
 
 # --- on both balls --------------------------------------------------------------------------------
@@ -511,10 +533,12 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 
-def phases_under(law: Any) -> dict[tuple[str, ...], Phase]:
+def phases_under(law: Any, lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
     """Return the phases under a law, by label and its regions on each ball in contact."""
     if law.set_valued:
-        return {("slip",): DIRECTED_SLIP, ("roll",): ROLL, ("flight",): FLIGHT}
+        return under_coulomb(lies)
+    if lies is not AXIS:  # with one contact, a point
+        return {("slip",): slip_under(law, lies=lies), ("flight",): flight(lies)}
     if not law.regions:
         slip = slip_under(law) if law.torque else SLIP
         return {("slip",): slip, ("flight",): FLIGHT, ("both",): slide_on_both(law)}

@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from ..form import CLOCK, Next
+from ..form import CLOCK, Next, Phase
 from ..operand import Vector, atan2, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import BALLS, Moving, Touch, contact_velocity
 from .contact_phases import (
     CONE,
-    DIRECTED,
-    DIRECTED_SLIP,
     RESTS,
     STOPS_AT,
     brought_to_rest,
@@ -34,6 +32,7 @@ from .contact_phases import (
     without_slip_on_both,
 )
 from .first_slip import first_directions, first_slip
+from .frame import Asymmetric
 from .outline import Ball
 from .response import (
     bias_vector,
@@ -66,6 +65,9 @@ friction may vanish."""
 
 MOST_STRIKES = 256
 """Impacts at one instant: balls that throw each other down strike ever more slowly."""
+
+DIFFERENCE = 2.0**-10
+"""Time, internal units, of a difference whose sign decides."""
 
 SPAN, SLOW = 0.03, 0.5
 """Time over which a slow slide is one series: this part of 1/|omega|, and at most that of the time
@@ -125,7 +127,10 @@ def first_touch(n: Next, world: Any) -> Next:
     From here on Jellett's integral is compared with that of this ball.
     """
     x = n.x
-    now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
+    b = world.body[world.phases[n.phase].ball]
+    if isinstance(b, Asymmetric):
+        return n
+    now = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
     if series := n.series:
@@ -180,19 +185,28 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
-def gap_rate(x: Moving, b: Touch, order: int) -> Any:
+def gap_rate(x: Moving, b: Any, order: int) -> Any:
     """Return the first, second or third time derivative of the gap of a ball in flight."""
     if order == 1:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
+    if isinstance(b, Asymmetric):
+        return bias_rate(x, b)
     u_dot = contact.axis_rate(x, b)
     third = -(b.c * dot(x.L, x.L) / b.I1**2 * u_dot.z)
     if not isinstance(b.outline, Ball):
         swing = cross(x.L, u_dot).z / b.I1
-        _, bend, twist = b.outline
+        _, bend, twist, _ = b.outline
         third += 3 * bend * (u_dot.z * swing) + twist * (u_dot.z * u_dot.z * u_dot.z)
     return third
+
+
+def bias_rate(x: Moving, b: Asymmetric) -> Any:
+    """Return the rate of the second derivative of the gap in flight, by a difference."""
+    sides = (moved(x.u, contact.axis_rate(x, b), side * DIFFERENCE) for side in (1, -1))
+    one, other = (bias_vector(x._replace(u=u), b).z for u in sides)
+    return (one - other) / (2 * DIFFERENCE)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
@@ -215,7 +229,8 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         against = (atan2(-F.y, -F.x),) if F.z > 0 else ()
-        for beta in (*first_directions(partial(pushed, x, b)), *against):
+        slides = world.phases[phase_name("slip", ball)]
+        for beta in (*first_directions(partial(pushed, slides, x, b)), *against):
             return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
     return fly(x, world, ball, 2, "opens-at-once")
 
@@ -316,19 +331,14 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
 # --- slides that begin and end ------------------------------------------------------------------
 
 
-def directed(x: Moving, beta: Any) -> Any:
-    """Return the state of sliding with the speed 1 in the direction beta."""
-    return type(DIRECTED)(*x.u, *x.L, beta, 1 + 0 * beta)
-
-
-def pushed(x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]:
+def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta.
 
     P is the rate of the speed, and Q the speed times the turn of the direction.
     """
-    q = directed(x, beta)
-    rates = DIRECTED_SLIP.form.rates(q, b)
-    return rates.w, rates.beta, DIRECTED_SLIP.reaction(q, b).force.z
+    q = type(phase.form.units)(*x.u, *x.L, beta, 1 + 0 * beta)
+    rates = phase.form.rates(q, b)
+    return rates.w, rates.beta, phase.reaction(q, b).force.z
 
 
 def moved(record: Any, rates: Any, time: Any) -> Any:
@@ -359,11 +369,12 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     wide = world._replace(body=rounded(world.body))
     x = rounded(x)
     b = wide.body[ball]
-    first = len(DIRECTED) - 2  # of the integrals
+    units = phase.form.units
+    first = len(units) - 2  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
         *moved, w, beta = values
-        return type(DIRECTED)(*moved[:first], beta, w), x.carried._make(moved[first:])
+        return type(units)(*moved[:first], beta, w), x.carried._make(moved[first:])
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read((*state, beta))

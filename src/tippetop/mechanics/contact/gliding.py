@@ -51,7 +51,7 @@ from .body import (
     state,
     turning,
 )
-from .body_axes import by_angles, carried_along
+from .body_axes import by_angles, carried_along, psi_of_axes
 from .integrals import integral, place
 
 
@@ -278,6 +278,8 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
             "omega3": c.L3 / b.I3,
             "phi": azimuth(q, carried),
         }
+        if hasattr(c, "u"):
+            known["psi"] = psi_of_axes(*c.u.axes[::2])
         if hasattr(c, "v_u"):
             known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
         if hasattr(c, "rise"):

@@ -15,7 +15,7 @@ from ..operand import formula
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
-from .body import BALLS, Touch, seen_from_balls
+from .body import AXIS, BALLS, FRAME, Touch, seen_from_balls
 from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
 from .exits import IMPACT, JUMPS, REASONS, begin, go_on, slide_on
 from .integrals import NAMED, integral
@@ -24,6 +24,7 @@ from .rows import (
     ANGLES,
     DISC_ANGLES,
     DISC_ROW,
+    PLACE_COLUMNS,
     PLANAR_ANGLES,
     PLANAR_ROW,
     ROW,
@@ -108,7 +109,7 @@ def phases_of(opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
     seen, jumping = (outlined_phase, outlined_jump) if opening.outlined else (same, same)
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
-        for (label, *regions), phase in phases_under(law).items()
+        for (label, *regions), phase in phases_under(law, FRAME if opening.framed else AXIS).items()
         for ball in range(balls - (label == "both"))
     }
     phases = {}
@@ -123,7 +124,8 @@ def phases_of(opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
         phase = seen(phase)
-        form = replace(phase.form, not_normalised=("R", "c"))
+        gaps = ("land",) if opening.framed and label == "flight" else phase.form.resolved
+        form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(
             phase,
             forms=in_plane(form) if opening.planar else form,
@@ -169,14 +171,20 @@ def opened(system: System, law: Any, balls: int) -> System:
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
     form = PLANAR_ROW if opening.planar else DISC_ROW if law.torque else ROW
+    read = row
+    if opening.framed:
+        angles, form, read = opening.framed
     form = replace(form, domains=opening.domains)
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
-    jellett = not (opening.planar or opening.outlined)
+    jellett = not (opening.planar or opening.outlined or opening.framed)
     quantities = columns(jellett, opening.routh, balls > 1)
+    if opening.framed:
+        quantities = PLACE_COLUMNS
     known = {*opening.without, *(quantity.name for quantity in quantities)}
     quantities += tuple(one for one in system.quantities if one.name not in known)
     # events of the axis by the few scalars of a phase, if these are enough
-    phases = phases_of(opening, law, balls, () if opening.planar else of_axis)
+    apart = opening.planar or opening.framed
+    phases = phases_of(opening, law, balls, () if apart else of_axis)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -204,11 +212,11 @@ def opened(system: System, law: Any, balls: int) -> System:
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
         begin=outlined_jump(begin) if opening.outlined else begin,
-        read=row,
+        read=read,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,
-        start=start,
+        start=system.start if opening.framed else start,
         angles=angles,
         long_names=system.long_names | LONG_NAMES,
         integrals=("jellett",) if jellett else (),

@@ -17,6 +17,7 @@ from typing import Any
 from ..disc_friction import drag, rolling
 from ..friction import load
 from ..operand import Vector, cross, dot, formula, minus, plus, sqrt, times
+from . import frame
 from .body import (
     Moving,
     Touch,
@@ -27,8 +28,10 @@ from .body import (
     axis_rate,
     gained,
     of_outline,
+    or_of_frame,
     velocities,
 )
+from .frame import Asymmetric
 
 
 @formula
@@ -43,16 +46,27 @@ def gains(u, F, torque, b):
     return plus(times(1 / b.m, F), cross(turns, arm(u, b))), turns
 
 
+chosen_arm2 = of_outline(
+    formula(lambda u, b, outline: arm2(u.z, b)), lambda u, b, outline: dot(arm(u, b), arm(u, b))
+)
+
+
+@or_of_frame(frame.mobility_inverse_times)
+def mobility_inverse_times(u, x, b):
+    """Return K^-1 x, (3,): the force or impulse for x at the contact."""
+    return inverse_times(u, x, b, 0)
+
+
 @formula
-def mobility_inverse_times(u, x, b, less=0):
-    """Return K^-1 x, (3,): the force or impulse for x at the contact.
+def inverse_times(u, x, b, less):
+    """Return K^-1 x of a ball.
 
     K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat; a torque about the vertical makes the
     excess less.
     """
     excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - less
     a = arm(u, b)
-    kappa = 1 / b.m + arm2(u.z, b) / b.I1
+    kappa = 1 / b.m + chosen_arm2(u, b, b.outline) / b.I1
     across = u.x * x.y - u.y * x.x  # k.x
     along_k = -(excess * across) / (kappa + excess * (u.x * u.x + u.y * u.y))
     along_a = b.m * dot(a, x) / b.I1
@@ -82,7 +96,7 @@ def bent_bias(x, b, outline):
 chosen_bias = of_outline(bias_of_ball, bent_bias)
 
 
-@formula
+@or_of_frame(frame.bias_vector)
 def bias_vector(x, b):
     """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
 
@@ -161,8 +175,10 @@ def impulses(u, v, Omega_z, b):
     """Return the impulses (3,) of force and torque that add v to the slip, and Omega_z to the
     turning of a disc.
     """
+    if isinstance(b, Asymmetric):  # a point, which turns freely
+        return mobility_inverse_times(u, v, b), times(0, v)
     along, per, less = turning(u, b)
-    p = mobility_inverse_times(u, plus(v, times(-(Omega_z * per), along)), b, less)
+    p = inverse_times(u, plus(v, times(-(Omega_z * per), along)), b, less)
     return p, Vector(0 * p.z, 0 * p.z, (Omega_z - dot(p, along)) * per)
 
 
@@ -172,6 +188,7 @@ def stopping(x, b):
     return impulses(x.u, times(-1, v), -omega.z, b)
 
 
+@or_of_frame(frame.resting)
 def resting(x, b):
     """Return the force and torque (3,) on a body whose contact stays at rest."""
     free = (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z  # Omega_z' without them

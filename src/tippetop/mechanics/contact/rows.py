@@ -92,10 +92,14 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 
 
+def ball_of(q, b):
+    """Return the ball of a row, or of its scalars."""
+    return b._replace(R=q.radius, c=q.offset, outline=contact.Ball())
+
+
 def lowest_velocity(q, b):
     """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
-    b = b._replace(R=q.radius, c=q.offset)
-    return contact.contact_velocity(moving(q, ()), b)
+    return contact.contact_velocity(moving(q, ()), ball_of(q, b))
 
 
 def row_scalars(q, b):
@@ -207,7 +211,7 @@ def of_ball(function: Callable) -> Callable:
 
     Its R and c are those of the row.
     """
-    return lambda s, b: function(s, b._replace(R=s.radius, c=s.offset))
+    return lambda s, b: function(s, ball_of(s, b))
 
 
 def energy(s, b):

@@ -4,6 +4,11 @@ from typing import Any
 
 import numpy as np
 
+from ..operand import Vector
+from .body_axes import axes_of_angles
+from .frame import Asymmetric, Frame, height
+from .response import gains
+
 
 THETA = np.linspace(0, np.pi, 10_001)[1:-1]
 SINE, COSINE = np.sin(THETA), np.cos(THETA)
@@ -35,6 +40,23 @@ def painleve_bound(m: float, I1: float, offset: Any, radius: Any) -> float:
     lever, height = levers(offset, radius)
     with np.errstate(divide="ignore"):
         return float(np.min((I1 / m + lever**2) / (lever * height)))
+
+
+def painleve_bound_of_frame(b: Asymmetric, highest: float) -> float:
+    """Return the least mu at which the normal force of slip is not defined in some pose.
+
+    It is min K_zz/|K_hz| over the poses that have the centre of mass not above `highest`: that of a
+    body with so little energy never rises above it.
+    """
+    theta = THETA[::50, None]
+    psi = np.linspace(-np.pi, np.pi, len(theta))
+    first, third = axes_of_angles(np.sin(theta), np.cos(theta), 0 * psi, psi)
+    u = Frame(*third, *first)
+    up = Vector(0.0, 0.0, 1.0)
+    K, _ = gains(u, up, Vector(0.0, 0.0, 0.0), b)
+    with np.errstate(divide="ignore"):
+        bounds = K.z / np.hypot(K.x, K.y)
+    return float(np.min(bounds, initial=np.inf, where=height(u, b) <= highest))
 
 
 def most_rolling(m: float, I1: float, offset: Any, radius: Any, mu: float) -> float:

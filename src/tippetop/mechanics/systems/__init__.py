@@ -20,6 +20,7 @@ from ..number import RecordType
 from ..system import System
 from .consistency import check
 from .cylinder import GLIDING_CYLINDER, Modified
+from .ellipsoid import ELLIPSOID, ROLLING_ELLIPSOID
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
 from .revolution import DISC, ROLLING_DISC, ROLLING_SPHEROID, SPHEROID
@@ -41,6 +42,8 @@ SYSTEMS: dict[str, System] = {
         ROLLING_SPHEROID,
         DISC,
         ROLLING_DISC,
+        ELLIPSOID,
+        ROLLING_ELLIPSOID,
     )
 }
 

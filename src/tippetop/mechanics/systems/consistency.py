@@ -191,7 +191,7 @@ def rivals(events: Sequence[Event]) -> list[str]:
 
 def allowed(rule: Number) -> float:
     """Return a number that a parameter may be."""
-    if rule.default is not None:
+    if isinstance(rule.default, float | int):
         return rule.default
     low = [bound for bound in (rule.above, rule.least) if bound is not None]
     high = [bound for bound in (rule.below, rule.most) if bound is not None]

@@ -9,15 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.body import Touch, tip_inertia, touching_ball
+from ..contact.body import Touch, tip_inertia
 from ..contact.restitution import ContactLaw
 from ..friction import has_parts, is_frictionless, nowhere_vanishes
 from ..system import Outlook
+from ..theory import eggs_and_discs
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
 from ..theory.spinning import thresholds_of_surface
 from ..theory.thresholds import (
+    SPINS,
     Threshold,
     lambda_de,
     lambda_s,
@@ -45,7 +47,6 @@ PARTS_TAKE = (
     "known to attract"
 )
 NO_THEORY = "no theory of this body is known here"
-ROUNDED = 1e-12  # of a length or a moment of inertia
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -203,32 +204,33 @@ def _round(law: Any) -> str:
     return "a round cylinder: gliding decays to rolling"
 
 
-def spheroid(b: Touch, start: Start) -> Outlook:
-    """Predict a spheroid near its poles, where it moves as the ball by which it touches there."""
-    if has_parts(b.friction) or not nowhere_vanishes(b.friction):
-        return Outlook(NO_THEORY)
-    spins = f"the upright spin {_spins(1.0, b)}, the inverted spin {_spins(-1.0, b)}"
-    return Outlook(f"under friction {spins}", STAYS if start["at_pole"] else "")
+def revolution(
+    b: Touch, start: Start, law: ContactLaw | None = None, *, rolls: bool = False
+) -> Outlook:
+    """Predict rest, spins at the poles and steady rolling of a body with an outline.
+
+    The end of a disc is disputed.
+    """
+    found = eggs_and_discs.limits(b)
+    acts = nowhere_vanishes(b.friction) and not has_parts(b.friction)
+    spins = []
+    if (rolls or acts) and "radius_upright" in found:
+        for name, z in SPINS.items():
+            how, limit = eggs_and_discs.spin_limit(z, b, rolls=rolls)
+            if limit > 0:
+                words = f"{name} spin stable {how}"
+                found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, words)
+                how = f"stable {how} {limit:.6g} rad/s"
+            spins.append(f"the {name} spin is {how}")
+    if start["phi_dot"] and 0 < start["theta"] < math.pi:
+        found |= eggs_and_discs.steady_rolling(start["theta"], start["phi_dot"], b)
+    when = "in pure rolling" if rolls else "under friction" if law is None else "while it slides"
+    sentence = f"{when} {', '.join(spins)}" if spins else NO_THEORY
+    return Outlook(sentence, STAYS if start["at_pole"] else "", found)
 
 
-def _spins(z: float, b: Touch) -> str:
-    """Return which spins at a pole are stable under friction. [section 6]"""
-    ball = touching_ball(z, 0.0, b)
-    high = ball.R - z * ball.c
-    rise = high - ball.R
-    lever = b.I3 * high - b.I1 * ball.R
-    rises, levers = (
-        int(math.copysign(abs(x) > ROUNDED * whole, x))
-        for x, whole in ((rise, high), (lever, b.I3 * high))
-    )
-    if rises * levers <= 0:
-        return f"is {('neutral', 'stable', 'unstable')[(levers > rises) - (levers < rises)]}"
-    limit = math.sqrt(b.m * b.g * high**2 * rise / (ball.R * lever))
-    return f"is stable {'above' if rise > 0 else 'below'} {limit:.6g} rad/s"
-
-
-def disc(b: Touch, start: Start) -> Outlook:
-    """Predict nothing of a disc."""
+def without_axis(b: Any, start: Start) -> Outlook:
+    """Predict nothing of a body without an axis of symmetry."""
     return Outlook(NO_THEORY)
 
 

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, ClassVar
 
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
@@ -17,67 +18,83 @@ from . import outlook
 from .tippe_top import TippeTop
 
 
-def seen_by(shape: Any, body: Any, friction: Any) -> Touch:
-    """Return the body with an outline that formulas take."""
-    return Touch(body.m, (), (), body.I1, body.I3, body.g, friction, outline=shape)
+class Outlined(Top, abstract=True):
+    """A body of revolution with an outline: its shape takes some of its numbers."""
+
+    shape: ClassVar[Any]
+    faults = staticmethod(contact.inertia_faults)
+
+    def seen(self: Any, friction: Any) -> Touch:
+        """Return the body that formulas take."""
+        shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
+        return Touch(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 
 
-class Spheroid(Top):
+class Spheroid(Outlined):
     """A spheroid: an egg or a lentil, with half length a along its axis, and half width b.
 
-    Each number may be a text: with a unit, "60 g", or arithmetic of the others: the moments of
-    inertia of a uniform body are I1="m*(a^2 + b^2)/5" and I3="2/5*m*b^2".
+    Each number may be a text: with a unit, "60 g", or arithmetic of the others. By default the body
+    is uniform.
 
     >>> import tippetop as tt
-    >>> egg = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0, I1=1.56e-5, I3=9.6e-6, g=9.81)
+    >>> tt.Spheroid(m=0.06, a=0.03, b=0.02)
+    Spheroid(m=0.06, a=0.03, b=0.02, c=0.0, I1=1.56e-05, I3=9.6e-06, g=9.81)
     """
 
     gliding = "spheroid"
     resting = "rolling-spheroid"
-    faults = staticmethod(contact.inertia_faults)
+    shape = outline.Spheroid
 
     m: Number = reuse(TippeTop.parameters["m"])
     a: Number = number(METRE, "half length along the axis", symbol="a", above=0)
     b: Number = number(METRE, "half width", symbol="b", above=0)
     c: Number = number(
-        METRE, "distance of the centre from the centre of mass along 3hat", symbol="c"
+        METRE, "distance of the centre from the centre of mass along 3hat", symbol="c", default=0.0
     )
-    I1: Number = reuse(TippeTop.parameters["I1"])
-    I3: Number = reuse(TippeTop.parameters["I3"])
-    g: Number = reuse(TippeTop.parameters["g"])
-
-    def seen(self, friction: Any) -> Touch:
-        """Return the body that formulas take."""
-        return seen_by(outline.Spheroid(self.a, self.b, self.c), self, friction)
+    I1: Number = reuse(TippeTop.parameters["I1"], default="m*(a^2 + b^2)/5", where_zero="c")
+    I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero="c")
+    g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
 
-class Disc(Top):
+VOLUME = "(2*ring^2 + pi*ring*tube + 4/3*tube^2)"
+"""The volume of a disc with a rounded rim, over pi*tube."""
+
+
+class Disc(Outlined):
     """A disc that touches with its rounded rim: a circle of radius `ring`, rounded by `tube`.
 
-    Each number may be a text: with a unit, "40 g", or arithmetic of the others: the moments of
-    inertia of a thin uniform disc are I1="m*ring^2/4" and I3="m*ring^2/2".
+    Each number may be a text: with a unit, "40 g", or arithmetic of the others. By default the body
+    is uniform, its faces are flat.
 
     >>> import tippetop as tt
-    >>> coin = tt.Disc(m=0.01, ring=0.01, tube=1e-3, c=0, I1=2.5e-7, I3=5e-7, g=9.81)
+    >>> coin = tt.Disc(m="8 g", ring="11 mm", tube="1 mm")
     """
 
     gliding = "disc"
     resting = "rolling-disc"
-    faults = staticmethod(contact.inertia_faults)
+    shape = outline.Rim
 
     m: Number = reuse(TippeTop.parameters["m"])
     ring: Number = number(METRE, "radius of the circle in the rim", symbol="r", above=0)
     tube: Number = number(METRE, "radius of the rounding of the rim", symbol="t", least=0)
     c: Number = number(
-        METRE, "distance of the centre of the circle from the centre of mass along 3hat", symbol="c"
+        METRE,
+        "distance of the centre of the circle from the centre of mass along 3hat",
+        symbol="c",
+        default=0.0,
     )
-    I1: Number = reuse(TippeTop.parameters["I1"])
-    I3: Number = reuse(TippeTop.parameters["I3"])
-    g: Number = reuse(TippeTop.parameters["g"])
-
-    def seen(self, friction: Any) -> Touch:
-        """Return the body that formulas take."""
-        return seen_by(outline.Rim(self.ring, self.tube, self.c), self, friction)
+    I1: Number = reuse(
+        TippeTop.parameters["I1"],
+        default=f"I3/2 + m*tube^2*(2/3*ring^2 + pi/4*ring*tube + 4/15*tube^2)/{VOLUME}",
+        where_zero="c",
+    )
+    I3: Number = reuse(
+        TippeTop.parameters["I3"],
+        default="m*(ring^4 + pi*ring^3*tube + 4*ring^2*tube^2 + 3/4*pi*ring*tube^3 + 8/15*tube^4)"
+        f"/{VOLUME}",
+        where_zero="c",
+    )
+    g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
 
 LEAST_SINE2 = 1e-6
@@ -99,11 +116,9 @@ JELLETT = replace(gliding.JELLETT_QUANTITY, long_name="-L.a, which is constant f
 
 
 def systems(
-    body: type[Top],
-    shape: Any,
+    body: type[Outlined],
     title: str,
     source: str,
-    predict: Callable,
     *,
     events: tuple[Event, ...] = (),
     domains: tuple[Domain, ...] = (),
@@ -111,8 +126,9 @@ def systems(
 ) -> tuple[System, System]:
     """Return the gliding and the rolling system of a body with an outline.
 
-    `predict` is their outlook; `more` are fields of both systems.
+    `more` are fields of both systems.
     """
+    units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
 
     def starting(angles: Any) -> Callable:
         start = gliding.start_of(angles)
@@ -134,16 +150,13 @@ def systems(
             undefined_at_poles=of_ball.UNDEFINED_AT_POLES,
             parameters=body.parameters,
             body=body.body_of,
-            body_units=lambda law: contact.body_units(law)._replace(
-                R=(), c=(), outline=shape(*(METRE,) * len(shape._fields))
-            ),
+            body_units=lambda law: contact.body_units(law)._replace(R=(), c=(), outline=units),
             scales=lambda b: (b.m, b.outline.size),
             normalised_to={"m": 1.0},
             long_names=gliding.LONG_NAMES,
             vectors=gliding.VECTORS,
             checks=body.faults,
             source=source,
-            outlook=predict,
             **more,
             **others,
         )
@@ -156,7 +169,8 @@ def systems(
         title=f"{title} that glides",
         alternatives=gliding.ALTERNATIVES,
         on_request=(in_scalars(gliding.MODIFIED_ENERGY_RATE),),
-        opening=Opening(outlined=True, domains=domains),
+        opening=Opening(outlined=True, domains=domains, outlook=outlook.revolution),
+        outlook=outlook.revolution,
         laws=LAWS,
     )
     rolls = of_phase(
@@ -166,6 +180,7 @@ def systems(
         name=body.resting,
         title=f"{title} in pure rolling",
         alternatives=(gliding.BY_PSI_DOT,),
+        outlook=partial(outlook.revolution, rolls=True),
         integrals=("energy",),
     )
     return slides, rolls
@@ -173,18 +188,14 @@ def systems(
 
 SPHEROID, ROLLING_SPHEROID = systems(
     Spheroid,
-    outline.Spheroid,
     "spheroid",
     "Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. Nature 416, 385 (2002)",
-    outlook.spheroid,
     classes=("tumbling", "upright", "inverted"),
 )
 DISC, ROLLING_DISC = systems(
     Disc,
-    outline.Rim,
     "disc with a rounded rim",
     "Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
-    outlook.disc,
     events=(FLAT,),
     domains=(NOT_FLAT,),
     classes=("tumbling",),

@@ -58,6 +58,7 @@ class Reconstruction(NamedTuple):
     early: bool
 
 
+@np.errstate(all="ignore")  # a piece that is too long may leave the numbers
 def reconstruct(
     system: System,
     b: Any,

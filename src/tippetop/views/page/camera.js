@@ -3,6 +3,9 @@ import { cross, length, minus, mix, plus, times, unit } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 
+/** How far the camera is behind the body [s]: the same at every number of pictures a second. */
+const LAG = 0.06;
+
 export const LENS = Math.tan((17 * Math.PI) / 180);
 
 export class Camera {
@@ -20,13 +23,13 @@ export class Camera {
   /**
    * Follows the body; in orbit only where it would leave the picture.
    * @param {Vector} body where the body is
-   * @param {boolean} jump at once, not smoothly
+   * @param {number} passed since the picture before [s]; infinite to be there at once
    */
-  follow(body, jump) {
+  follow(body, passed) {
     const away = minus(body, this.home);
     const room = this.mode === "orbit" ? Math.max(0, 0.8 * LENS * this.distance - 1) : 0;
     const goal = minus(body, times(Math.min(1, room / (length(away) || 1)), away));
-    this.target = jump ? goal : mix(this.target, goal, 0.25);
+    this.target = mix(this.target, goal, 1 - Math.exp(-passed / LAG));
   }
 
   /** Eye and the directions of the picture: right, up, ahead. */

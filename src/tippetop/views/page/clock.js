@@ -14,6 +14,8 @@ export class Clock {
     this.playing = false;
     /** @type {number | undefined} of the frame before [ms] */
     this.last = undefined;
+    /** Since the frame before [s]. */
+    this.passed = 0;
     /** Whether the next picture is not a small step from the last. */
     this.jumped = true;
   }
@@ -46,10 +48,10 @@ export class Clock {
    * @returns {number} how far the motion went [s]
    */
   tick(now) {
-    const passed = this.last === undefined ? 0 : Math.min(now - this.last, LONGEST) / 1e3;
+    this.passed = this.last === undefined ? 0 : Math.min(now - this.last, LONGEST) / 1e3;
     this.last = now;
     if (!this.playing) return 0;
-    const step = passed * this.speed;
+    const step = this.passed * this.speed;
     this.time = Math.min(this.time + step, this.end);
     if (this.time >= this.end) this.playing = false;
     return step;

@@ -1,6 +1,6 @@
 /** A motion between its samples. */
 import { axes, between } from "./rotation.js";
-import { mix, plus, times } from "./vector.js";
+import { minus, mix, unit } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 /** @typedef {import("./vector.js").Quaternion} Quaternion */
@@ -145,12 +145,21 @@ export class Motion {
 }
 
 /**
- * Where a ball of the body touches the plane, seen from the axes of the body, from its centre of mass.
- * @param {Quaternion} q
- * @param {{offset: number, radius: number}} ball
+ * The lowest point of a surface of the body, from its centre of mass, in axes of the surfaces.
+ * @param {Vector[]} frame these axes in space
+ * @param {import("./scene.js").Surface} surface
+ * @param {import("./scene.js").Body["meridian"]} meridian of a surface of revolution, else empty
  * @returns {Vector}
  */
-export function touching(q, ball) {
-  const [a, b, c] = axes(q);
-  return plus([0, 0, ball.offset], times(-ball.radius, [a[2], b[2], c[2]]));
+export function lowest(frame, { centre, half }, meridian) {
+  let [x, y, z] = frame.map((axis) => axis[2]);
+  if (!meridian.length) [x, y, z] = unit([half[0] * x, half[1] * y, half[2] * z]);
+  else {
+    const across = Math.hypot(x, y);
+    const at = 1 + (Math.atan2(across, -z) / Math.PI) * (meridian.length - 3); // equal steps of the normal
+    const i = Math.min(Math.floor(at), meridian.length - 3);
+    const [height, radius] = mix(meridian[i], meridian[i + 1], at - i);
+    [x, y, z] = [(radius * x) / (across || 1), (radius * y) / (across || 1), -height];
+  }
+  return minus(centre, [half[0] * x, half[1] * y, half[2] * z]);
 }

@@ -4,6 +4,7 @@ import { facts } from "./phases.js";
 import { refusal, sampling, simulated } from "./simulation.js";
 import { Sliders, subscript } from "./sliders.js";
 import { part } from "./part.js";
+import { UNITS } from "./vector.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
 /** @typedef {import("./simulation.js").Given} Given */
@@ -91,6 +92,9 @@ const LAWS = /** @type {Record<string, string>} */ ({
   latitude: "viscous, by latitude",
   none: "no friction",
 });
+/** @type {Omit<import("./scene.js").Body, "unit" | "surfaces" | "weight">} */
+const BALL = { kind: "ball", axes: UNITS, meridian: [], ellipsoid: [], fixed: false };
+
 export class Playground {
   /**
    * @param {Stage} stage
@@ -227,7 +231,7 @@ export class Playground {
     const found = simulated(given);
     const spent = performance.now() - began;
     const { motion, log, potential, sizes } = found;
-    this.stage.take({ body: { kind: "ball", fixed: false, ...sizes }, motion, log, potential, wound: false }, keep);
+    this.stage.take({ body: { ...BALL, ...sizes }, motion, log, potential, wound: false }, keep);
     this.thresholds(found.thresholds, Math.abs(motion.at(0, "well")[1]));
     part("verdict").textContent = verdict(found);
     part("cost").textContent = `integrated here in ${spent.toFixed(0)} ms, ${found.steps} steps`;

@@ -1,28 +1,32 @@
 /** The picture: body, floor, shadow, arrows and traces, drawn by WebGL2 for a pose. */
 import { Camera, LENS } from "./camera.js";
 import { Program, Ribbon } from "./graphics.js";
-import { touching } from "./motion.js";
+import { lowest } from "./motion.js";
 import { ARROWS, rgb } from "./palette.js";
 import { INK, RAYS, RIBBON, SCREEN } from "./shaders.js";
 import { axes } from "./rotation.js";
-import { dot, length, plus, times } from "./vector.js";
+import { UNITS, along, dot, length, minus, plus, times } from "./vector.js";
 
 /** @typedef {import("./vector.js").Vector} Vector */
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./palette.js").Palette} Palette */
 
+/** @typedef {{centre: Vector, half: Vector}} Surface centre from the centre of mass, and half axes [m] */
+
 /**
  * @typedef {object} Body
- * @property {"ball" | "heavy" | "cylinder"} kind
+ * @property {"ball" | "heavy" | "cylinder" | "lathe"} kind
  * @property {number} unit the length that is 1 in the picture [m]
- * @property {{offset: number, radius: number}[]} balls what may touch the plane, from the centre of mass [m]
- * @property {[number, number]} ellipsoid half axes across and along, of a heavy top [m]
+ * @property {Vector[]} axes of the surfaces, in axes of the body
+ * @property {Surface[]} surfaces what may touch the plane, the stem last
+ * @property {Vector[]} meridian of a lathe, in units of its half axes: height, radius, inclination of the normal
+ * @property {Vector | []} ellipsoid half axes of a heavy top [m]
  * @property {number} weight [N]
  * @property {boolean} fixed whether its tip is fixed
  */
 
-const KINDS = { ball: 0, heavy: 1, cylinder: 2 };
+const KINDS = { ball: 0, heavy: 1, cylinder: 2, lathe: 3 };
 const [NEAR, FAR] = [0.5, 60];
 /** Longest arrows, in units; a force of the weight has length 1. */
 const LONGEST = /** @type {Record<string, number>} */ ({ momentum: 2.1, omega: 2.5, slip: 1.3 });
@@ -98,32 +102,39 @@ export class Scene {
     this.untraced = true;
     if (keep) return;
     const last = Math.min(n, AIMED) - 1;
-    const path = Array.from(
-      { length: last + 1 },
-      (_, i) => this.touched(Math.round((i * (n - 1)) / (last || 1))).floor,
-    );
+    const rows = Array.from({ length: last + 1 }, (_, i) => Math.round((i * (n - 1)) / (last || 1)));
+    const path = rows.map((i) => this.touched(i).floor);
+    const high = rows.reduce((sum, i) => sum + motion.at(i, "position")[2], 0) / rows.length / body.unit;
     const [x, y] = [0, 1].map((i) => path.reduce((sum, at) => sum + at[i], 0) / path.length);
     const wide = Math.max(...path.map((at) => Math.hypot(at[0] - x, at[1] - y)));
-    this.camera.home = [x, y, body.kind === "heavy" ? 0.85 : 0.95];
+    this.camera.home = [x, y, body.kind === "heavy" ? 0.85 : Math.min(0.95, 2 * high)];
     this.camera.distance = Math.min(12, Math.max(body.kind === "heavy" ? 8.4 : 6.6, 5.8 + 1.3 * wide));
     if (wide > 3) this.camera.mode = "follow";
   }
 
   /**
-   * Where the body touches the plane at a sample, in units of the picture: on the floor, and on its ball, from the centre
-   * of mass in its own axes.
+   * The axes of the surfaces in space.
+   * @param {import("./vector.js").Quaternion} q
+   */
+  frame(q) {
+    const turned = axes(q);
+    return /** @type {Body} */ (this.body).axes.map((axis) => along(turned, axis));
+  }
+
+  /**
+   * Where the body touches the plane at a sample, in units of the picture: on the floor, and on its surface, from the
+   * centre of mass in axes of the surfaces.
    * @param {number} i
    */
   touched(i) {
     const body = /** @type {Body} */ (this.body);
     const motion = /** @type {Motion} */ (this.motion);
     const k = 1 / body.unit;
-    const q = motion.at(i, "orientation");
-    const ball = body.balls[this.ballAt(motion.times[i])];
-    const p = touching(q, ball);
-    const [a, b, c] = axes(q);
-    const at = plus(motion.at(i, "position"), plus(plus(times(p[0], a), times(p[1], b)), times(p[2], c)));
-    const out = plus([0, 0, ball.offset], times(1.006, plus(p, [0, 0, -ball.offset])));
+    const frame = this.frame(motion.at(i, "orientation"));
+    const surface = body.surfaces[this.ballAt(motion.times[i])];
+    const p = lowest(frame, surface, body.meridian);
+    const at = plus(motion.at(i, "position"), along(frame, p));
+    const out = plus(surface.centre, times(1.006, minus(p, surface.centre)));
     return { floor: [at[0] * k, at[1] * k, 0.004], skin: times(k, out) };
   }
 
@@ -142,7 +153,7 @@ export class Scene {
     }
     const moves = body.kind !== "heavy" || !body.fixed;
     this.floor = moves ? new Ribbon(gl, ribbons, floor, motion.times) : undefined;
-    this.skin = body.kind === "ball" ? new Ribbon(gl, ribbons, skin, motion.times) : undefined;
+    this.skin = KINDS[body.kind] % 3 === 0 ? new Ribbon(gl, ribbons, skin, motion.times) : undefined;
   }
 
   /**
@@ -187,10 +198,10 @@ export class Scene {
   arrows(pose) {
     const body = /** @type {Body} */ (this.body);
     const k = 1 / body.unit;
-    const third = axes(pose.orientation)[2];
-    const ball = body.balls[this.ballAt(pose.time)];
+    const frame = this.frame(pose.orientation);
+    const surface = body.surfaces[this.ballAt(pose.time)];
     const centre = times(k, pose.position);
-    const contact = plus(centre, plus(times(ball.offset * k, third), [0, 0, -ball.radius * k]));
+    const contact = plus(centre, times(k, along(frame, lowest(frame, surface, body.meridian))));
     return ARROWS.map(([name]) => {
       const vector = /** @type {Vector} */ (pose[/** @type {"omega"} */ (name)]);
       const drawn = times(this.shown[name] ? this.scales[name] : 0, vector);
@@ -203,30 +214,33 @@ export class Scene {
    * Draws a pose.
    * @param {Pose} pose
    * @param {Palette} colours
-   * @param {{dark: boolean, turned: number, jump: boolean}} how `turned`: angle of the spin during one picture [rad]
+   * @param {{dark: boolean, turned: number, passed: number}} how `turned`: angle of the spin during one picture [rad];
+   * `passed`: time since the last [s], infinite after a jump
    */
   draw(pose, colours, how) {
     const { gl, body, motion } = this;
     if (!body || !motion) return;
     this.resize();
     const k = 1 / body.unit;
-    const turned = axes(pose.orientation);
+    const turned = this.frame(pose.orientation);
     const centre = times(k, pose.position);
-    const above = times(k * (body.kind === "ball" ? body.balls[0].offset : 0), turned[2]);
-    const looked = plus(centre, above);
-    this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.jump);
+    const [{ centre: offset, half }, stem] = body.surfaces;
+    const heavy = body.kind === "heavy";
+    const middle = heavy ? centre : plus(centre, times(k, along(turned, offset)));
+    const looked = body.kind === "cylinder" ? centre : middle;
+    this.camera.follow([looked[0], looked[1], this.camera.home[2]], how.passed);
     if (!gl || gl.isContextLost()) return;
     const rays = this.rays(gl, KINDS[body.kind]);
     const view = this.camera.frame();
     const lens = LENS * Math.max(1, 0.8 * (this.height / this.width));
     const size = [this.width, this.height];
     const arrows = this.arrows(pose);
-    const [ball, stem] = body.balls;
     const light = how.dark ? [0.5, 0.3, 0.82] : [0.42, 0.3, 0.86];
     gl.viewport(0, 0, this.width, this.height);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.ALWAYS);
     gl.disable(gl.BLEND);
+    if (body.kind === "lathe") rays.set({ meridian: body.meridian });
     rays.set({
       size,
       ...view,
@@ -236,12 +250,10 @@ export class Scene {
       centre,
       middle: [this.camera.target[0], this.camera.target[1], 0],
       body: turned,
-      radius: ball.radius * k,
-      offset: (body.kind === "heavy" ? 0 : ball.offset) * k,
-      stemRadius: stem ? stem.radius * k : 0,
-      stemHeight: stem ? (stem.offset - ball.offset) * k : 0,
-      tip: body.kind === "heavy" ? -ball.offset * k : 1,
-      ellipsoid: body.ellipsoid.map((a) => a * k),
+      surface: middle,
+      halves: times(k, /** @type {Vector} */ (heavy ? body.ellipsoid : half)),
+      stemRadius: stem ? stem.half[0] * k : 0,
+      stemHeight: stem ? (stem.centre[2] - offset[2]) * k : 0,
       spinBlur: Math.max(how.turned, 1e-3),
       grid: 0.01 * k > 0.2 ? 0.01 * k : 0.1 * k,
       dark: how.dark ? 1 : 0,
@@ -278,11 +290,7 @@ export class Scene {
     const common = { size: how.size, ...how.view, lens: how.lens, near: NEAR, far: FAR, now: pose.time };
     ribbons.set({
       ...common,
-      turn: [
-        [1, 0, 0],
-        [0, 1, 0],
-        [0, 0, 1],
-      ],
+      turn: UNITS,
       shift: [0, 0, 0],
       width: 0.0042 * this.height,
       memory: motion.end - motion.start || 1,

@@ -4,9 +4,9 @@ export const SCREEN = `#version 300 es
 layout(location = 0) in vec2 corner;
 void main() { gl_Position = vec4(corner, 0.0, 1.0); }`;
 
-/** Spheres, rods, ellipsoids, cylinders, arrows and the floor are met exactly: there is no mesh. */
+/** Rods, ellipsoids, cylinders, arrows and the floor are met exactly, surfaces of revolution by Newton steps. */
 /**
- * @param {number} kind 0 ball, 1 heavy top, 2 cylinder
+ * @param {number} kind 0 ball or ellipsoid, 1 heavy top, 2 cylinder, 3 surface of revolution
  * @param {number} side rays of a pixel along a side
  * @param {number} glass whether one sees through the body
  */
@@ -15,9 +15,10 @@ precision highp float;
 const int kind = ${kind}, side = ${side}, glass = ${glass};
 uniform vec2 size;
 uniform vec3 eye, right, up, ahead, centre, lightDirection, middle;
-uniform float lens, near, far, radius, offset, stemRadius, stemHeight, spinBlur, tip, grid, dark;
-uniform vec2 ellipsoid; // half axes across and along
-uniform mat3 body; // columns: axes of the body
+uniform float lens, near, far, stemRadius, stemHeight, spinBlur, grid, dark;
+uniform vec3 surface, halves; // centre and half axes of what is drawn
+uniform vec3 meridian[64]; // height and radius, by the half axes, and inclination of the normal
+uniform mat3 body; // columns: axes of the surface
 uniform vec3 arrowStart[4], arrowVector[4], arrowColour[4];
 uniform vec3 skyColour, floorColour, lineColour, heavyColour, lightColour, markColour, stemColour;
 out vec4 colour;
@@ -31,6 +32,31 @@ float ball(vec3 o, vec3 d, vec3 c, float r) {
   if (h < 0.0) return NONE;
   float t = -b - sqrt(h);
   return t > 0.0 ? t : NONE;
+}
+
+vec3 section(float z) { // radius, its slope, and the inclination of the normal at a height
+  int low = 0, high = 63;
+  while (high - low > 1) {
+    int m = (low + high) / 2;
+    if (meridian[m].x > z) low = m; else high = m;
+  }
+  vec3 a = meridian[low], b = meridian[high], c = b - a;
+  float s = (z - a.x) / c.x;
+  return vec3(a.y + s * c.y, c.y / c.x, a.z + clamp(s, 0.0, 1.0) * c.z);
+}
+
+float lathe(vec3 o, vec3 d, out vec3 normal) { // distance to the axis less radius is convex along a ray: no step is too far
+  float b = dot(o, d), h = b * b - dot(o, o) + 3.0, t = max(-b - sqrt(max(h, 0.0)), 0.0);
+  if (h < 0.0) return NONE;
+  for (int i = 0; i < 24; i++) {
+    vec3 p = o + t * d, s = section(p.z);
+    float r = max(length(p.xy), 1e-6), outside = r - s.x, slope = dot(p.xy, d.xy) / r - s.y * d.z;
+    normal = vec3(p.xy / r * sin(s.z), cos(s.z));
+    if (outside < 1e-4 * max(1.0, -slope)) return t;
+    if (slope >= 0.0) return NONE;
+    t -= outside / slope;
+  }
+  return NONE;
 }
 
 float rod(vec3 o, vec3 d, vec3 a, vec3 b, float r) { // a capsule
@@ -108,12 +134,20 @@ vec3 pattern(vec3 p, float pixel) { // p on the unit sphere, axes of the body
 Hit solid(vec3 o, vec3 d, float pixel) { // the body itself
   Hit hit = Hit(NONE, vec3(0), vec3(0), 0.0);
   vec3 axis = body[2];
-  if (kind == 0) {
-    vec3 c = centre + offset * axis;
-    float t = ball(o, d, c, radius);
-    if (t < hit.t) {
-      vec3 n = (o + t * d - c) / radius;
-      hit = Hit(t, n, pattern(n * body, pixel * t / radius), 0.55);
+  if (kind != 2) {
+    vec3 c = surface;
+    if (kind == 1) {
+      vec3 a = centre - axis, b = centre + (halves.z + 0.28) * axis;
+      float s = rod(o, d, a + 0.03 * axis, b, 0.03);
+      if (s < hit.t) hit = Hit(s, rodNormal(o + s * d, a, b), stemColour, 0.6);
+    }
+    vec3 oo = ((o - c) * body) / halves, dd = (d * body) / halves, n;
+    float size = length(dd), t = kind == 3 ? lathe(oo, dd / size, n) : ball(oo, dd / size, vec3(0), 1.0);
+    if (t < NONE && t / size < hit.t) {
+      vec3 p = oo + t / size * dd;
+      t /= size;
+      if (kind != 3) n = p / halves;
+      hit = Hit(t, normalize(body * n), pattern(normalize(p), pixel * t / halves.x), kind == 1 ? 0.6 : 0.55);
     }
     if (stemRadius > 0.0) {
       vec3 e = c + stemHeight * axis;
@@ -124,20 +158,9 @@ Hit solid(vec3 o, vec3 d, float pixel) { // the body itself
         hit = Hit(s, n, mix(stemColour, markColour, flag), 0.5);
       }
     }
-  } else if (kind == 1) {
-    vec3 a = centre - tip * axis, b = centre + (ellipsoid.y + 0.28 * tip) * axis;
-    float s = rod(o, d, a + 0.03 * tip * axis, b, 0.03 * tip);
-    if (s < hit.t) hit = Hit(s, rodNormal(o + s * d, a, b), stemColour, 0.6);
-    vec3 scale = vec3(ellipsoid.x, ellipsoid.x, ellipsoid.y);
-    vec3 oo = ((o - centre) * body) / scale, dd = (d * body) / scale;
-    float size = length(dd), t = ball(oo, dd / size, vec3(0), 1.0) / size;
-    if (t < hit.t) {
-      vec3 p = oo + t * dd;
-      hit = Hit(t, normalize(body * (p / scale)), pattern(p, pixel * t / ellipsoid.x), 0.6);
-    }
   } else {
-    vec3 oo = (o - centre) * body - vec3(0, 0, offset), dd = d * body;
-    float A = dot(dd.xz, dd.xz), B = dot(oo.xz, dd.xz), C = dot(oo.xz, oo.xz) - radius * radius, h = B * B - A * C;
+    vec3 oo = (o - surface) * body, dd = d * body;
+    float radius = halves.x, A = dot(dd.xz, dd.xz), B = dot(oo.xz, dd.xz), C = dot(oo.xz, oo.xz) - radius * radius, h = B * B - A * C;
     float wide = radius;
     if (h > 0.0) {
       float t = (-B - sqrt(h)) / A;
@@ -151,7 +174,7 @@ Hit solid(vec3 o, vec3 d, float pixel) { // the body itself
       float side = -sign(dd.y), u = (side * wide - oo.y) / dd.y;
       vec3 e = oo + u * dd;
       if (u > 0.0 && u < hit.t && dot(e.xz, e.xz) < radius * radius) {
-        vec2 m = e.xz + vec2(0.0, offset);
+        vec2 m = e.xz + ((surface - centre) * body).xz;
         float k = pixel * u;
         vec3 paint = mix(heavyColour, lightColour, edge(0.0, e.z, k));
         paint = mix(paint, stemColour, edge(0.93 * radius, length(e.xz), k));
@@ -194,24 +217,20 @@ float softBall(vec3 o, vec3 d, vec3 c, float r, float k) { // how much of the li
 
 float sunlight(vec3 p) {
   vec3 axis = body[2];
-  if (kind == 0) {
-    vec3 c = centre + offset * axis;
-    float s = softBall(p, lightDirection, c, radius, 2.4);
+  if (kind < 2) {
+    vec3 d = (lightDirection * body) / halves;
+    float s = softBall(((p - surface) * body) / halves, normalize(d), vec3(0), 1.0, kind == 0 ? 2.4 : 3.0);
     if (stemRadius > 0.0) {
       for (int i = 1; i <= 3; i++) {
-        vec3 e = c + axis * mix(radius * 0.8, stemHeight, float(i) / 3.0);
+        vec3 e = surface + axis * mix(halves.x * 0.8, stemHeight, float(i) / 3.0);
         s *= softBall(p, lightDirection, e, stemRadius, 1.6);
       }
     }
-    return s;
-  }
-  if (kind == 1) {
-    vec3 scale = vec3(ellipsoid.x, ellipsoid.x, ellipsoid.y);
-    vec3 d = (lightDirection * body) / scale;
-    float s = softBall(((p - centre) * body) / scale, normalize(d), vec3(0), 1.0, 3.0);
-    for (int i = 0; i < 7; i++) {
-      vec3 e = centre + axis * tip * (-1.0 + 0.15 * float(i));
-      s *= mix(0.86, 1.0, softBall(p, lightDirection, e, 0.06 * tip, 0.8));
+    if (kind == 1) {
+      for (int i = 0; i < 7; i++) {
+        vec3 e = centre + axis * (-1.0 + 0.15 * float(i));
+        s *= mix(0.86, 1.0, softBall(p, lightDirection, e, 0.06, 0.8));
+      }
     }
     return s;
   }
@@ -219,15 +238,16 @@ float sunlight(vec3 p) {
   for (int i = 0; i < 9; i++) {
     vec2 j = vec2(float(i % 3) - 1.0, float(i / 3) - 1.0) * 0.07;
     vec3 d = normalize(lightDirection + vec3(j, 0.0));
-    s += solid(p + d * 1e-3 * radius, d, 0.0).t < NONE ? 0.0 : 1.0;
+    s += solid(p + d * 1e-3, d, 0.0).t < NONE ? 0.0 : 1.0;
   }
   return s / 9.0;
 }
 
+float least() { return min(halves.x, min(halves.y, halves.z)); }
+
 float sky(vec3 p) { // how much of the sky the floor sees
-  vec3 c = kind == 1 ? centre : centre + offset * body[2];
-  float r = kind == 1 ? 0.8 * ellipsoid.x : radius;
-  vec3 q = c - p;
+  float r = kind == 1 ? 0.8 * halves.x : least();
+  vec3 q = surface - p;
   float l2 = dot(q, q);
   return 1.0 - 0.85 * clamp(q.z / sqrt(l2), 0.0, 1.0) * min(r * r / l2, 1.0);
 }
@@ -272,7 +292,7 @@ vec3 shade(vec3 o, vec3 d, float pixel, out float depth) {
   Hit b = solid(o, d, pixel);
   if (glass == 1) {
     if (kind != 2) {
-      float r = 0.12 * (kind == 1 ? tip : radius), t = ball(o, d, centre, r);
+      float r = 0.12 * (kind == 1 ? 1.0 : least()), t = ball(o, d, centre, r);
       if (t < a.t) a = Hit(t, (o + t * d - centre) / r, markColour, 0.6);
     }
     if (a.t < depth) { c = lit(a, o + a.t * d, d); depth = a.t; }

@@ -118,12 +118,12 @@ export function followed(given, times) {
  * @param {number[]} sizes
  * @param {{r: number, h: number} | null} stem
  */
-function drawn([offset, radius, weight, across, along], stem) {
-  /** @type {[number, number]} */
-  const ellipsoid = [across, along];
-  const balls = [{ offset, radius }];
-  if (stem) balls.push({ offset: offset + stem.h, radius: stem.r });
-  return { unit: radius || -offset, balls, ellipsoid, weight };
+function drawn([offset, radius, weight], stem) {
+  /** @type {(h: number, r: number) => import("./scene.js").Surface} */
+  const ball = (h, r) => ({ centre: [0, 0, h], half: [r, r, r] });
+  const surfaces = [ball(offset, radius)];
+  if (stem) surfaces.push(ball(offset + stem.h, stem.r));
+  return { unit: radius, surfaces, weight };
 }
 
 /**

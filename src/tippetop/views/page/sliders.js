@@ -61,7 +61,9 @@ export class Sliders {
     this.place.append(row);
     this.all[slider.name] = { slider, input, typed, output, marks };
     typed.addEventListener("change", () => {
-      const value = Number((parseFloat(typed.value.replace(",", ".")) / scale(slider)).toPrecision(12));
+      const text = typed.value.replace(",", ".").replace(slider.unit, "");
+      const given = text.trim() ? Number(text) : NaN; // another unit is no number
+      const value = Number((given / scale(slider)).toPrecision(12));
       this.set({ [slider.name]: isFinite(value) ? value : this.values[slider.name] });
       this.changed();
     });

@@ -90,7 +90,7 @@ export class Stage {
     this.shown = shown;
     const { body, motion, log } = shown;
     this.clock.take(motion.start, motion.end);
-    this.scene.take(body, motion, (t) => (body.balls[1] && log.phase(t)?.ball === "stem" ? 1 : 0), keep);
+    this.scene.take(body, motion, (t) => (body.surfaces[1] && log.phase(t)?.ball === "stem" ? 1 : 0), keep);
     if (!keep) part("camera").value = this.scene.camera.mode;
     const { potential } = shown;
     part("well-figure").hidden = !potential;
@@ -290,7 +290,8 @@ export class Stage {
     const pose = motion.pose(time);
     const spin = Math.abs(dot(pose.omega, axes(pose.orientation)[body.kind === "cylinder" ? 1 : 2]));
     this.dirty = false;
-    this.scene.draw(pose, colours, { dark: this.dark, turned: Math.min(spin * step, 6.2), jump: this.clock.jumped });
+    const passed = this.clock.jumped ? Infinity : this.clock.passed;
+    this.scene.draw(pose, colours, { dark: this.dark, turned: Math.min(spin * step, 6.2), passed });
     this.clock.jumped = false;
     const span = this.window();
     this.theta.draw(motion, log, pose, span, colours);

@@ -28,6 +28,16 @@ export const unit = (a) => times(1 / (length(a) || 1), a);
 /** @type {(a: Vector, b: Vector, s: number) => Vector} */
 export const mix = (a, b, s) => plus(times(1 - s, a), times(s, b));
 
+/** @type {Vector[]} */
+export const UNITS = [
+  [1, 0, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
+
+/** A vector along axes. @type {(axes: Vector[], v: Vector) => Vector} */
+export const along = ([a, b, c], [x, y, z]) => plus(times(x, a), plus(times(y, b), times(z, c)));
+
 /**
  * The quaternion of a body whose axes 1 and 3 are these.
  * @type {(first: Vector, third: Vector) => Quaternion}

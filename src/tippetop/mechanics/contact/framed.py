@@ -1,0 +1,286 @@
+"""Bodies without an axis of symmetry: starts, scalars, columns, events and rows.
+
+Their phases and jumps are those of other bodies: a state has axes 1 and 3 of the body, so that
+their orientation needs no integral.
+"""
+
+from collections import namedtuple
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+from ..event import Event, Kept
+from ..form import Form, Phase, Quantity
+from ..friction import Frictionless
+from ..number import Alternative, Number
+from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
+from ..units import JOULE, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
+from . import body as contact
+from . import frame, gliding, rolling, rows
+from .body import FRAME, VELOCITY, Moving, Turning, filled, state
+from .body_axes import axes_of_angles
+from .contact_phases import OF_FRAME, PHASES, slip_under, smooth_friction, without_slip
+from .frame import Asymmetric, Frame
+from .response import gains
+
+
+# --- the start ----------------------------------------------------------------------------------
+
+
+LYING = ("tilt", "roll", "heading")
+INITIAL = gliding.INITIAL | {
+    "heading": Number(RADIAN, "azimuth of half axis a, instead of theta, phi and psi"),
+    "tilt": Number(RADIAN, "elevation of half axis a, instead of theta, phi and psi"),
+    "roll": Number(RADIAN, "turn about half axis a, instead of theta, phi and psi"),
+    "spin": Number(
+        RADIAN_PER_SECOND, "angular velocity, which is vertical, instead of other rates"
+    ),
+}
+ALTERNATIVES = (
+    *gliding.ALTERNATIVES,
+    *(Alternative(n, ("theta", "phi", "psi", "theta_dot", "nu_x", "nu_y")) for n in LYING),
+    Alternative("spin", ("theta_dot", "phi_dot", "omega3", "psi_dot")),
+)
+
+Begin: Any = namedtuple("Begin", "moving x y")
+"""A start: the common state of the body, and its place."""
+
+
+def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
+    """Return the start by the numbers that the user gave; s, z are sin(theta), cos(theta)."""
+    none = 0 * z
+    given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
+    along = Vector(cos(given.phi), sin(given.phi), none)
+    if any(name in data for name in LYING):
+        heads = Vector(cos(given.heading), sin(given.heading), none)
+        across = Vector(-heads.y, heads.x, none)
+        one = plus(times(cos(given.tilt), heads), Vector(none, none, sin(given.tilt)))
+        two = plus(times(cos(given.roll), across), times(sin(given.roll), cross(one, across)))
+        third = cross(one, two)
+        first = minus(times(b.outline.cos, one), times(b.outline.sin, two))
+    else:
+        first, third = axes_of_angles(s, z, given.phi, given.psi)
+    u = Frame(*third, *first)
+    if "psi_dot" in data:
+        given.omega3 = given.psi_dot + given.phi_dot * u.z
+    node = Vector(-along.y, along.x, none)
+    swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)  # zhat - z 3hat
+    omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
+    omega = plus(plus(omega, times(given.omega3, third)), Vector(none, none, given.spin))
+    x = Turning(u, frame.momentum(omega, u, b))
+    vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
+    velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)
+    if data.get("centre_at_rest"):
+        velocity = velocity._replace(x=none, y=none)
+    height = given.gap + contact.height_of(u, b)
+    return Begin(Moving(*x, velocity, height), given.x, given.y)
+
+
+def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
+    """Return the common state of a start, or of angles."""
+    return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
+
+
+# --- rows and scalars ---------------------------------------------------------------------------
+
+
+ANGLES = filled(**gliding.ANGLES._asdict(), psi=RADIAN)
+ROLLING_ANGLES = filled(
+    **{n: u for n, u in ANGLES._asdict().items() if n not in ("nu_x", "nu_y", "work")}
+)
+ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
+"""Public variables: those of other bodies, with psi."""
+
+UNDEFINED_AT_POLES = (*gliding.UNDEFINED_AT_POLES, "psi")
+LONG_NAMES = gliding.LONG_NAMES | {
+    "psi": "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
+}
+
+NUMBERS = ("height", "Fx", "Fy", "force", "drilled", "phase", "ball")
+ROW_UNITS = state(FRAME, **VELOCITY, **{name: rows.NUMBERS[name] for name in NUMBERS})
+Row = type(ROW_UNITS)
+
+
+def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmetric]:
+    """Return the row of a state of a phase, and the body."""
+    x = phase.leave(q, b)
+    by = phase.reaction(q, b)
+    numbers = x.height, *by.force, by.drilled, PHASES.index(phase.label), phase.ball
+    return Row(*x.u, *x.L, *x.velocity, *numbers), b
+
+
+Scalars: Any = namedtuple(
+    "Scalars",
+    "z s2 z_dot phi_dot_s2 axis_speed2 L3 v v_u v_n v2 rise speed2 gap power height force "
+    "friction_force2 phase ball u up turns spin rotation",
+)
+"""As of other rows; v_A, how the body lies, zhat along its axes and its rate there, omega_z, energy
+of rotation.
+"""
+
+
+def row_scalars(q: Any, b: Asymmetric) -> Any:
+    """Return the scalars of a row."""
+    x = rows.moving(q, ())
+    u = x.u
+    u_dot = contact.axis_rate(x, b)
+    up = frame.up(u.axes)
+    omega = frame.turns(x, b)
+    v = contact.contact_velocity(x, b)
+    values = (
+        u.z,
+        u.x * u.x + u.y * u.y,
+        u_dot.z,
+        u.x * u_dot.y - u.y * u_dot.x,
+        dot(u_dot, u_dot),
+        dot(x.L, u),
+        v,
+        *contact.slip_scalars(u, v),
+        v.z,
+        dot(x.velocity, x.velocity),
+        contact.gap(x, b),
+        0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled,
+        q.height,
+        q.force,
+        q.Fx * q.Fx + q.Fy * q.Fy,
+        q.phase,
+        q.ball,
+        u,
+        up,
+        cross(up, omega),
+        dot(up, omega),
+        dot(omega, frame.parts(x.L, u.axes)) / 2,
+    )
+    return Scalars._make(values)
+
+
+def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
+    """Return the row of a start, its reaction not yet known."""
+    x = begun(e, s, z, b)
+    return Row(*x.u, *x.L, *x.velocity, x.height, *(0 * z,) * 6)
+
+
+OF_ROW = replace(
+    rows.ROW,
+    units=ROW_UNITS,
+    scalars=row_scalars,
+    of_angles=row_of_angles,
+    to_angles=gliding.angles_by(ROW_ANGLES, row_scalars),
+    orientation=OF_FRAME,
+)
+
+
+# --- the forms of one phase ---------------------------------------------------------------------
+
+
+def form_of(phase: Phase, label: str, angles: Any) -> Form:
+    """Return the form of a body that stays in a phase."""
+    phase = replace(phase, label=label)
+
+    def scalars(q: Any, b: Asymmetric) -> Any:
+        return row_scalars(row(phase, q, (), b)[0], b)
+
+    return replace(
+        phase.form,
+        scalars=scalars,
+        of_angles=lambda e, s, z, b: phase.enter(begun(e, s, z, b), b),
+        to_angles=gliding.angles_by(angles, scalars),
+        integrals=tuple(one for one in phase.form.integrals if one.name in angles._fields),
+    )
+
+
+def contact_mobility(s: Any, b: Asymmetric) -> Any:
+    """Return the upward acceleration of the contact point per normal force [1/kg]."""
+    force, torque = smooth_friction(s.v, s.v, s.z, b)
+    return gains(s.u, force, torque, b)[0].z
+
+
+NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
+SLIDES = replace(
+    form_of(slip_under(Frictionless, lies=FRAME), "slip", ANGLES), domains=(NOT_JAMMED,)
+)
+"""Under any law that is smooth in the velocity."""
+ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
+
+
+# --- columns and events -------------------------------------------------------------------------
+
+
+def heading(s: Any, b: Asymmetric) -> Any:
+    """Return the azimuth of half axis a."""
+    one, two, _ = s.u.axes
+    along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
+    return atan2(along.y, along.x)
+
+
+def tilt(s: Any, b: Asymmetric) -> Any:
+    """Return the elevation of half axis a."""
+    rises = b.outline.half_axes(s.up)
+    return atan2(rises.x, sqrt(rises.y * rises.y + rises.z * rises.z))
+
+
+def roll(s: Any, b: Asymmetric) -> Any:
+    """Return the turn about half axis a, zero where half axis b is horizontal."""
+    rises = b.outline.half_axes(s.up)
+    return atan2(rises.y, rises.z)
+
+
+def roll_rate(s: Any, b: Asymmetric) -> Any:
+    """Return the rate of `roll` times a positive number."""
+    rates = b.outline.half_axes(s.turns)
+    return rates.y * s.up.z - b.outline.half_axes(s.up).y * rates.z
+
+
+def energy(s: Any, b: Asymmetric) -> Any:
+    """Return the energy E [J]; E' = F.v_A."""
+    return b.m * s.speed2 / 2 + s.rotation + b.m * (b.g * s.height)
+
+
+def of_scalar(name: str) -> Any:
+    """Return the formula of a scalar itself."""
+    return lambda s, b: getattr(s, name)
+
+
+SPIN = "angular velocity about the vertical"
+COMMON = (
+    Quantity("energy", "E", JOULE, "energy", energy),
+    Quantity("normal_force", "g_n", NEWTON, "normal force", of_scalar("force")),
+    Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, of_scalar("spin")),
+    Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
+    Quantity("tilt", "", RADIAN, "elevation of half axis a", tilt),
+    Quantity("roll", "", RADIAN, "turn about half axis a, in (-pi, pi]", roll),
+)
+QUANTITIES = (
+    *COMMON,
+    Quantity("friction_power", "-E'", WATT, "power dissipated by friction", of_scalar("power")),
+)
+_, HORIZONTAL, NEEDED = rolling.REACTION
+ROLLING_QUANTITIES = (
+    *COMMON,
+    HORIZONTAL,
+    replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force),
+)
+
+OF_AXES = (
+    Event(
+        "spin_reversal",
+        "the spin about the vertical changes its sign",
+        of_scalar("spin"),
+        kept=(
+            Kept("reversed_at", "first", "the spin first changes its sign; NaN: never"),
+            Kept("last_reversed_at", "last", "the spin last changes its sign; NaN: never"),
+            Kept("spin_reversals", "count", "changes of the sign of the spin"),
+        ),
+    ),
+    Event(
+        "tilt_peak",
+        "the tilt (pitch) of half axis a is greatest or least",
+        lambda s, b: b.outline.half_axes(s.turns).x,
+    ),
+    Event("roll_peak", "the roll about half axis a is greatest or least", roll_rate),
+    gliding.EQUATOR,
+    gliding.INVERTED,
+)
+LIFTOFF = replace(gliding.LIFTOFF, formula=of_scalar("force"))
+ROLLING_EVENTS = (*OF_AXES, LIFTOFF)
+EVENTS = (*ROLLING_EVENTS, gliding.SETTLED)

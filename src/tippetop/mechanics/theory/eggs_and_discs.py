@@ -1,0 +1,83 @@
+"""Rest, spins at the poles and steady rolling of a body of revolution with an outline.
+
+At a pole it moves as the ball by which it touches there. [section 6]
+"""
+
+import math
+
+import numpy as np
+
+from ..contact.body import Touch, height, shape_of, touching_ball
+from ..contact.outline import at
+from ..contact.uniqueness import THETA, painleve_bound
+from ..units import METRE, ONE, RADIAN_PER_SECOND
+from .thresholds import SPINS, Threshold
+
+
+ROUNDED = 1e-12  # of a length or a moment of inertia
+
+
+def spin_limit(z: float, b: Touch, *, rolls: bool = False) -> tuple[str, float]:
+    """Return how a spin at the pole z = 1 or -1 must be to be stable.
+
+    "above" or "below" a limit [rad/s]; otherwise "stable", "neutral" or "unstable", and NaN. The
+    contact slides under friction, or rolls.
+    """
+    ball = touching_ball(z, 0.0, b)
+    high = height(z, ball)
+    rise = (high - ball.R) * (abs(high - ball.R) > ROUNDED * high)
+    needed = b.m * b.g * rise
+    if rolls:  # stable where lever*omega_3^2 > needed
+        lever = (b.I3 + b.m * high * ball.R) ** 2 * (rise != 0)
+        needed *= 4 * (b.I1 + b.m * high**2)
+    else:
+        lever = b.I3 * high - b.I1 * ball.R
+        lever *= abs(lever) > ROUNDED * b.I3 * high
+        needed *= high**2 / ball.R
+    if lever * needed > 0:
+        return "above" if needed > 0 else "below", math.sqrt(needed / lever)
+    return ("neutral", "stable", "unstable")[int(np.sign(lever - needed))], math.nan
+
+
+@np.errstate(all="ignore")  # a disc has no ball at its poles
+def limits(b: Touch) -> dict[str, Threshold]:
+    """Return the heights at rest, the balls at the poles, and Painleve's bound."""
+    shape = shape_of(b)
+    found = {}
+
+    def rest(name: str, theta: float, more: str = "") -> None:
+        high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
+        words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
+        if high > 0:  # a thick disc touches with its other edge there
+            found[name] = Threshold(high, METRE, words)
+
+    for name, z in SPINS.items():
+        rest(f"height_{name}", math.acos(z))
+        if np.isfinite(R := touching_ball(z, 0.0, b).R):
+            found[f"radius_{name}"] = Threshold(R, METRE, "radius of the ball that touches there")
+    ball = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, b)
+    c = ball.c
+    for k, i in enumerate(np.flatnonzero(np.sign(c[:-1]) * np.sign(c[1:]) < 0)):
+        theta = THETA[i] + (THETA[i + 1] - THETA[i]) * c[i] / (c[i] - c[i + 1])
+        kind = "least" if ball.outline.bend[i] < 0 else "greatest"
+        rest(f"height_tilted_{k}" if k else "height_tilted", theta, f", where it is {kind}")
+    bound = painleve_bound(b.m, b.I1, c, ball.R)
+    found["mu_unique"] = Threshold(bound, ONE, "Coulomb friction with one contact force below")
+    return found
+
+
+def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshold]:
+    """Return omega_3 of steady rolling at theta and phi', and the friction that it needs."""
+    s = math.sin(theta)
+    z = math.cos(theta)
+    ball = touching_ball(z, s * s, b)
+    high = height(z, ball)
+    q = ball.c - ball.R * z
+    drive = b.I1 * z * phi_dot**2 - b.m * (ball.c * b.g + high * q * phi_dot**2)
+    omega3 = drive / ((b.I3 + b.m * high * ball.R) * phi_dot)
+    mu = abs(phi_dot * s * (ball.R * omega3 + q * phi_dot)) / b.g
+    words = "steady rolling at theta and phi_dot of the start"
+    return {
+        "spin_steady": Threshold(omega3, RADIAN_PER_SECOND, f"omega3 of {words}"),
+        "mu_steady": Threshold(mu, ONE, f"Coulomb friction that {words} needs"),
+    }
