@@ -3,7 +3,7 @@
 Each phase has a pool: the lanes of its integrator, and a queue of tops that are in this phase. C
 steps the phase in which most tops are until a lane ends, moves its top by a program to the queue of
 the next phase, and takes another one. Python makes only the changes that no program makes. The
-numbers of a top depend on its own alone, whatever its neighbours, its place and its turn.
+numbers of a top depend on its own alone, whatever its neighbours, its slot and its turn.
 """
 
 import math
@@ -87,21 +87,21 @@ class _Pools(NamedTuple):
 
 
 class Pools(HybridDriver):
-    """Pools for tops of one system; as a driver, the seat in which Python begins and changes one.
+    """Pools for tops of one system; as a driver, it holds the top that Python begins or changes.
 
     Parameters
     ----------
     problem
         One of the tops.
     room
-        How many tops may be under way: places, by number.
+        Number of slots: tops that may be under way.
     stop
         Set it to give up while equations are being compiled.
 
     Attributes
     ----------
-    tops, tallies_of, functions_of, kept_of, states
-        Of the top in each place.
+    tops, tallies_of, functions_of, kept_of, states, bodies
+        Arrays over slots: the top there, its tallies, its state and the numbers of its body.
     """
 
     lanes = LANES
@@ -125,8 +125,8 @@ class Pools(HybridDriver):
         no_steps = Loaded(None, 0, 0, False, 0)
         nowhere = new_motion(1, 0, 1, 1)
         self.notes = Loop(nowhere, self.all_events, *found, self.rules, no_steps)
-        self.over: list[int] = []  # places of tops that ended where they began
-        self.failures: dict[int, str] = {}  # by place, of invalid tops
+        self.over: list[int] = []  # slots of tops that ended where they began
+        self.failures: dict[int, str] = {}  # by slot, of invalid tops
         self.parameters: dict[str, np.ndarray] = {}
         self.worlds: list[Any] = [None] * room
         self.problems: list[Any] = [None] * room
@@ -148,7 +148,7 @@ class Pools(HybridDriver):
             *(len(self.phases), room, *self.bodies.shape[1:], *self.kept_of.shape[1:]),
             *(self.width, 0),
         )
-        self.keeps = record  # its arrays
+        self.arrays = record  # must outlive the structure
         self.record: Any = filled(record)
         self.record_at = address_of(self.record)
 
@@ -158,7 +158,7 @@ class Pools(HybridDriver):
         assert self.copies is not None
         return self.copies
 
-    # --- places of phases ------------------------------------------------------------------------
+    # --- lanes of phases -------------------------------------------------------------------------
 
     def code_of(self, formulas: Formulas) -> Compiled:
         problem = self.problem
@@ -176,8 +176,9 @@ class Pools(HybridDriver):
         if is_new:
             motion = track.place.motion
             motion.in_lane[:] = -1
-            places = refill(self.world.body, iter(range(len(leaves(self.world.body)))))
-            mine = np.array(leaves(track.phase.parameters(places))[: len(motion.pars)], np.int64)
+            body = self.world.body
+            order = track.phase.parameters(refill(body, iter(range(len(leaves(body))))))
+            mine = np.array(leaves(order)[: len(motion.pars)], np.int64)
             self.parameters[name] = mine
             loop = address_of(track.place.loop.structure)
             self.programs.loops[track.at] = loop
@@ -204,63 +205,63 @@ class Pools(HybridDriver):
     # --- one top ---------------------------------------------------------------------------------
 
     @QUIET
-    def seat(self, place: int, problem: Problem) -> bool:
-        """Begin a top in a place. Return whether it has the same phases as the others."""
+    def begin_top(self, slot: int, problem: Problem) -> bool:
+        """Begin a top in a slot. Return whether it has the same phases as the others."""
         body, phases = self.assembled(problem)
         if phases is not self.own_phases or kinds(body) != self.pattern:
             return False
         self.end = float(internal_end(problem))
-        self.worlds[place] = self.world._replace(body=body, rules=problem.contact)
-        self.problems[place] = problem
-        self._see(place)
+        self.worlds[slot] = self.world._replace(body=body, rules=problem.contact)
+        self.problems[slot] = problem
+        self._use_body(slot)
         self.tallies.lane[0], self.functions[:], self.tallies.kept[:, 0] = self.fresh
         vars(self).pop("ended", None)
         self.short = 0
         self.logged[0] = 0
-        self.tops[place] = 0
-        self.bodies[place] = numbers_of(self.world)
+        self.tops[slot] = 0
+        self.bodies[slot] = numbers_of(self.world)
         self._start(tuple(problem.start().tolist()))
-        self.tops["end"][place] = self.end
-        self._keep(place)
+        self.tops["end"][slot] = self.end
+        self._store(slot)
         if self.ended is None:
-            self.push(place)
+            self.push(slot)
         else:
-            self.tallies_of["status"][place] = self.ended.code
-            self.over.append(place)
+            self.tallies_of["status"][slot] = self.ended.code
+            self.over.append(slot)
         return True
 
-    def _see(self, place: int) -> None:
-        """Let formulas see the body of a top."""
-        self.world = self.worlds[place]
-        self.problem = self.problems[place]
+    def _use_body(self, slot: int) -> None:
+        """Use the body of a top in formulas."""
+        self.world = self.worlds[slot]
+        self.problem = self.problems[slot]
         for track in self.tracks.values():
             track.b = track.phase.parameters(self.world.body)
 
-    def _keep(self, place: int) -> None:
-        """Take the top from the seat to its place, where it waits for a lane."""
-        top = self.tops[place]
+    def _store(self, slot: int) -> None:
+        """Store the top that the driver holds in its slot."""
+        top = self.tops[slot]
         top["high"], top["low"] = self.at
         top["until"] = min(self.until, self.end)
-        self._aim(place)
+        self._set_end(slot)
         top["began"], top["phase"], top["short"] = self.began, self.track.at, self.short
-        self.tallies_of[place] = self.tally
-        self.functions_of[place] = self.functions
-        self.kept_of[place] = self.tallies.kept[:, 0]
-        self.states[place] = 0.0
-        self.states[place, : len(self.state)] = self.state
+        self.tallies_of[slot] = self.tally
+        self.functions_of[slot] = self.functions
+        self.kept_of[slot] = self.tallies.kept[:, 0]
+        self.states[slot] = 0.0
+        self.states[slot, : len(self.state)] = self.state
         self.series = None
         self.logged[0] = 0
         self.tables.rows.clear()
 
-    def _aim(self, place: int) -> None:
-        """Put the end of the next steps of the top in the seat."""
+    def _set_end(self, slot: int) -> None:
+        """Set where the next steps of the top that the driver holds end."""
         when, ending = self.next_end()
         by = len(self.numbers) if ending in (None, CLOCK) else ending
-        self.tops["stop"][place], self.tops["stops_by"][place] = when, by
+        self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
 
-    def push(self, place: int) -> None:
+    def push(self, slot: int) -> None:
         """Let a top wait for a lane."""
-        library().loop_push(self.record_at, place)
+        library().loop_push(self.record_at, slot)
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
         super()._note(number, time, sign, phase, state)
@@ -271,25 +272,25 @@ class Pools(HybridDriver):
             theta = math.atan2(math.sqrt(x * x + y * y), z)
             count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
 
-    def _sit(self, place: int) -> None:
-        """Take a top from its place to the seat."""
-        self._see(place)
-        top = self.tops[place]
+    def _load(self, slot: int) -> None:
+        """Take a top from its slot into the driver."""
+        self._use_body(slot)
+        top = self.tops[slot]
         self.track = self.tracks[[*self.phases][top["phase"]]]
         names = ["began", "until", "short", "end", "high", "low"]
         self.began, self.until, self.short, self.end, *clock = top[names].item()
-        self.tallies.lane[0] = self.tallies_of[place]
-        self.functions[:] = self.functions_of[place]
-        self.tallies.kept[:, 0] = self.kept_of[place]
+        self.tallies.lane[0] = self.tallies_of[slot]
+        self.functions[:] = self.functions_of[slot]
+        self.tallies.kept[:, 0] = self.kept_of[slot]
         self.logged[0] = int(self.upto[0] < 1.0)
-        self.last = self.states[place, : len(self.track.place.motion.state)].copy()
+        self.last = self.states[slot, : len(self.track.place.motion.state)].copy()
         self.place = self.track.place
         self.put(self.last, clock)
 
-    def _change_of(self, place: int) -> Status | None:
+    def _change_of(self, slot: int) -> Status | None:
         """Make the change of a top that no program makes. Return how it ends the run, or None."""
-        self._sit(place)
-        top = self.tops[place]
+        self._load(slot)
+        top = self.tops[slot]
         when = float(top["high"])
         event = int(top["event"])
         ending: Any = STALL if event < 0 else CLOCK if event == len(self.numbers) else event
@@ -297,53 +298,53 @@ class Pools(HybridDriver):
         try:
             ends = self._change(jump, when) if jump else STATUSES[self.status[0]]
         except InputError as error:
-            self.failures[place] = error.sentences[0]
+            self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
-        self._keep(place)
+        self._store(slot)
         if ends is None:
             top["changes"] += 1
         else:
-            self.tallies_of["status"][place] = ends.code
+            self.tallies_of["status"][slot] = ends.code
         return ends
 
     # --- all tops --------------------------------------------------------------------------------
 
     @QUIET
     def step(self, most: int) -> tuple[list[int], list[int]]:
-        """Make about so many steps of lanes. Return the places of tops that have ended, and of
+        """Make about so many steps of lanes. Return the slots of tops that have ended, and of
         those that may have settled.
         """
         self.calls[0] = 0
         library().loop_pools(self.record_at, most)
         ended, looks = self.over, list[int]()
         self.over = []
-        for place in self.called[: self.calls[0]].tolist():
-            waits = self.tops["waits"][place]
+        for slot in self.called[: self.calls[0]].tolist():
+            waits = self.tops["waits"][slot]
             if waits == AN_END:
-                self._sit(place)
-                self._aim(place)
-                self.push(place)
-            elif waits == A_CHANGE and self._change_of(place) is None:
-                steps, high = self.tops[["steps", "high"]][place].item()
-                lasted = high - self.tallies_of["lasts_since"][place]
+                self._load(slot)
+                self._set_end(slot)
+                self.push(slot)
+            elif waits == A_CHANGE and self._change_of(slot) is None:
+                steps, high = self.tops[["steps", "high"]][slot].item()
+                lasted = high - self.tallies_of["lasts_since"][slot]
                 if steps % EVERY == 0 and lasted > self.rules.settled_for:
-                    looks.append(place)
+                    looks.append(slot)
                 else:
-                    self.push(place)
+                    self.push(slot)
             else:
-                (looks if waits == A_LOOK else ended).append(place)
+                (looks if waits == A_LOOK else ended).append(slot)
         return ended, looks
 
-    def rows_in(self, places: np.ndarray) -> np.ndarray:
-        """Return the rows of the present states of the tops in places (k,)."""
-        return self.rows_at(self.tops["phase"][places], self.states[places], places)
+    def rows_in(self, slots: np.ndarray) -> np.ndarray:
+        """Return the rows of the present states of the tops in slots (k,)."""
+        return self.rows_at(self.tops["phase"][slots], self.states[slots], slots)
 
-    def rows_at(self, phases: np.ndarray, states: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """Return rows of states (k, width) of phases, by number, of the tops in places (k,)."""
+    def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
+        """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""
         rows = np.empty((len(phases), self.variables))
         for track in self.tracks.values():
             mine = np.flatnonzero(phases == track.at)
-            body = refill(self.world.body, iter(self.bodies[places[mine]].T))
+            body = refill(self.world.body, iter(self.bodies[slots[mine]].T))
             b = track.phase.parameters(body)
             self.read(rows, mine, track, states, b)
         return rows

@@ -54,7 +54,7 @@ class HybridLanes:
     def run(self, queue: Iterator[int]) -> None:
         """Run tops of a queue, which threads may share, to their ends."""
         free = list(range(ROOM))
-        done = list[int]()  # places of tops that have ended
+        done = list[int]()  # slots of tops that have ended
         is_more = True
         while not self.stop.is_set():
             if not self.under_way or (is_more and len(free) + len(done) >= ROOM / 4):
@@ -68,12 +68,12 @@ class HybridLanes:
             if pools is None or not self.under_way:
                 return
             ended, looks = pools.step(MOST_DRIVEN)
-            for place in looks:
-                if self._stays(place):
-                    pools.tallies_of["status"][place] = Status.SETTLED.code
-                    ended.append(place)
+            for slot in looks:
+                if self._stays(slot):
+                    pools.tallies_of["status"][slot] = Status.SETTLED.code
+                    ended.append(slot)
                 else:
-                    pools.push(place)
+                    pools.push(slot)
             for _ in ended:
                 self.ended()
             self.under_way -= len(ended)
@@ -83,7 +83,7 @@ class HybridLanes:
                 self._look()
 
     def _begin(self, queue: Iterator[int], free: list[int]) -> None:
-        """Begin as many tops as there are places."""
+        """Begin as many tops as there are slots."""
         begun = []
         while free and not self.stop.is_set() and (top := next(queue, -1)) >= 0:
             problem = problem_of(self.tops, top)
@@ -92,7 +92,7 @@ class HybridLanes:
                     raise InputError(faults)
                 if self.pools is None:
                     self.pools = Pools(problem, ROOM, self.stop)
-                fits = self.pools.seat(free[-1], problem)
+                fits = self.pools.begin_top(free[-1], problem)
             except InputError as error:
                 self.outcomes.status[top] = Status.INVALID.code
                 self.outcomes.faults.append((top, error.sentences[0]))
@@ -104,20 +104,20 @@ class HybridLanes:
             else:
                 self.alone.append(top)
         if begun and self.pools is not None:
-            places = np.array(begun)
-            self.outcomes.begin(self.pools.rows_in(places).T, self.top_in[places])
+            slots = np.array(begun)
+            self.outcomes.begin(self.pools.rows_in(slots).T, self.top_in[slots])
         self.under_way += len(begun)
 
-    def _stays(self, place: int) -> bool:
+    def _stays(self, slot: int) -> bool:
         """Return whether a top that may have settled has, and stays as it is."""
         pools = self.pools
         assert pools is not None
-        problem = pools.problems[place]
+        problem = pools.problems[slot]
         view = Observables(problem)
-        some = np.array([place])
+        some = np.array([slot])
         last = pools.rows_in(some)
         second = float(problem.scales.of(SECOND))
-        tally = pools.tallies_of[place]
+        tally = pools.tallies_of[slot]
         log = LogReport(tuple(problem.system.events), second, {}, tally, [])
         is_settled = log.settled_since(view, last) is not None
         return is_settled and stays(problem, view.evaluate(last))
@@ -129,50 +129,50 @@ class HybridLanes:
         pools = self.pools
         if pools is None or not (count := int(pools.samples.filled[0])):
             return
-        places, phases = np.divmod(pools.samples.top[:count], len(pools.phases))
-        rows = pools.rows_at(phases, pools.samples.states[:count], places)
-        self.outcomes.look(rows.T, self.top_in[places])
+        slots, phases = np.divmod(pools.samples.top[:count], len(pools.phases))
+        rows = pools.rows_at(phases, pools.samples.states[:count], slots)
+        self.outcomes.look(rows.T, self.top_in[slots])
         pools.samples.filled[0] = 0
 
-    def _write(self, places: np.ndarray) -> None:
+    def _write(self, slots: np.ndarray) -> None:
         """Write the rows of tops that have ended."""
         pools = self.pools
         outcomes = self.outcomes
         columns = outcomes.columns
-        if pools is None or not len(places):
+        if pools is None or not len(slots):
             return
-        status = pools.tallies_of["status"][places]
-        outcomes.status[self.top_in[places]] = status
-        for place in places[status == Status.INVALID.code].tolist():
-            outcomes.faults.append((int(self.top_in[place]), pools.failures[place]))
-        places = places[status != Status.INVALID.code]
-        tops = self.top_in[places]
-        final = pools.rows_in(places).T
+        status = pools.tallies_of["status"][slots]
+        outcomes.status[self.top_in[slots]] = status
+        for slot in slots[status == Status.INVALID.code].tolist():
+            outcomes.faults.append((int(self.top_in[slot]), pools.failures[slot]))
+        slots = slots[status != Status.INVALID.code]
+        tops = self.top_in[slots]
+        final = pools.rows_in(slots).T
         outcomes.look(final, tops)
         outcomes.final[:, tops] = final
         theta = values_of(self.tops, final, tops)["theta"]
-        for k in np.flatnonzero(pools.tallies_of["waiting"][places]).tolist():
-            lane = pools.tallies_of[places[k] : places[k] + 1]
+        for k in np.flatnonzero(pools.tallies_of["waiting"][slots]).tolist():
+            lane = pools.tallies_of[slots[k] : slots[k] + 1]
             count_turnings(Tallies(lane, lane, lane), np.zeros(1), theta[[k]])
-        tallies = pools.tallies_of[places]
-        steps = pools.tops["steps"][places] + tallies["steps"]
+        tallies = pools.tallies_of[slots]
+        steps = pools.tops["steps"][slots] + tallies["steps"]
         columns["t_end"][tops] = tallies["t"]
         columns["steps"][tops] = steps
         for name in SWINGS:
             columns[name][tops] = tallies[name]
-        kept = iter(pools.kept_of[places].T)
+        kept = iter(pools.kept_of[slots].T)
         events = pools.all_events.events
-        settled = np.zeros(len(places), bool)
+        settled = np.zeros(len(slots), bool)
         for k, event in enumerate(self.tops.base.system.events):
             for number in event.kept:
                 columns[number.name][tops] = next(kept)
             if event.lasting:
-                side = pools.functions_of["sign"][places, k] * event.direction
+                side = pools.functions_of["sign"][slots, k] * event.direction
                 settled = (side > 0) & ~np.isnan(tallies["lasts_since"])
                 settled &= ~slides(self.tops, final, tops)
         outcomes.settled[tops] = settled
         is_force = events["extremes"]
-        forces = pools.functions_of["extremes"][places][:, is_force]
+        forces = pools.functions_of["extremes"][slots][:, is_force]
         forces /= events["scale"][is_force, None]
         columns["normal_force_min"][tops] = forces[..., 0].min(axis=1, initial=np.inf)
         columns["normal_force_max"][tops] = forces[..., 1].max(axis=1, initial=-np.inf)
