@@ -100,8 +100,10 @@ typedef struct {
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
 
     real *state, *before, *pars, *tc;
-    const integer *in_lane;
+    integer *in_lane;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
+    integer *ended_by;   /* the event that ended the present step */
+    integer *before_leg; /* steps of a run before those of its tally */
 
     const Event *event_rows;
     const Number *numbers;
@@ -124,6 +126,7 @@ typedef struct {
     real settled_for;
     integer most_steps, sampled_every, sampled_first;
     real noise_floor, at_pole, near_pole, on_zero_for;
+    integer settled_every; /* steps between two looks whether a run has settled */
 
     real *row_times, *row_states;
     integer *row_phases, *rows_made;
@@ -477,6 +480,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         }
     }
 
+    l->ended_by[lane] = ending;
     for (integer i = 1; i <= events; i++) { /* last: the event that ends the run */
         integer e = (ending + i) % events;
         const Event *event = l->event_rows + e;
@@ -617,6 +621,11 @@ static void move(const Loop *l) {
     }
 }
 
+/* Whether a run that has made so many steps may have settled. */
+static bool has_settled(const Loop *l, const Tally *tally, integer steps, real when) {
+    return when - tally->lasts_since > l->settled_for && steps % l->settled_every == 0;
+}
+
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
 static bool take_step(const Loop *l, integer lane) {
@@ -627,13 +636,14 @@ static bool take_step(const Loop *l, integer lane) {
     if (tally->status != RUNNING) /* it is not finite */
         return true;
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
+    integer every_step = l->before_leg[lane] + tally->steps + (h > 0);
     if (h > 0) { /* the step moves a double */
         real upto = take_events(l, lane, t, h);
         tally->upto = upto;
         tally->t = upto < 1 ? t + upto * h : l->high[lane];
         tally->steps++;
         bool at_start = tally->steps <= l->sampled_first;
-        bool sampled = at_start || (tally->steps & (l->sampled_every - 1)) == 0;
+        bool sampled = at_start || (every_step & (l->sampled_every - 1)) == 0;
         if (l->sample_room > 0 && upto == 1 && sampled) {
             integer at = l->sampled[0]++;
             l->sampled_tops[at] = l->in_lane[lane];
@@ -647,7 +657,7 @@ static bool take_step(const Loop *l, integer lane) {
     else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
         tally->t = l->end[lane];
-    } else if (t + h - tally->lasts_since > l->settled_for)
+    } else if (has_settled(l, tally, every_step, t + h))
         tally->status = SETTLED;
     return tally->status != RUNNING;
 }
@@ -726,6 +736,11 @@ enum {
     ROOT,
     SIZE,
     LARGER,
+    EXPONENTIAL,
+    LOGARITHM,
+    ANGLE,
+    SINE,
+    COSINE,
     LESS,
     AT_MOST,
     EQUAL,
@@ -735,23 +750,30 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
-   time left, the signs of event functions, the state and the constants; the results of lines
-   follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that
-   it lasts, and the numbers of tables. */
-typedef struct {
+/* What follows where a phase ends. Registers begin with the inputs: the numbers of the body, the
+   time and the time left, the signs of event functions and the state. Constants and the results of
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time
+   that it lasts, the time that the change takes, event functions in that time, and the numbers of
+   tables. */
+typedef struct Change {
     const Line *lines;
     real *registers;
-    integer length, result, out, next, logged;
+    const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
+    const struct Change *other; /* to be tried next, if a comparison is not as expected */
+    integer length, result, out, next, number, logged, passed, ranged;
 } Change;
 
+/* Points of time in a change at which event functions are known, its ends included. */
+enum { POINTS = 9 };
+
 typedef struct {
-    const Loop *const *loops; /* of phases, then of motions */
-    const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    const Event *events;      /* of the run */
-    real *made;               /* of each change: time, phase and event, then the last registers */
+    const Loop *const *loops;     /* of phases, then of motions */
+    const Change *const *changes; /* (phases, events + 1), the last by the clock; or none */
+    const Event *events;          /* of the run */
+    const real *body;
+    real *made; /* of each change: time, number of the program, then the last registers */
     real began, end, chatter;
-    integer present, count, most, numbers, width;
+    integer present, short_phases, count, most, numbers, width;
 } Phases;
 
 /* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
@@ -765,7 +787,8 @@ static void begin_motion(const Loop *l, real when, real end, const real *start) 
     l->high[0] = when;
     l->low[0] = 0;
     l->end[0] = end;
-    tally->status = RUNNING;
+    tally->status = end > when ? RUNNING : FINISHED;
+    tally->t = when;
     tally->upto = 1;
     tally->steps = tally->tiny = 0;
 }
@@ -808,6 +831,11 @@ static bool execute(const Change *c, const Loop *const *loops) {
         case ROOT: *to = sqrt(a); break;
         case SIZE: *to = fabs(a); break;
         case LARGER: *to = MAX(a, b); break;
+        case EXPONENTIAL: *to = exp(a); break;
+        case LOGARITHM: *to = log(a); break;
+        case ANGLE: *to = atan2(a, b); break;
+        case SINE: *to = sin(a); break;
+        case COSINE: *to = cos(a); break;
         case UNIT:
             frexp(a, &exponent);
             *to = ldexp(1, exponent);
@@ -822,44 +850,117 @@ static bool execute(const Change *c, const Loop *const *loops) {
     return true;
 }
 
-/* Change the phase where its event has ended it. Return false if the caller must do it. */
+/* Where the numbers of a change that follow the state of the next phase begin: the time that this
+   one lasts, and the time that the change takes. */
+static const real *others(const Change *c, const Loop *const *loops) {
+    return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
+}
+
+/* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
+   Return it; NULL if there is none, or what follows is not finite. */
+static const Change *execute_one(const Change *first, const Loop *const *loops, const Loop *l,
+                                 integer lane, const real *body, integer numbers, real when,
+                                 real left, const real *state) {
+    if (first == NULL)
+        return NULL;
+    integer events = l->events, n = l->variables, inputs = numbers + 2 + events + n;
+    real *r = first->registers, finite = 0;
+    memcpy(r, body, numbers * sizeof(real));
+    r[numbers] = when;
+    r[numbers + 1] = left;
+    for (integer e = 0; e < events; e++)
+        r[numbers + 2 + e] = function(l, e, lane)->sign;
+    copy(n, state, 1, r + numbers + 2 + events, 1);
+    const Change *c = first;
+    while (c != NULL && !execute(c, loops)) {
+        c = c->other;
+        if (c != NULL)
+            memcpy(c->registers, r, inputs * sizeof(real));
+    }
+    if (c == NULL)
+        return NULL;
+    const real *end = others(c, loops);
+    for (const real *number = c->registers + c->out; number < end; number++)
+        finite += 0.0 * *number;
+    return finite == 0 && end[1] >= 0 ? c : NULL;
+}
+
+/* Log what a change from a state logs, and what happens in it until `time`. */
+static void note_change(const Loop *l, integer lane, const Event *events, const Change *c,
+                        real when, real time, const real *state, const real *ranges) {
+    Tally *tally = l->tallies + lane;
+    const real *signs = c->registers + c->out;
+    const integer *rows = l->axis_rows;
+    for (integer k = 0; k < c->logged + c->passed; k++) {
+        integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
+        const Event *event = events + e;
+        loop_keep(l, event->first, event->last, lane, when, (real)sign);
+        if (event->lasting)
+            tally->lasts_since = when;
+        if (event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1)) {
+            real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
+            take_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
+        }
+        if (l->logged[0] < l->log_room) {
+            integer at = l->logged[0]++;
+            l->passages[at] = (Passage){when, e, sign, l->in_lane[lane], lane, false};
+            copy(l->variables, state, 1, l->logged_states + at * l->width, 1);
+        }
+    }
+    for (integer k = 0; k < c->ranged; k++, ranges += POINTS) {
+        integer e = c->events[c->logged + c->passed + k];
+        Function *f = function(l, e, lane);
+        for (int i = 0; i < POINTS; i++) {
+            real value = ranges[i] * events[e].scale;
+            for (int side = 0; side < 2; side++)
+                if (side ? value > f->extremes[1] : value < f->extremes[0]) {
+                    f->extremes[side] = value;
+                    f->times[side] = when + (time - when) * i / (POINTS - 1);
+                }
+        }
+    }
+}
+
+/* Change the phase where it has ended. Return false if the caller must do it. */
 static bool change_phase(Phases *p) {
     const Loop *l = p->loops[p->present];
     const Tally *tally = l->tallies;
-    integer at = l->logged[0] - 1, events = l->events, n = l->variables;
-    bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
-    real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
-    bool at_end = p->end - when <= p->chatter * p->end;
-    if (!(tally->upto < 1) || full || at_end || when - p->began < shortest)
+    integer events = l->events, made_rows = l->rows_made[0];
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && l->end[0] < p->end;
+    bool full = l->row_count > 0 && made_rows == l->row_count;
+    real when = tally->t, lasted = when - p->began, shortest = p->chatter * fmax(p->began, 1);
+    bool at_end = p->end - when <= p->chatter * p->end, lasts = l->end[0] > p->began;
+    if (!(within || by_clock) || full || at_end || (lasts && lasted < shortest))
         return false;
-    const Change *c = p->changes + p->present * events + l->passages[at].event;
-    if (c->length == 0)
-        return false;
-    real *left = c->registers + p->numbers, *signs = left + 1, *state = signs + events, finite = 0;
-    *left = p->end - when;
-    for (integer e = 0; e < events; e++)
-        signs[e] = function(l, e, 0)->sign;
-    copy(n, l->logged_states + at * l->width, 1, state, 1);
-    if (!execute(c, p->loops))
+
+    integer last = l->logged[0] - within;
+    integer event = within ? l->passages[last].event : events;
+    const real *state = within ? l->logged_states + last * l->width : l->state;
+    const Change *c = p->changes[p->present * (events + 1) + event];
+    c = execute_one(c, p->loops, l, 0, p->body, p->numbers, when, p->end - when, state);
+    if (c == NULL)
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = c->registers + c->out, *others = out + 2 * events + next->variables;
-    for (const real *number = out; number < others; number++)
-        finite += 0.0 * *number;
-    if (finite != 0)
+    const real *more = others(c, p->loops), *ranges = more + 2;
+    real time = MIN(p->end, when + more[1]);
+    bool has_rows = made_rows < l->row_count && l->row_times[made_rows] < time;
+    if ((time > when && has_rows) || last + c->logged + c->passed > l->log_room)
         return false;
 
-    const Event *logged = p->events + c->logged;
-    l->passages[at] = (Passage){when, c->logged, 1, p->present, 0, false};
-    loop_keep(l, logged->first, logged->last, 0, when, 1);
+    l->logged[0] = last;
+    note_change(l, 0, p->events, c, when, time, state, ranges);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;
-    made[1] = (real)(c - p->changes);
-    copy(p->width - 2, others, 1, made + 2, 1);
+    made[1] = (real)c->number;
+    made[2] = more[0];
+    made[3] = more[1];
+    copy(p->width - 4, ranges + c->ranged * POINTS, 1, made + 4, 1);
 
-    begin_motion(next, when, MIN(p->end, when + *others), out);
+    begin_motion(next, time, MIN(p->end, time + more[0]), c->registers + c->out);
     p->present = c->next;
-    p->began = when;
+    p->began = time;
+    if (lasts)
+        p->short_phases = 0;
     return true;
 }
 
@@ -869,6 +970,229 @@ integer loop_run(Phases *p, integer most) {
     do
         steps += loop_drive(p->loops[p->present], most - steps);
     while (steps < most && change_phase(p) && p->count < p->most);
+    return steps;
+}
+
+/* --- many tops in lanes: a pool of lanes for each phase, with a queue of tops --- */
+
+/* A phase ends in this last part of a run only where the run does. */
+static const real AT_END = 0x1p-50;
+
+/* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled,
+   or puts the end of its next step; or nothing. */
+enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
+
+/* Clock, end of the run and of the phase, and where the next steps end, by which event. */
+typedef struct {
+    real high, low, end, until, stop, began;
+    integer stops_by, phase, event, steps, waits, short_phases, changes;
+} Top;
+
+typedef struct {
+    const Loop *loop;          /* none in a phase that no top has entered */
+    const integer *parameters; /* which numbers of a body they are */
+    integer by_steps;          /* whether the caller puts the end of each step */
+    integer count, occupied;   /* tops in the queue and in lanes */
+} Pool;
+
+typedef struct {
+    Pool *pools;
+    const Loop *const *loops;     /* as those of `Phases` */
+    const Change *const *changes;
+    const Event *events;
+    integer *queues; /* (phases, room) heaps: tops that are behind the others come first */
+    Top *tops;       /* (room,), as all that follows */
+    Tally *tallies;
+    Function *functions; /* (room, events) */
+    real *kept, *states; /* (room, kept numbers), (room, width) */
+    const real *bodies;  /* (room, numbers) */
+    integer *called, *calls; /* tops that wait for the caller, or for nothing; how many */
+    real chatter;
+    integer phases, room, numbers, kept_numbers, width, possible;
+} Pools;
+
+/* Whether a top has made a smaller part of its run than another one. */
+static bool is_behind(const Pools *p, integer top, integer other) {
+    const Top *a = p->tops + top, *b = p->tops + other;
+    return a->high * b->end < b->high * a->end;
+}
+
+/* Let a top wait for a lane of its phase. */
+void loop_push(Pools *p, integer top) {
+    integer phase = p->tops[top].phase, at = p->pools[phase].count++;
+    integer *queue = p->queues + phase * p->room;
+    p->tops[top].waits = A_LANE;
+    for (; at > 0 && is_behind(p, top, queue[(at - 1) / 2]); at = (at - 1) / 2)
+        queue[at] = queue[(at - 1) / 2];
+    queue[at] = top;
+}
+
+/* Take the first top out of the queue of a phase. */
+static integer pop(const Pools *p, integer phase) {
+    integer *queue = p->queues + phase * p->room, count = --p->pools[phase].count;
+    integer first = queue[0], last = queue[count], at = 0;
+    for (integer next = 1; next < count; next = 2 * at + 1) {
+        if (next + 1 < count && is_behind(p, queue[next + 1], queue[next]))
+            next++;
+        if (!is_behind(p, queue[next], last))
+            break;
+        queue[at] = queue[next];
+        at = next;
+    }
+    queue[at] = last;
+    return first;
+}
+
+/* Copy the tally of a top to that of a lane, or back. */
+static void copy_tally(const Pools *p, const Loop *l, integer lane, integer top, bool to_lane) {
+    Function *functions = p->functions + top * l->events;
+    real *kept = p->kept + top * p->kept_numbers;
+    if (to_lane)
+        l->tallies[lane] = p->tallies[top];
+    else
+        p->tallies[top] = l->tallies[lane];
+    for (integer e = 0; e < l->events; e++)
+        if (to_lane)
+            *function(l, e, lane) = functions[e];
+        else
+            functions[e] = *function(l, e, lane);
+    for (integer k = 0; k < p->kept_numbers; k++)
+        if (to_lane)
+            l->kept[k * l->lanes + lane] = kept[k];
+        else
+            kept[k] = l->kept[k * l->lanes + lane];
+}
+
+/* Put the next top of a queue into a lane. */
+static void take_top(const Pools *p, integer phase, integer lane) {
+    Pool *pool = p->pools + phase;
+    const Loop *l = pool->loop;
+    integer top = pop(p, phase), n = l->lanes;
+    const Top *t = p->tops + top;
+    const real *body = p->bodies + top * p->numbers;
+    pool->occupied++;
+    copy_tally(p, l, lane, top, true);
+    copy(l->variables, p->states + top * p->width, 1, l->state + lane, n);
+    for (integer k = 0; k < l->parameters; k++)
+        l->pars[k * n + lane] = body[pool->parameters[k]];
+    l->in_lane[lane] = top * p->phases + phase;
+    l->before_leg[lane] = t->steps;
+    l->high[lane] = t->high;
+    l->low[lane] = t->low;
+    l->end[lane] = t->stop;
+    Tally *tally = l->tallies + lane;
+    tally->status = t->stop > t->high ? RUNNING : FINISHED;
+    tally->upto = 1;
+    tally->t = t->high;
+}
+
+/* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
+static bool change_top(const Pools *p, const Loop *l, integer lane, integer top) {
+    Top *t = p->tops + top;
+    integer events = l->events;
+    bool lasts = t->until > t->began;
+    if (lasts && t->high - t->began < p->chatter * fmax(t->began, 1))
+        return false;
+    real *state = p->states + top * p->width;
+    const real *body = p->bodies + top * p->numbers;
+    const Change *c = p->changes[t->phase * (events + 1) + t->event];
+    c = execute_one(c, p->loops, l, lane, body, p->numbers, t->high, t->end - t->high, state);
+    if (c == NULL)
+        return false;
+    const real *out = c->registers + c->out, *more = others(c, p->loops);
+    real time = MIN(t->end, t->high + more[1]);
+    note_change(l, lane, p->events, c, t->high, time, state, more + 2);
+    for (integer e = 0; e < events; e++) {
+        function(l, e, lane)->sign = out[e];
+        function(l, e, lane)->on_zero = out[events + e];
+    }
+    copy(p->loops[c->next]->variables, out + 2 * events, 1, state, 1);
+    t->phase = c->next;
+    t->high = t->began = time;
+    t->until = t->stop = MIN(t->end, time + more[0]);
+    t->stops_by = events;
+    t->short_phases = lasts ? 0 : t->short_phases;
+    t->changes++;
+    return true;
+}
+
+/* Take a top out of its lane. */
+static void put_top(Pools *p, integer phase, integer lane) {
+    Pool *pool = p->pools + phase;
+    const Loop *l = pool->loop;
+    integer top = l->in_lane[lane] / p->phases, n = l->lanes;
+    Top *t = p->tops + top;
+    Tally *tally = l->tallies + lane;
+    real *state = p->states + top * p->width;
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
+    if (within)
+        state_at(l, lane, tally->t, l->out);
+    copy(l->variables, (within ? l->out : l->state) + lane, n, state, 1);
+    bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
+    t->high = goes_on ? l->high[lane] : tally->t;
+    t->low = goes_on ? l->low[lane] : 0;
+    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
+    t->waits = NOTHING;
+    if ((within || by_clock) && t->end - t->high <= AT_END * t->end) {
+        tally->status = FINISHED;
+        tally->t = t->end;
+    } else if (within || by_clock || tally->status == STALLED) {
+        t->steps += tally->steps;
+        tally->steps = 0;
+        bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
+        bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
+        t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
+    } else if (goes_on)
+        t->waits = tally->status == SETTLED ? A_LOOK : AN_END;
+    copy_tally(p, l, lane, top, false);
+    l->in_lane[lane] = -1;
+    pool->occupied--;
+    if (t->waits == A_LANE)
+        loop_push(p, top);
+    else
+        p->called[(*p->calls)++] = top;
+}
+
+/* Return the phase in which most tops are; -1 without a top. */
+static integer fullest(const Pools *p) {
+    integer best = -1, most = 0;
+    for (integer k = 0; k < p->phases; k++) {
+        integer count = p->pools[k].count + p->pools[k].occupied;
+        if (count > most) {
+            most = count;
+            best = k;
+        }
+    }
+    return best;
+}
+
+/* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
+   Return their number. */
+integer loop_pools(Pools *p, integer most) {
+    integer steps = 0, phase = fullest(p);
+    while (phase >= 0 && steps < most && *p->calls == 0) {
+        Pool *pool = p->pools + phase;
+        const Loop *l = pool->loop;
+        for (integer lane = 0; lane < l->lanes; lane++)
+            while (l->in_lane[lane] < 0 && pool->count > 0) {
+                take_top(p, phase, lane);
+                if (l->tallies[lane].status != RUNNING) /* a phase that ends where it begins */
+                    put_top(p, phase, lane);
+            }
+        integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
+        steps += made;
+        p->possible += made * l->lanes;
+        bool ended = false;
+        for (integer lane = 0; lane < l->lanes; lane++)
+            if (l->in_lane[lane] >= 0 && (pool->by_steps || l->tallies[lane].status != RUNNING)) {
+                put_top(p, phase, lane);
+                ended = true;
+            }
+        if (!ended && is_full(l)) /* the caller makes room */
+            break;
+        if (pool->count + pool->occupied < l->lanes)
+            phase = fullest(p);
+    }
     return steps;
 }
 

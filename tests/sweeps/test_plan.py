@@ -116,6 +116,13 @@ def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> No
         assert of.chunk * of.seconds_per_top > 0.5
 
 
+@pytest.mark.parametrize(("n", "chunk"), [(4, 4), (40, 40), (400, 100), (10_000, 256)])
+def test_chunks_of_tops_whose_contact_changes_fill_lanes(n: int, chunk: int) -> None:
+    axis = {"of": "initial.omega3", "linspace": [150, 350], "n": n}
+    plan = Plan.from_tables({"scenario": "wooden-toy", "axis": [axis]})
+    assert plan.chunk == chunk
+
+
 def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
     text = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
     (tmp_path / "PLAN.toml").write_text(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[0])

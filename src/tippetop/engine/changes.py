@@ -1,16 +1,25 @@
-"""Changes of phase that the compiled loop makes by itself, by programs of jumps."""
+"""Changes of phase that the compiled loop makes by itself, by programs of jumps.
+
+A jump is a Python function, which takes 0.2 to 0.5 ms; its arithmetic takes some microseconds. It
+is therefore recorded once with numbers that write down what is done to them, and repeated in C with
+other numbers. A comparison that turns out otherwise ends a program: the next one of the jump, which
+was recorded on another branch, is tried, and at last Python makes the change. All have the same
+bits, so that it does not matter when a program is recorded.
+"""
 
 import ctypes
 import weakref
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..mechanics.event import ON_ZERO
+from ..mechanics.form import CLOCK
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
-from .loop import filled, library, structure
+from .loop import filled, library
 
 
 PER_SLICE = 256
@@ -21,30 +30,42 @@ CHATTER = 1e-12
 least, lead nowhere; after one of them Python makes the change.
 """
 PATIENCE = 16
-"""Changes before a jump is written down as a program; then after twice as many, until it is one."""
+"""Changes before a jump is recorded as a program; then again after twice as many that no program
+has made."""
+BRANCHES = 8
+"""Most programs of a jump."""
 NUMBERS = 24
 """Most numbers that a change may pass to the tables."""
+NODES = 8
+"""Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 
 class _Change(NamedTuple):
     lines: np.ndarray
     registers: np.ndarray
+    events: np.ndarray
+    other: int
     length: int
     result: int
     out: int
     next: int
+    number: int
     logged: int
+    passed: int
+    ranged: int
 
 
 class _Phases(NamedTuple):
     loops: np.ndarray
-    changes: int
+    changes: np.ndarray
     events: np.ndarray
+    body: np.ndarray
     made: np.ndarray
     began: float
     end: float
     chatter: float
     present: int
+    short: int
     length: int
     most: int
     numbers: int
@@ -57,8 +78,13 @@ class Written(NamedTuple):
     change: _Change
     motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
     phase: str  # the next one
-    cause: str  # of it
+    cause: str  # of it; empty: it has no row of its own
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
+
+
+def numbers_of(world: Any) -> list:
+    """Return the numbers by which the jumps of runs of a system differ."""
+    return [*leaves(world.body), world.rules.e_n]
 
 
 class Changes:
@@ -72,19 +98,23 @@ class Changes:
     Attributes
     ----------
     known
-        The programs, by the number of a change.
+        The programs that the loop has in this run, by their number.
     """
+
+    patience = PATIENCE
 
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
         self.events = len(run.numbers)
-        self.known = dict[int, Written]()
+        self.known = list[Written]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
-        self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
-        self.made = np.zeros((PER_SLICE, 3 + NUMBERS))
-        self.body = leaves(run.world.body)
-        arrays = self.loops, ctypes.addressof(self.table), run.all_events.events, self.made
-        sizes = 0, 0, 0, len(self.body), self.made.shape[1]
+        # by phase and event, the last by the clock: its programs, and where the first one is
+        self.programs = [list[Any]() for _ in range(len(run.phases) * (self.events + 1))]
+        self.table = np.zeros(len(self.programs), np.uint64)
+        self.made = np.zeros((PER_SLICE, 4 + NUMBERS))
+        self.body = np.array(numbers_of(run.world))
+        arrays = self.loops, self.table, run.all_events.events, self.body, self.made
+        sizes = 0, 0, 0, 0, len(self.body), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
 
     def learn(self, jump: Any, *given: Any) -> None:
@@ -92,61 +122,91 @@ class Changes:
         phase; Python has made it with these arguments.
         """
         jump.calls += 1
-        if jump.program is None and jump.calls >= PATIENCE and not jump.calls & (jump.calls - 1):
-            jump.program = self._traced(jump, *given)
+        is_due = jump.calls >= self.patience and not jump.calls & (jump.calls - 1)
+        if is_due and len(jump.programs) < BRANCHES:
+            written = self._traced(jump, *given)
+            known = {program.change.lines.tobytes() for program in jump.programs}
+            if written and written.change.lines.tobytes() not in known:
+                jump.programs.append(written)
         self.take_up(self.run.track, jump)
 
     def take_up(self, track: Any, jump: Any) -> None:
-        """Let the loop make the change of a phase by a jump, if it has a program."""
+        """Let the loop make the change of a phase by a jump, as far as it has programs."""
         run = self.run
-        event = self.run.numbers.get(jump.exit.event)
-        program = jump.program
-        if event is None or not program:
+        event = self.events if jump.exit.event == CLOCK else run.numbers.get(jump.exit.event)
+        if event is None:
             return
-        run.track_of(program.phase)  # compiles it, so that the loop can enter it
-        for place, region in program.motions:
-            self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
-        registers = program.change.registers.copy()
-        registers[: len(self.body)] = self.body
-        change = program.change._replace(registers=registers)
-        number = track.at * self.events + event
-        self.table[number], self.known[number] = filled(change), program._replace(change=change)
+        number = track.at * (self.events + 1) + event
+        taken = self.programs[number]
+        for program in jump.programs[len(taken) :]:
+            run.track_of(program.phase)  # compiles it, so that the loop can enter it
+            for place, region in program.motions:
+                self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
+            registers = program.change.registers.copy()
+            change = program.change._replace(registers=registers, number=len(self.known))
+            self.known.append(program._replace(change=change))
+            made: Any = filled(change)
+            if taken:
+                taken[-1].other = ctypes.addressof(made)
+            else:
+                self.table[number] = ctypes.addressof(made)
+            taken.append(made)
 
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
         run = self.run
+        track = run.track
         motions = list[tuple[int, str]]()
         state = state[: len(run.state)]
         signs = tuple(run.functions["sign"].tolist())
-        program = Program(world.body, (world.left,), signs, state)
+        given = world.body, (world.rules.e_n,), (run.end - world.left, world.left), signs, state
+        program = Program(*given)
 
         def followed(region: str, *given: Any) -> list:
             place = len(run.phases) + [*run.impacts.stages].index(region)
             motions.append((place, region))
             return program.call(place, partial(run.impacts.piece, region), *given)
 
-        body, (left,), signs, state = program.inputs
+        body, (e_n,), (now, left), signs, state = program.inputs
         struck = partial(world.struck, piece=followed)
-        world = world._replace(body=body, left=left, struck=struck)
+        rules = world.rules._replace(e_n=e_n)
+        world = world._replace(body=body, rules=rules, left=left, struck=struck)
         try:
-            n, to, state, values = jump(run, state, world)
+            n, to, after, values = jump(run, state, world)
             sides, zeros, passed = to.begins(n, values, signs)
+            ranged: list = []
+            ranges: list = []
+            if n.series:
+                if passed or not n.delay < left:
+                    return None
+                ranged, ranges = _ranged(n, to, now, body)
+            before = track.formulas.functions(
+                *track.variables.split(state), track.phase.parameters(body)
+            )
+            before = dict(zip(track.events, before, strict=True))
+            passed = [
+                k
+                for k in passed
+                if to.events[k].lasting or (to.events[k].sense and abs(before[k]) > ON_ZERO)
+            ]
         except Exception:  # whatever a jump does that is no line
             return None
         numbers = leaves(tuple(n.rows.values()))
-        is_more = n.ends or n.delay != 0 or not n.cause or passed or to.sampled
-        if is_more or len(n.logged) != 1 or len(numbers) > NUMBERS:
+        if n.ends or to.sampled or len(numbers) > NUMBERS:
             return None
-        pad = [0.0] * (len(to.place.motion.state) - len(state))
-        first = program.joined([*sides, *zeros, *state, *pad, n.lasts, *numbers])
+        pad = [0.0] * (len(to.place.motion.state) - len(after))
+        times = n.lasts, n.delay
+        first = program.joined([*sides, *zeros, *after, *pad, *times, *ranges, *numbers])
         lines = program.code()
         constants = [*program.constants.values()]
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS)
         registers[program.count : result] = constants
-        places = result, first.place + len(constants), to.at, run.numbers[n.logged[0]]
+        places = result, first.place + len(constants), to.at, 0
+        events = [run.numbers[name] for name in n.logged], passed, ranged
+        every = np.array([*chain(*events)], np.int64)
         return Written(
-            _Change(lines, registers, len(lines), *places),
+            _Change(lines, registers, every, 0, len(lines), *places, *map(len, events)),
             motions,
             n.phase,
             n.cause,
@@ -162,21 +222,40 @@ class Changes:
             self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
         record.present = run.track.at
         record.began = run.began
+        record.short = run.short
         record.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        for time, number, lasts, *numbers in self.made[: record.length].tolist():
+        for time, number, lasts, delay, *numbers in self.made[: record.length].tolist():
             program = self.known[int(number)]
             rest = iter(numbers)
             track = run.tracks[program.phase]
-            run.tables.begin(time, track, program.cause)
+            if program.cause:
+                run.tables.begin(time, track, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
-            run.until = time + lasts
+            began = min(time + delay, run.end)
+            run.until = began + lasts
         if record.length:
-            run.follow(track, time)
-            run.short = 0
+            run.follow(track, began)
+            run.short = record.short
             run.series = None
             run.changes += record.length
             run.end_next()
         return steps
+
+
+def _ranged(n: Any, to: Any, now: Any, body: Any) -> tuple[list[int], list]:
+    """Return the events whose extremes may lie in a jump that takes time, and their functions
+    there, one event after the other.
+    """
+    b = to.phase.parameters(body)
+    time = now + n.delay
+    points = []
+    for k in range(NODES + 1):
+        after = now + (time - now) * k / NODES - now
+        state = to.variables.join(*n.series(after))
+        points.append(to.formulas.functions(*to.variables.split(state), b))
+    each = zip(to.events.items(), zip(*points, strict=True), strict=True)
+    ranges = {number: values for (number, event), values in each if event.extremes}
+    return [*ranges], [*chain(*ranges.values())]

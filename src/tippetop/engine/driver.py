@@ -14,7 +14,10 @@ from .status import Status
 from .stepper import Stepper
 from .tallies import (
     EventRows,
+    PassageLog,
     Rules,
+    Samples,
+    Tallies,
     new_log,
     new_samples,
     new_tallies,
@@ -103,9 +106,9 @@ class Place:
         self.compiled = compiled
         self.rows = rows
         self.stepper: Any = run.stepper_of(compiled)
-        self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, 1)
-        found = run.tallies, run.log, run.samples
-        self.loop = Loop(self.motion, rows, *found, RULES, self.stepper)
+        self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, run.lanes)
+        found = run.findings(rows)
+        self.loop = Loop(self.motion, rows, *found, run.rules, self.stepper)
 
 
 class Driver:
@@ -127,6 +130,8 @@ class Driver:
         Internal time of the end.
     """
 
+    lanes = 1
+    rules = RULES
     ended: Status | None = None  # how the run ends before its first step
     sentence = ""  # why the contact ended the run, where it did
 
@@ -173,6 +178,10 @@ class Driver:
         )
         self.logged, self.sampled_so_far = map(view, (self.log.filled, self.samples.filled))
         self.want(NO_ROWS)
+
+    def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
+        """Return what the observer of a new place writes."""
+        return self.tallies, self.log, self.samples
 
     def want(self, rows: Rows) -> None:
         """Make these rows from now on."""

@@ -9,7 +9,7 @@ import copy
 import math
 import threading
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import repeat
 from operator import itemgetter
@@ -29,7 +29,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
-from .changes import CHATTER, PER_SLICE, Changes
+from .changes import CHATTER, NODES, PER_SLICE, Changes
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -49,9 +49,6 @@ from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
-
-NODES = 8
-"""Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
@@ -129,24 +126,23 @@ class Jump:
     ----------
     system
         The system.
-    contact, kind
-        The contact and the kind of its impacts, for which a program is made.
+    kind
+        The kind of its impacts, for which programs are made.
     name, phase
         The phase that ends; "" at the start.
     exit
         How it ends.
-    calls, program
+    calls, programs
         How often Python has made it, and how the loop makes it: see `Changes`.
     """
 
     system: System
-    contact: Any
     kind: Any
     name: str
     phase: Phase
     exit: Exit
     calls: int = 0
-    program: Any = None
+    programs: list[Any] = field(default_factory=list)
 
     @property
     def where(self) -> str:
@@ -290,14 +286,16 @@ class Track:
         pattern = refill(self.b, repeat(1.0))
         self.formulas = formulas_of_phase(problem.system, phase, pattern, kinds(pattern))
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
-        code = code_for(problem, self.formulas, run.stop)
+        code = run.code_of(self.formulas)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.place = Place(run, code, rows)
         self.place.motion.in_lane[0] = self.at
         run.take(self.place, leaves(self.b))
         self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
-        self.ahead = copy.deepcopy(code.integrator) if self.sampled else None
+        self.ahead = None
+        if self.sampled:
+            self.ahead = copy.deepcopy(code_for(problem, self.formulas, run.stop).integrator)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
@@ -382,15 +380,7 @@ class HybridDriver(Driver):
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-
-        def internal(value: float, unit: Any) -> Any:
-            return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
-
-        body = problem.internal_body
-        phases = system.phases
-        if system.assembled is not None:
-            body, phases = system.assembled(body, problem.contact, internal)
-        body = refill(body, map(number, leaves(body)))
+        body, phases = self.assembled(problem)
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
         self.variables = len(problem.variables.names)
@@ -422,13 +412,30 @@ class HybridDriver(Driver):
             "rows": tables,
             "ends": ENDS,
         }
-        self.jump = partial(jump_of, system, contact, kind)
+        self.jump = partial(jump_of, system, kind)
         self.world = World(body, system, contact, self.phases, struck)
         self.copies = Changes(self) if struck and number is float else None
-        self._start(tuple(problem.start().tolist()))
+        self.begin_run()
+
+    def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
+        """Return the body of the world of a problem, in internal units, and its phases."""
+        system = problem.system
+
+        def internal(value: float, unit: Any) -> Any:
+            return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
+
+        body = problem.internal_body
+        phases = system.phases
+        if system.assembled is not None:
+            body, phases = system.assembled(body, problem.contact, internal)
+        return refill(body, map(self.number, leaves(body))), phases
+
+    def begin_run(self) -> None:
+        """Take up the start of the problem."""
+        self._start(tuple(self.problem.start().tolist()))
         self.first = self.present()
         if self.series:
-            self.first = self.rows_of(self.motion.in_lane, self.series(self.number(0)))
+            self.first = self.rows_of(np.array([self.track.at]), self.series(self.number(0)))
 
     def _start(self, state: tuple) -> None:
         """Enter the first phase."""
@@ -463,6 +470,10 @@ class HybridDriver(Driver):
                 for jump in track.exits.values():
                     self.copies.take_up(track, jump)
         return self.tracks[name]
+
+    def code_of(self, formulas: Formulas) -> Compiled:
+        """Return the integrator of the formulas of a phase."""
+        return code_for(self.problem, formulas, self.stop)
 
     def codes(self) -> tuple[Compiled, ...]:
         return tuple(self.track_of(name).place.compiled for name in self.phases)
@@ -543,15 +554,19 @@ class HybridDriver(Driver):
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
         the next one; `ending` is that event, or CLOCK, or None at the end of the run.
         """
-        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
-        if self.track.sampled:
-            ends += sampled_in_next_step(self)
-        when, self.ending = min(ends, key=itemgetter(0))
+        when, self.ending = self.next_end()
         self.end_at(when)
         high, low = self.clock
         runs = self.status[0] == RUNNING
         if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step
             self.status[0] = Status.FINISHED.code
+
+    def next_end(self) -> tuple[Any, Any]:
+        """Return where the next steps end, and `ending`."""
+        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
+        if self.track.sampled:
+            ends += sampled_in_next_step(self)
+        return min(ends, key=itemgetter(0))
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -654,8 +669,6 @@ class HybridDriver(Driver):
             self._note(number, now, sign, before.at, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        system = self.problem.system
-        variables = self.problem.variables
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
         rows[:, : as_rows.shape[1]] = as_rows
@@ -664,12 +677,17 @@ class HybridDriver(Driver):
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                q, carried = track.variables.split(states[some].T)
-                read, _ = system.read(track.phase, q, carried, track.b)
-                values = variables.join(read[: variables.moving], carried)
-                for k, value in enumerate(values):
-                    rows[some, k] = value
+                self.read(rows, some, track, states, track.b)
         return rows
+
+    def read(self, rows: np.ndarray, some: Any, track: Track, states: np.ndarray, b: Any) -> None:
+        """Write some rows of states of a phase, whose parameters are b."""
+        variables = self.problem.variables
+        q, carried = track.variables.split(states[some].T)
+        read, _ = self.problem.system.read(track.phase, q, carried, b)
+        values = variables.join(read[: variables.moving], carried)
+        for k, value in enumerate(values):
+            rows[some, k] = value
 
     # --- where the run is ------------------------------------------------------------------------
 

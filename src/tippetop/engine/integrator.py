@@ -44,7 +44,7 @@ class Compiled:
 
 # terms of the right-hand side of a phase from which LLVM would take a minute for all phases
 HUGE = 100_000
-MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
+MOST_COMPILED = 64  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
 
 def awaited_once(make: Callable, key: tuple, text: str, stop: threading.Event | None = None) -> Any:

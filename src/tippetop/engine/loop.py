@@ -41,6 +41,8 @@ class Motion(NamedTuple):
     end: np.ndarray  # (lanes,) of the run
     limit: np.ndarray  # (lanes,) the longest step that is allowed
     h: np.ndarray  # (lanes,) the step that was made
+    ended_by: np.ndarray  # (lanes,) the event that ended it; -1: none
+    before_leg: np.ndarray  # (lanes,) steps of a top before those of its tally
 
 
 class Rows(NamedTuple):
@@ -109,6 +111,11 @@ def filled(record: Any) -> ctypes.Structure:
     return structure(kind)(*map(_field, record))
 
 
+def address_of(made: Any) -> int:
+    """Return where a structure is."""
+    return ctypes.addressof(made)
+
+
 def _field(value: Any) -> Any:
     if isinstance(value, tuple):
         return filled(value)
@@ -144,7 +151,8 @@ def library() -> ctypes.CDLL:
     array = ctypes.c_void_p
     loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
     loaded.loop_end.argtypes = [array, whole]
-    for function in (loaded.loop_drive, loaded.loop_run):
+    loaded.loop_push.argtypes = [array, whole]
+    for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = whole
         function.argtypes = [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
@@ -156,9 +164,10 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     state, before = np.zeros((2, variables, lanes))
     pars = np.zeros((parameters, lanes))
     tc = np.zeros((variables, size, lanes))
-    in_lane = np.zeros(lanes, np.int64)
-    times = (np.zeros(lanes) for _ in range(7))
-    return Motion(state, before, pars, tc, in_lane, *times)
+    in_lane, ended_by, before_leg = np.zeros((3, lanes), np.int64)
+    high, low, start_high, start_low, end, limit, h = np.zeros((7, lanes))
+    times = high, low, start_high, start_low, end, limit, h
+    return Motion(state, before, pars, tc, in_lane, *times, ended_by, before_leg)
 
 
 class Loop:

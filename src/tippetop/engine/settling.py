@@ -122,7 +122,7 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
     parts = known and (has_parts(law) or (bool(law.regions) and np.any(law.mu)))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     if known:
-        omega3 = values["omega3"].astype(float) / second
+        omega3 = values.get("omega3", 0 * theta).astype(float) / second  # a planar motion has none
         for name in {"upright", "inverted"}.intersection(system.classes):
             ends[name] &= ~is_unstable(omega3, body, inverted=name == "inverted", gliding=gliding)
         ends["tumbling"] = settled & away

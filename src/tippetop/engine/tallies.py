@@ -45,6 +45,7 @@ class Rules(NamedTuple):
     at_pole: float = AT_POLE
     near_pole: float = NEAR_POLE
     on_zero_for: float = ON_ZERO_FOR
+    settled_every: int = 1  # steps between two looks whether a run has settled
 
 
 _LANE: dict[str, Any] = {

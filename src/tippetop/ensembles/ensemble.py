@@ -4,8 +4,10 @@ import itertools
 import os
 import threading
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from functools import partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,7 @@ from ..engine.tallies import EventRows, Tallies, new_tallies
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
+from .hybrid_lanes import HybridLanes
 from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, Lanes
 from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude
@@ -70,25 +73,30 @@ def measure(
             with lock:
                 progress(next(counted), total)
 
-    alone = _ends_at_start(tops, functions) | tops.base.system.is_hybrid
+    hybrid = tops.base.system.is_hybrid
+    alone = _ends_at_start(tops, functions) | hybrid
     separate = np.flatnonzero(tops.valid & alone).tolist()
+    most = threads or len(os.sched_getaffinity(0))
+    turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
+    if hybrid and turns and tops.base.contact is not None and not events:
+        queue = iter(separate)
+        n = min(most, -(-len(separate) // LANES))
+        pooled = [HybridLanes(measured, ended) for _ in range(n)]
+        _run_all([partial(worker.run, queue) for worker in pooled], [w.stop for w in pooled])
+        separate = sorted(chain(*(worker.alone for worker in pooled)))
+        possible = sum(worker.possible for worker in pooled)
+        measured.occupancy = sum(worker.steps for worker in pooled) / max(1, possible)
     run_each(measured, separate, ended, events=events)
+    measured.faults.sort()
     if len(numbers := np.flatnonzero(tops.valid & ~alone)):
         queue = iter(numbers.tolist())
-        n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // LANES))
+        n = min(most, -(-len(numbers) // LANES))
         workers = [Lanes(tops, LANES, wanted, events=events) for _ in range(n)]
         tallies = new_tallies(workers[0].rows, functions.T)
-        with ThreadPoolExecutor(n) as pool:
-            try:
-                running = [
-                    pool.submit(worker.run, measured, tallies, queue, ended) for worker in workers
-                ]
-                wait(running, return_when=FIRST_EXCEPTION)
-            finally:  # if one has failed, or on Ctrl-C, the others must stop
-                for worker in workers:
-                    worker.is_stopped = True
-        for done in running:
-            done.result()
+        _run_all(
+            [partial(worker.run, measured, tallies, queue, ended) for worker in workers],
+            [worker.stop for worker in workers],
+        )
         _write(measured, numbers, tallies, workers[0].rows)
         if measured.passages:
             log_events(measured, measured.passages, tallies.lane["lasts_since"])
@@ -102,6 +110,21 @@ def measure(
     measured.seconds = time.perf_counter() - clock
     measured.processor = time.process_time() - processor
     return measured
+
+
+def _run_all(runs: list[Callable[[], None]], stops: list[threading.Event]) -> None:
+    """Call functions on a thread each; set their `stops` if one has failed, or on Ctrl-C."""
+    if not runs:
+        return
+    with ThreadPoolExecutor(len(runs)) as pool:
+        try:
+            running = [pool.submit(run) for run in runs]
+            wait(running, return_when=FIRST_EXCEPTION)
+        finally:
+            for stop in stops:
+                stop.set()
+    for done in running:
+        done.result()
 
 
 def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:

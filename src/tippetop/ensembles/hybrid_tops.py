@@ -1,4 +1,4 @@
-"""Tops whose contact may change its phase, each followed by a separate driver instead of a lane."""
+"""Tops that run one after the other, each followed by a separate driver instead of a lane."""
 
 from collections.abc import Callable
 from dataclasses import replace

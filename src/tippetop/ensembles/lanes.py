@@ -3,6 +3,7 @@
 No lane sees another: a top's numbers depend on its own only.
 """
 
+import threading
 from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
@@ -49,11 +50,9 @@ class Lanes:
 
     Attributes
     ----------
-    is_stopped
+    stop
         Set it to end `run` soon, whether its tops have ended or not.
     """
-
-    is_stopped = False
 
     def __init__(
         self,
@@ -72,6 +71,7 @@ class Lanes:
 
         self.problems = tops
         self.lanes = lanes
+        self.stop = threading.Event()
         self.rows = watched(code.rows, base, reads)
         n = len(code.integrator.state)
         self.motion = new_motion(n, len(code.integrator.pars), code.integrator.order + 1, lanes)
@@ -125,7 +125,7 @@ class Lanes:
             if count and (idle or count + self.lanes > len(samples.top)):
                 outcomes.look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
-            if idle or self.is_stopped:
+            if idle or self.stop.is_set():
                 return
             self.loop.drive(MOST_DRIVEN)
             if len(self.log.rows):

@@ -91,13 +91,14 @@ class Outcomes:
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         drift = Drift(tops, tops.start, tops.valid)
-        self.look = drift.look
+        self.look, self.begin = drift.look, drift.begin
         self.drift = drift.worst
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
         # zeros of event functions that lanes found, rows and states; and the events of tops
         self.passages: list[tuple[np.ndarray, np.ndarray]] = []
         self.events: dict[int, EventTable] = {}
+        self.occupancy = 1.0  # of the lanes of tops whose contact may change
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
 

@@ -17,9 +17,10 @@ from .operand import leaves, refill
 
 OPERATIONS = (
     *("add", "subtract", "multiply", "divide", "power", "negative", "sqrt", "absolute", "maximum"),
+    *("exp", "log", "arctan2", "sin", "cos"),
     *("less", "less_equal", "equal", "unit", "expect", "motion", "result"),
 )
-"""As in the loop; the first ones are functions of NumPy."""
+"""As in the loop; all but the last four are functions of NumPy."""
 
 TURNED = {"greater": "less", "greater_equal": "less_equal"}
 """Functions of NumPy that are one of the operations on their operands in the other order."""

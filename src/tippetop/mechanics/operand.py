@@ -16,6 +16,7 @@ Operand = Any
 F = TypeVar("F", bound=Callable)
 
 
+DOUBLES = {float, np.float64}
 _untaught: list[Callable] = []
 _teach: Callable = _untaught.append
 """Takes a formula: into a list, until numba is first used; then to numba."""
@@ -52,11 +53,20 @@ def formula(function: F) -> F:
 
 
 def _lift(name: str) -> Callable:
+    """Return a function of operands. Of doubles it has the bits of the C library: those of NumPy
+    depend on the processor, and the loop repeats jumps (see `lines`).
+    """
     symbolic = getattr(hy, name)
     numeric = getattr(np, name.replace("atan", "arctan"))
     scalar = getattr(math, name)
+    doubles = DOUBLES if name != "sqrt" else ()  # it is exact everywhere
 
     def lifted(*x: Operand) -> Operand:
+        if type(x[0]) in doubles and type(x[-1]) in doubles:
+            try:
+                return np.float64(scalar(*x))
+            except (ValueError, OverflowError):  # a result that is not finite
+                pass
         return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
     def for_numba(*x: Any) -> Callable:

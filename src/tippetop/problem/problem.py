@@ -11,7 +11,7 @@ import numpy as np
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.body import touching_ball
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.contact.uniqueness import THETA
+from ..mechanics.contact.uniqueness import COSINE, SINE
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
@@ -182,7 +182,7 @@ class Problem(RunOptions):
         """
         body = self.body()
         rules = self.contact
-        at = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, body)
+        at = touching_ball(COSINE, SINE**2, body)
         balls = {"body": (at.c, at.R)}
         if rules is not None and rules.stem:
             balls["stem"] = body.c + rules.h, rules.r

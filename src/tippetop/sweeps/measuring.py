@@ -13,6 +13,8 @@ from .plan import Plan
 
 WORTH = 0.4  # [s] of computing, roughly, from which the rest is inferred
 SOME = 16  # tops, spread over the plan
+FEW = 8  # every so many of these are run first, to compile
+FULL = 0.9  # lanes that the tops of a chunk occupy, if their contact changes
 WRITING = 0.03  # [s] a chunk
 
 
@@ -39,11 +41,15 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
 
     share = min(1.0, WORTH / (plan.seconds_per_top * len(chosen)))
     seconds = []
-    for part in (share / 100, share):  # the first compiles
+    numbers = {**numbers, "run.until": share * until}
+    for every in (FEW, 1):  # the first compiles
         began = clock()
-        outcomes = chunk.measure(plan.base, numbers | {"run.until": part * until}, plan.keep)
+        some = {key: values[::every] for key, values in numbers.items()}
+        outcomes = chunk.measure(plan.base, some, plan.keep)
         seconds.append(clock() - began)
     of_top = seconds[1] / share / len(chosen)
+    if plan.base.system.is_hybrid:  # so few do not fill the lanes of all phases
+        of_top *= min(1.0, outcomes.occupancy / FULL)
     return {
         "core_seconds": round(plan.chunks * WRITING + plan.n * of_top, 3),
         "compiling": round(seconds[0], 2),

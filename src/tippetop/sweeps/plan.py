@@ -39,8 +39,9 @@ MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
 CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; what a failure may cost
 WAYS = ("values", "linspace", "geomspace", "between")  # in which an axis gives its numbers
-# of a top whose contact may change its phase: a hop takes as long as a thousand steps
-SECONDS_ALONE = 0.1
+# of a top whose contact may change its phase; one that drills and hops takes three times as long
+SECONDS_OF_CHANGES = 0.02
+POOLED = 8, 256  # fewest such tops of a chunk: they must fill the lanes of many phases
 Maker = Callable[[PlainData], Problem]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
@@ -182,7 +183,9 @@ class Plan:
             return min(given, self.n)
         seconds = np.clip(self.n * self.seconds_per_top / LEAST_CHUNKS, *CHUNK_SECONDS)
         best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
-        least = CHUNKS[0] if not self.base.system.is_hybrid else 1
+        least = CHUNKS[0]
+        if self.base.system.is_hybrid:
+            least = int(np.clip(self.n // 4, *POOLED))
         return min(max(best, least), CHUNKS[1], self.n)
 
     @property
@@ -230,7 +233,7 @@ class Plan:
                 steps.append(cost.estimate(self.problem(top))["steps"])
             except InputError:
                 steps.append(0)
-        least = SECONDS_ALONE if self.base.system.is_hybrid else 0.0
+        least = SECONDS_OF_CHANGES if self.base.system.is_hybrid else 0.0
         return max(max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6, least)
 
 

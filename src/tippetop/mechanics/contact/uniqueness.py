@@ -11,13 +11,12 @@ from .response import gains
 
 
 THETA = np.linspace(0, np.pi, 10_001)[1:-1]
+SINE, COSINE = np.sin(THETA), np.cos(THETA)
 
 
 def levers(offset: Any, radius: Any) -> tuple[Any, Any]:
     """Return the levers of vertical and horizontal forces on a ball [m], over theta."""
-    s = np.sin(THETA)
-    z = np.cos(THETA)
-    return np.abs(offset * s), np.abs(radius - offset * z)
+    return np.abs(offset * SINE), np.abs(radius - offset * COSINE)
 
 
 def painleve_bound(m: float, I1: float, offset: Any, radius: Any) -> float:

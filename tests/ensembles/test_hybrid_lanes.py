@@ -1,0 +1,133 @@
+"""Tops whose contact changes run in lanes as they would run alone, whatever runs beside them."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from touching import BOUNCE, DRILLING, TOSSED
+
+from tippetop.engine import changes, pools
+from tippetop.engine.status import Status
+from tippetop.ensembles import ensemble, hybrid_lanes, hybrid_tops
+from tippetop.ensembles.outcomes import Outcomes, _conclude
+from tippetop.mechanics.contact import exits
+from tippetop.problem import Problems
+from tippetop.scenario import build, reading
+
+
+VISCOUS, COULOMB = {"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3}
+TOPS = {
+    "hops": ("flying", {}, 3.0),
+    "bounces": (BOUNCE, {"friction": VISCOUS, "contact": {"e_n": 0.7}}, 0.5),
+    "sticks": (BOUNCE, {"friction": COULOMB, "initial": TOSSED}, 0.3),
+    "rests": (BOUNCE, {"friction": DRILLING, "initial": TOSSED}, 0.3),
+    "stands": ("leine-glocker-stem", {}, 0.3),
+    "rocks": ("gliding-cylinder", {"contact": {"e_n": 0.3}}, 0.3),
+}
+"""Scenarios, changes to their tables, and the time of the end."""
+
+
+def some(case: str, n: int = 12, **columns: np.ndarray) -> Problems:
+    """Tops of a case with other spins or speeds, or other numbers."""
+    scenario, changes, until = TOPS[case]
+    tables = reading.read(scenario) if isinstance(scenario, str) else dict(scenario)
+    base = build.problem(tables | changes | {"run": {"until": until, "output_step": until}})
+    key = "omega3" if "omega3" in base.initial else "nu_x"
+    numbers = float(base.initial[key]) * np.linspace(0.99, 1.01, n)
+    return ensemble.vary(base, columns or {f"initial.{key}": numbers})
+
+
+def alone(tops: Problems) -> Outcomes:
+    outcomes = Outcomes(tops)
+    hybrid_tops.run_each(outcomes, list(range(tops.n)), lambda: None)
+    with np.errstate(all="ignore"):
+        _conclude(outcomes)
+    return outcomes
+
+
+def same(a: Outcomes, b: Outcomes, which: np.ndarray | None = None) -> None:
+    """Check that tops have the same bits: those of b are the tops `which` of a."""
+    k = slice(None) if which is None else which
+    np.testing.assert_array_equal(a.status[k], b.status)
+    np.testing.assert_array_equal(a.final[:, k], b.final)
+    for name, values in [*b.columns.items(), *b.drift.items()]:
+        of_a = (a.columns | a.drift)[name]
+        np.testing.assert_array_equal(of_a[k], values, name)
+
+
+@pytest.mark.parametrize("case", TOPS)
+def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
+    tops = some(case)
+    lanes, single = ensemble.measure(tops, threads=1), alone(tops)
+    np.testing.assert_array_equal(lanes.status, single.status)
+    np.testing.assert_array_equal(lanes.kind, single.kind)
+    np.testing.assert_allclose(lanes.final, single.final, rtol=0, atol=1e-9)
+    for name, values in single.columns.items():
+        if name not in ("turnings", "normal_force_min"):  # of rounding, where an axis rests
+            scale = np.nanmax(np.abs(values), initial=1e-3)
+            np.testing.assert_allclose(lanes.columns[name], values, rtol=0, atol=1e-8 * scale)
+
+
+@pytest.mark.parametrize("case", TOPS)
+def test_the_bits_of_a_top_do_not_depend_on_the_others(monkeypatch, case: str) -> None:
+    """Nor on their order, number and threads, on the lanes, on when Python looks, and on which
+    programs are known.
+    """
+    tops = some(case)
+    measured = ensemble.measure(tops, threads=1)
+    order = np.array([7, 2, 11, 0, 5])
+    columns = {key: values[order] for key, values in tops.columns.items()}
+    same(measured, ensemble.measure(ensemble.vary(tops.base, columns), threads=2), order)
+    monkeypatch.setattr(hybrid_lanes, "ROOM", 3)
+    monkeypatch.setattr(hybrid_lanes, "MOST_DRIVEN", 1)
+    monkeypatch.setattr(pools.Pools, "lanes", 4)
+    monkeypatch.setattr(changes.Changes, "take_up", lambda *_: None)
+    same(measured, ensemble.measure(tops, threads=1))
+
+
+@pytest.mark.parametrize("case", sorted(set(TOPS) - {"rocks"}))
+def test_no_top_is_left_to_run_alone(monkeypatch, case: str) -> None:
+    left: list[int] = []
+    monkeypatch.setattr(
+        ensemble, "run_each", lambda measured, numbers, *_, **__: left.extend(numbers)
+    )
+    ensemble.measure(some(case), threads=1)
+    assert not left
+
+
+def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
+    """Here one without friction, one beyond Painleve's bound, and one whose impact has no
+    solution.
+    """
+    mu = np.array([0.3, 0.0, 30.0, 0.31, 0.3])
+    spins = np.array([100.0, 100.0, 100.0, 100.0, 101.0])
+    struck = exits.struck
+
+    def fails(x, world, ball):
+        if getattr(world.body[0].friction, "mu", 0) == 0.31:
+            raise ArithmeticError("no solution")
+        return struck(x, world, ball)
+
+    monkeypatch.setattr(exits, "struck", fails)
+    tops = some("sticks", **{"friction.mu": mu, "initial.omega3": spins})
+    measured = ensemble.measure(tops, threads=1)
+    statuses = [list(Status)[code].value for code in measured.status]
+    assert statuses == ["finished", "finished", "invalid", "stalled", "finished"]
+    assert [top for top, _ in measured.faults] == [2]
+    single = alone(tops)
+    np.testing.assert_array_equal(measured.status, single.status)
+    np.testing.assert_allclose(measured.final, single.final, rtol=0, atol=1e-9)
+
+
+def test_a_stop_ends_the_pools_soon() -> None:
+    tops = some("hops", 64)
+    ensemble.measure(tops, threads=1)  # compiles
+    worker = hybrid_lanes.HybridLanes(Outcomes(tops), lambda: None)
+    thread = threading.Thread(target=worker.run, args=(iter(range(64)),))
+    thread.start()
+    time.sleep(0.1)
+    worker.stop.set()
+    thread.join(0.5)
+    assert not thread.is_alive()
+    assert worker.under_way
