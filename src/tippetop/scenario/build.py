@@ -64,13 +64,8 @@ def problem(
     name = law_name(tables)
     if name and name not in system.laws:
         load_entry_points()
-<<<<<<< HEAD
-    body = tables.get("parameters", {})
-    if body and isinstance(body, Mapping):
-=======
     body: Any = tables.get("parameters")
     if isinstance(body, Mapping):
->>>>>>> b2
         tables = {**tables, "parameters": completed(body, system.parameters)}
     tables = worked_out(tables, units_of(system, tables))
     try:
