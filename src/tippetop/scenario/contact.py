@@ -151,8 +151,8 @@ def contact_faults(problem: Problem) -> list[str]:
     mu_r = getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
     framed = isinstance(body, Asymmetric)
-    balls = problem.balls.items()
-    bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls}
+    balls = problem.balls
+    bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
     if framed:
         bounds["body"] = painleve_bound_of_frame(problem.internal_body, _highest(problem))
     name = min(bounds, key=bounds.__getitem__)
