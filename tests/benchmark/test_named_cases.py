@@ -113,3 +113,9 @@ def test_settings_name_the_restitution(name):
 def test_unknown_case():
     with pytest.raises(InputError, match="unknown case `bounces`"):
         benchmark.case("bounces")
+
+
+def test_a_preset_is_a_case_if_its_contact_may_open():
+    assert benchmark.case("cohen-coulomb").name == "cohen-coulomb"
+    with pytest.raises(InputError, match=r"`rattleback` must have a table \[contact\]"):
+        benchmark.case("rattleback")

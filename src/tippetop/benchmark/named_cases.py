@@ -84,7 +84,8 @@ def case(name: str | Path) -> Case:
     Parameters
     ----------
     name : str or path
-        One of `names()`, or the TOML file of a scenario, which is run to find its certificate.
+        One of `names()`, or a preset or the TOML file of a scenario, which is run to find its
+        certificate.
 
     Returns
     -------
@@ -96,7 +97,8 @@ def case(name: str | Path) -> Case:
     InputError
         If no case has this name, or the scenario has no contact that may open or ends early.
     """
-    return _own(Path(name)) if Path(name).suffix == ".toml" else _named(str(name))
+    own = Path(name).suffix == ".toml" or str(name) in reading.presets().keys() - {*names()}
+    return _own(Path(name)) if own else _named(str(name))
 
 
 def _own(path: Path) -> Case:

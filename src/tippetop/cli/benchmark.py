@@ -35,7 +35,7 @@ def benchmark(
         For export a folder, and the names of cases (by default all). For score files
         ENGINE/SETTING/CASE/dt=STEP.csv, or folders that contain them.
     scenario
-        For export: a TOML file to export as a case. May be repeated.
+        For export: a TOML file or a preset to export as a case. May be repeated.
     case
         For score: the case of all files, instead of the names of their folders; a TOML file for a
         scenario that was exported.

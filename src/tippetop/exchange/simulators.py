@@ -426,11 +426,12 @@ def _sdf(model: Model) -> str:
         </collision>
       </link>
     </model>"""
+    tip = next(iter(model.surfaces.values())).centre
     joint = f"""
       <joint name="tip" type="ball">
         <parent>world</parent>
         <child>top</child>
-        <pose>0 0 {_numbers(body.c)} 0 0 0</pose>
+        <pose>{_numbers(tip)} 0 0 0</pose>
       </joint>"""
     version = "1.8" if "ellipsoid" in model.surfaces else "1.6"
     return f"""<?xml version="1.0"?>

@@ -53,7 +53,8 @@ def ensemble(
     variations : mapping of str to array, (n,) each
         The varied numbers, in SI units: `dict(omega3=..., mu=...)`; or texts with units,
         `["1000 rpm", "1200 rpm"]`. Write a name that occurs in several tables with its table,
-        `"friction.mu"`; `"until"` varies the end of the run.
+        `"friction.mu"`; `"until"` varies the end of the run. All other numbers are those of the
+        source: moments of inertia, default or not, do not follow a length that varies.
     threads : int, optional
         Number of threads; by default one per usable core.
     progress : callable or bool
