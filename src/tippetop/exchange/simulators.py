@@ -430,7 +430,7 @@ def _sdf(model: Model) -> str:
       <joint name="tip" type="ball">
         <parent>world</parent>
         <child>top</child>
-        <pose>0 0 {_numbers(body.c)} 0 0 0</pose>
+        <pose>{_numbers(next(iter(model.surfaces.values())).centre)} 0 0 0</pose>
       </joint>"""
     version = "1.8" if "ellipsoid" in model.surfaces else "1.6"
     return f"""<?xml version="1.0"?>

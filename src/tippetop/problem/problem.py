@@ -178,9 +178,12 @@ class Problem(RunOptions):
     def balls(self) -> dict[str, tuple[Any, Any]]:
         """Offset along the axis and radius [m] of each ball that may touch the plane, by name.
 
-        Of a body with an outline they are arrays, over `uniqueness.THETA`.
+        Of a body with an outline they are arrays, over `uniqueness.THETA`; a body without an axis
+        of symmetry has none.
         """
         body = self.body()
+        if hasattr(body, "I2"):
+            return {}
         rules = self.contact
         at = touching_ball(np.cos(THETA), np.sin(THETA) ** 2, body)
         balls = {"body": (at.c, at.R)}
