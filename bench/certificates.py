@@ -37,7 +37,8 @@ def growth_of(each: Case, double: Truth) -> tuple[str, np.ndarray]:
     if problem.contact is None:
         return "variational equations (lyapunov)", growth(problem, t).factor
     moved = dict(problem.initial)
-    moved["theta"] = moved.get("theta", 0.0) + APART
+    angle = "tilt" if "tilt" in moved else "theta"
+    moved[angle] = moved.get(angle, 0.0) + APART
     if moved.get("omega3"):
         moved["omega3"] *= 1 + APART
     near, _ = truth(dataclasses.replace(problem, initial=moved), t)

@@ -21,8 +21,9 @@ from tippetop.exchange.simulators import text_of
 
 
 CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder", "bounce")
-OUTLINED = ("rising-egg", "rolling-disc")
+OUTLINED = ("rising-egg", "rolling-disc", "reversing-rattleback")
 ALL = (*CASES, *OUTLINED)
+ELLIPSOID = {"model.mjcf.xml", "model.sdf"}
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +93,7 @@ def test_numbers_of_body_law_and_start_are_those_of_the_scenario(exported, name)
 
 
 @pytest.mark.parametrize(
-    ("name", "models"), [("rising-egg", {"model.mjcf.xml", "model.sdf"}), ("rolling-disc", set())]
+    ("name", "models"), [*zip(OUTLINED, (ELLIPSOID, set(), ELLIPSOID), strict=True)]
 )
 def test_an_outline_touches_the_plane_at_the_start(exported, name, models):
     """By the numbers of `case.json` alone; a format that lacks the outline is left out."""
@@ -104,8 +105,8 @@ def test_an_outline_touches_the_plane_at_the_start(exported, name, models):
     turned = Rotation.from_quat(np.roll(start["quaternion"], -1))
     n = turned.inv().apply([0.0, 0.0, 1.0])
     if outline["kind"] == "ellipsoid":
-        own = Rotation.from_euler("z", -outline["turn"]).apply(n)
-        height = np.linalg.norm(own * outline["half_axes"]) - n @ outline["centre"]
+        along = Rotation.from_euler("z", -outline["turn"]).apply(n)
+        height = np.linalg.norm(along * outline["half_axes"]) - n @ outline["centre"]
     else:
         height = outline["ring"] * np.hypot(*n[:2]) + outline["tube"] - n[2] * outline["c"]
     assert start["position"][2] == pytest.approx(height, abs=1e-12)
@@ -123,6 +124,15 @@ def test_an_ellipsoid_with_three_moments_is_a_case(tmp_path):
     test_an_outline_touches_the_plane_at_the_start(
         tmp_path / "cases", "mine", {"model.mjcf.xml", "model.sdf"}
     )
+
+
+def test_a_rattleback_that_rolls_keeps_its_energy_and_reverses_its_spin(exported):
+    folder = exported / "reversing-rattleback"
+    found = tt.compare(folder / "reference.csv", folder / "scenario.toml").to_dict()
+    assert found["attitude"]["max"] < 1e-11
+    assert found["energy_drift"] < 1e-11
+    spin = pd.read_csv(folder / "reference.csv")["omega_z [rad/s]"]
+    assert spin.iloc[0] < -1.9 < 1.9 < spin.iloc[-1]
 
 
 def test_readme_names_every_outcome(exported):

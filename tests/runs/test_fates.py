@@ -3,6 +3,7 @@ from them.
 """
 
 import math
+import re
 from typing import Any
 
 import examples
@@ -12,7 +13,7 @@ import pytest
 from tippetop.ensembles.ensemble import measure
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.problem import Problem, Problems
-from tippetop.runs import forecast
+from tippetop.runs import forecast, starting
 from tippetop.runs.run import solve
 
 
@@ -118,3 +119,36 @@ def test_a_gliding_heavy_top_falls_to_the_plane_if_it_is_above(theta: float) -> 
     made = examples.problem("gliding-heavy-top", examples.HEAVY, start, 20.0, LAWS[0])
     fate = forecast.assessment(made).get("fate", "")
     assert ("falls" in fate) == (solve(made, keep=False).status.value == "fallen")
+
+
+@pytest.mark.parametrize(("spin", "grows", "until"), [(-5.0, "pitch", 6.0), (5.0, "roll", 18.0)])
+def test_small_oscillations_of_a_rattleback_grow_as_predicted(
+    spin: float, grows: str, until: float
+) -> None:
+    """Where the body spins one way pitch grows, and the other way roll."""
+    parameters = starting.load("rattleback").parameters
+    start = {"tilt": 1e-9, "roll": 1e-9, "spin": spin}
+    times = np.linspace(0.0, until, 6001)
+    problem = examples.problem("rolling-ellipsoid", parameters, start, until, times=times)
+    regime = forecast.assessment(problem)["regime"]
+    rate = float(re.search(rf"small {grows}, [\d.]+ rad/s at rest, grows at ([\d.]+)", regime)[1])
+    assert "decays" in regime
+    swings = solve(problem).columns()["tilt" if grows == "pitch" else grows].values
+    sizes = np.abs(swings[1:].reshape(6, 1000)).max(axis=1)
+    np.testing.assert_allclose(np.log(sizes[5] / sizes[2]) * 2 / until, rate, rtol=0.01)
+
+
+def test_a_ball_with_three_moments_oscillates_as_a_pendulum_that_rolls() -> None:
+    """At rest: omega^2 = m g h/(I + m (R - h)^2), about axis 1 (roll) and axis 2 (pitch)."""
+    parameters = starting.load("rock-n-roller").parameters
+    problem = examples.problem("rolling-ellipsoid", parameters, {"tilt": 0.01}, 1.0)
+    regime = forecast.assessment(problem)["regime"]
+    for name, moment in (("roll", "I1"), ("pitch", "I2")):
+        omega = math.sqrt(0.1 * 9.81 * 0.01 / (parameters[moment] + 0.1 * 0.03**2))
+        assert f"small {name}, {omega:.6g} rad/s at rest, keeps its size" in regime
+
+
+def test_away_from_rest_and_off_the_axis_nothing_is_predicted() -> None:
+    for name in ("off-axis-top", "rock-n-roller"):
+        regime = forecast.assessment(starting.load(name))["regime"]
+        assert regime.startswith("theory predicts small oscillations only")

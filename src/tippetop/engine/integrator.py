@@ -42,7 +42,7 @@ class Compiled:
     machine: Any
 
 
-# terms of the right-hand side of a phase from which LLVM would take a minute for all phases
+# terms of a right-hand side from which LLVM would take 4 to 10 s, for each phase of a contact
 HUGE = 100_000
 MOST_COMPILED = 64  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
@@ -114,9 +114,9 @@ def compiled_from(
 
     Notes
     -----
-    Numbers wider than doubles and huge equations get heyoka's compact code: it runs a third slower,
-    but other code would take 6 s (longdouble), 25 s (quad) or 4 s for each phase of drilling
-    friction to compile.
+    Numbers wider than doubles and huge equations of one run get heyoka's compact code: it runs a
+    third slower, but other code would take 6 s (longdouble), 25 s (quad), 4 s for each phase of
+    drilling friction or 7 s (a rattleback) to compile.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is
     neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
@@ -141,8 +141,7 @@ def compiled_from(
             equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
-    huge = terms > HUGE and not formulas.alone
-    compact = precision != "double" or huge
+    compact = precision != "double" or (terms > HUGE and not (lanes and formulas.alone))
     integrator = compiled_once(
         hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive,
         equations,

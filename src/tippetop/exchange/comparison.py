@@ -17,6 +17,7 @@ from ..mechanics.contact import body as contact
 from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
+from ..runs.shape import frames, moments
 from .headers import KIND
 from .motion import Convention, Motion, angle_between, motion
 from .motion_table import read
@@ -118,7 +119,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     body = problem.body()
     kept = {}
     touching = {}
-    if isinstance(body, contact.Touch) and there.axis is not None:
+    if hasattr(body, "outline") and there.axis is not None:
         kept = conserved(there, problem, body)
         touching = _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
@@ -195,11 +196,11 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     return result
 
 
-def conserved(there: Motion, problem: Problem, body: contact.Touch) -> Arrays:
+def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
-    if w is None or hasattr(body, "I2"):  # three moments need more than the axis
+    if w is None:
         return {}
     values = {}
     if problem.system.name.endswith("tippe-top"):
@@ -207,15 +208,16 @@ def conserved(there: Motion, problem: Problem, body: contact.Touch) -> Arrays:
         Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
         values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)
     if there.velocity is not None and there.place is not None:
-        values["energy"] = energy(there.velocity, w, there.place[:, 2], u, body)
+        if hasattr(body, "I2"):  # three moments need more than the axis
+            if there.orientation is None:
+                return {}
+            turning = np.einsum("nij,nj->ni", frames(there.orientation), w) ** 2 @ moments(body)
+        else:
+            spin = (w * u).sum(axis=1)
+            turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
+        moving = (body.m * (there.velocity**2).sum(axis=1) + turning) / 2
+        values["energy"] = moving + body.m * body.g * there.place[:, 2]
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
-
-
-def energy(velocity: Any, omega: Any, height: Any, axis: Any, body: contact.Touch) -> np.ndarray:
-    """Return the energy [J], (rows,)."""
-    spin = (omega * axis).sum(axis=1)
-    turning = body.I1 * (omega**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
-    return (body.m * (velocity**2).sum(axis=1) + turning) / 2 + body.m * body.g * height
 
 
 def _relative(values: np.ndarray) -> np.ndarray:
@@ -223,11 +225,12 @@ def _relative(values: np.ndarray) -> np.ndarray:
     return values / values[np.isfinite(values)][0] - 1
 
 
-def _contact(there: Motion, problem: Problem, body: contact.Touch) -> PlainData:
+def _contact(there: Motion, problem: Problem, body: Any) -> PlainData:
     """Return by how much the other motion penetrates the floor, and leaves it [m]."""
     axis: Any = there.axis
     if (
         there.place is None
+        or not isinstance(body, contact.Touch)
         or problem.system.name == "heavy-top"
         or not np.isfinite(there.place[:, 2]).any()
     ):

@@ -150,10 +150,9 @@ def contact_faults(problem: Problem) -> list[str]:
     mu = max(coefficients, default=0.0)
     mu_r = getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
-    framed = isinstance(body, Asymmetric)
     balls = problem.balls
     bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
-    if framed:
+    if isinstance(body, Asymmetric):
         bounds["body"] = painleve_bound_of_frame(problem.internal_body, _highest(problem))
     name = min(bounds, key=bounds.__getitem__)
     if mu >= bounds[name]:

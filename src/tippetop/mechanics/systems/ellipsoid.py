@@ -1,6 +1,7 @@
 """Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from ..contact import framed, gliding
@@ -115,5 +116,5 @@ ROLLING_ELLIPSOID: System = of_one_phase(
     events=framed.ROLLING_EVENTS,
     integrals=("energy",),
     undefined_at_poles=("phi", "phi_dot", "psi"),
-    **COMMON,
+    **COMMON | {"outlook": partial(outlook.without_axis, rolls=True)},
 )

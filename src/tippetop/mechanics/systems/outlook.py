@@ -10,13 +10,16 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Touch, tip_inertia
+from ..contact.frame import Asymmetric
 from ..contact.restitution import ContactLaw
 from ..friction import has_parts, is_frictionless, nowhere_vanishes
+from ..operand import Vector
 from ..system import Outlook
 from ..theory import eggs_and_discs
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
+from ..theory.small_oscillations import oscillations
 from ..theory.spinning import thresholds_of_surface
 from ..theory.thresholds import (
     SPINS,
@@ -47,6 +50,10 @@ PARTS_TAKE = (
     "known to attract"
 )
 NO_THEORY = "no theory of this body is known here"
+ONLY_OSCILLATIONS = (
+    "theory predicts small oscillations only, in pure rolling with half axis c nearly vertical"
+)
+LEANS = 0.1  # rad: an oscillation is small
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
@@ -229,9 +236,26 @@ def revolution(
     return Outlook(sentence, STAYS if start["at_pole"] else "", found)
 
 
-def without_axis(b: Any, start: Start) -> Outlook:
-    """Predict nothing of a body without an axis of symmetry."""
-    return Outlook(NO_THEORY)
+def without_axis(b: Asymmetric, start: Start, *, rolls: bool = False) -> Outlook:
+    """Predict small oscillations of a body that rolls with its half axis c nearly vertical."""
+    leans = max(abs(start["tilt"]), abs(math.sin(start["roll"])))
+    if not rolls or leans > LEANS or b.outline.x or b.outline.y:
+        return Outlook(ONLY_OSCILLATIONS)
+    up = 1 if math.cos(start["roll"]) > 0 else -1
+    at_rest, shapes = oscillations(0.0, up, b)
+    at_spin, _ = oscillations(start["spin"], up, b)
+    if len(at_rest) + len(at_spin) < 4:
+        return Outlook("at rest or at this spin, pitch or roll does not oscillate")
+    x, y, *_ = shapes[:, 0]
+    along, across, _ = b.outline.half_axes(Vector(x, y, 0.0))
+    names = ("pitch", "roll") if abs(along) > abs(across) else ("roll", "pitch")
+    sentences = []
+    for name, slow, rate in zip(names, at_rest.imag, at_spin.real, strict=True):
+        how = "keeps its size"
+        if abs(rate) > GROWS:
+            how = f"{'grows' if rate > 0 else 'decays'} at {abs(rate):.3g} per second"
+        sentences.append(f"small {name}, {slow:.6g} rad/s at rest, {how} at this spin")
+    return Outlook("; ".join(sentences))
 
 
 def _sleeps(b: Touch, start: Start) -> bool:

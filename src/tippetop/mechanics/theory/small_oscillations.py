@@ -1,0 +1,34 @@
+"""Small oscillations of an ellipsoid that rolls and spins about its half axis c, a vertical."""
+
+import numpy as np
+
+from ..contact import framed
+from ..contact.frame import Asymmetric
+
+
+STEP = 1e-30  # imaginary: derivatives by it are exact
+
+
+def oscillations(spin: float, up: int, b: Asymmetric) -> tuple[np.ndarray, np.ndarray]:
+    """Return the complex rates [1/s] of pitch and roll, fastest first, and their shapes.
+
+    Fewer than two where it does not oscillate.
+
+    Parameters
+    ----------
+    spin
+        About the vertical [rad/s].
+    up
+        1 or -1: axis 3 points up or down.
+    b
+        The body, SI; its centre lies on axis 3.
+    """
+    columns = []
+    for x, y, Lx, Ly in 1j * STEP * np.eye(4):
+        q = framed.ROLLS.units._make((x, y, up, 1.0, 0.0, -up * x, Lx, Ly, b.I3 * spin))
+        q_dot = framed.ROLLS.rates(q, b)
+        columns.append(np.imag([q_dot.ux, q_dot.uy, q_dot.Lx, q_dot.Ly]) / STEP)
+    turning = spin * np.kron(np.eye(2), [[0, 1], [-1, 0]])  # of the body against space
+    rates, shapes = np.linalg.eig(np.array(columns).T + turning)
+    order = np.argsort(-rates.imag)[: np.count_nonzero(rates.imag > 0)]
+    return rates[order], shapes[:, order]
