@@ -52,12 +52,15 @@ class Formulas:
     body
         body(values) -> the body, of an iterator over its leaves; a parameter that is always 0 or 1
         is a number.
+    alone
+        Whether a run has no other formulas, so that lanes of them may take seconds to compile.
     """
 
     form: Form
     events: tuple[Event, ...]
     functions: Callable
     body: Callable
+    alone: bool = False
 
 
 @lru_cache(maxsize=64)
@@ -76,7 +79,7 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
     def body(values: Iterator) -> Any:
         return refill(template, values)._replace(**system.folds(form))
 
-    return Formulas(form, tuple(system.events), functions, body)
+    return Formulas(form, tuple(system.events), functions, body, alone=True)
 
 
 def in_symbols(formulas: Formulas, variables: Variables) -> tuple[Any, Any, Any, Any]:

@@ -114,9 +114,9 @@ def compiled_from(
 
     Notes
     -----
-    Numbers wider than doubles and huge equations of one run get heyoka's compact code: it runs a
-    third slower, but other code would take 6 s (longdouble), 25 s (quad), 4 s for each phase of
-    drilling friction or 7 s (a rattleback) to compile.
+    Numbers wider than doubles and huge equations get heyoka's compact code: it runs a third slower,
+    but other code would take 6 s (longdouble), 25 s (quad), 4 s for each phase of drilling friction
+    or 7 s (a rattleback) to compile. Lanes of one phase are worth that.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is
     neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
@@ -141,7 +141,8 @@ def compiled_from(
             equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
-    compact = precision != "double" or (terms > HUGE and not lanes)
+    huge = terms > HUGE and not (formulas.alone and lanes)
+    compact = precision != "double" or huge
     integrator = compiled_once(
         hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive,
         equations,
