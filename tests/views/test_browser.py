@@ -152,6 +152,17 @@ def test_another_body_touches_the_plane(preset: str, open_page: Any) -> None:
     assert tab.faults == []
 
 
+def test_a_rattleback_shows_its_vertical_spin_with_its_sign(open_page: Any) -> None:
+    tab = open_page(tt.run("rattleback", until=4.0).view().text)
+    spins = []
+    for time in (0.0, 3.9):
+        tab.evaluate("t => tippetop.set(t)", time)
+        tab.wait_for_timeout(300)
+        spins.append(float(tab.locator("[data-part=spin]").inner_text().split()[0]))
+    assert spins[0] == -5.0
+    assert spins[1] > 1
+
+
 def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
     """Its frame has no size before, and again when it is closed."""
     run = tt.run("inverting", until=0.2)

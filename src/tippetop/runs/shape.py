@@ -134,7 +134,8 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
     dict
         kind (ball, lathe, heavy, cylinder), unit (the length that is 1 in the picture), axes (of
         the surfaces, in body axes), surfaces (centre and half axes along these axes, the stem last)
-        and meridian as in `Surface`, ellipsoid (half axes) of a heavy top, weight [N], fixed.
+        and meridian as in `Surface`, ellipsoid (half axes) of a heavy top, weight [N], fixed,
+        asymmetric.
     """
     b = body_of(attrs)
     system = by_name(attrs["system"])
@@ -156,6 +157,7 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
         "ellipsoid": inertial_ellipsoid(b) if heavy else [],
         "weight": float(b.m * b.g),
         "fixed": heavy and "x" not in system.initial,
+        "asymmetric": hasattr(b, "I2"),
     }
 
 

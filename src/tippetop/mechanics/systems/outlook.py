@@ -251,9 +251,8 @@ def without_axis(b: Asymmetric, start: Start, *, rolls: bool = False) -> Outlook
     names = ("pitch", "roll") if abs(along) > abs(across) else ("roll", "pitch")
     sentences = []
     for name, slow, rate in zip(names, at_rest.imag, at_spin.real, strict=True):
-        how = "keeps its size"
-        if abs(rate) > GROWS:
-            how = f"{'grows' if rate > 0 else 'decays'} at {abs(rate):.3g} per second"
+        how = f"{'grows' if rate > 0 else 'decays'} at {abs(rate):.3g} per second"
+        how = how if abs(rate) > GROWS else "keeps its size"
         sentences.append(f"small {name}, {slow:.6g} rad/s at rest, {how} at this spin")
     return Outlook("; ".join(sentences))
 

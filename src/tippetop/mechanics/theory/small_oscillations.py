@@ -6,22 +6,14 @@ from ..contact import framed
 from ..contact.frame import Asymmetric
 
 
-STEP = 1e-30  # imaginary: derivatives by it are exact
+STEP = 1e-30
 
 
 def oscillations(spin: float, up: int, b: Asymmetric) -> tuple[np.ndarray, np.ndarray]:
     """Return the complex rates [1/s] of pitch and roll, fastest first, and their shapes.
 
-    Fewer than two where it does not oscillate.
-
-    Parameters
-    ----------
-    spin
-        About the vertical [rad/s].
-    up
-        1 or -1: axis 3 points up or down.
-    b
-        The body, SI; its centre lies on axis 3.
+    Fewer than two where it does not oscillate. `spin` is about the vertical [rad/s]; axis 3, on
+    which the centre of the ellipsoid lies, points along `up` = 1 or -1.
     """
     columns = []
     for x, y, Lx, Ly in 1j * STEP * np.eye(4):

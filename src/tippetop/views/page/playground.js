@@ -93,7 +93,7 @@ const LAWS = /** @type {Record<string, string>} */ ({
   none: "no friction",
 });
 /** @type {Omit<import("./scene.js").Body, "unit" | "surfaces" | "weight">} */
-const BALL = { kind: "ball", axes: UNITS, meridian: [], ellipsoid: [], fixed: false };
+const BALL = { kind: "ball", axes: UNITS, meridian: [], ellipsoid: [], fixed: false, asymmetric: false };
 
 export class Playground {
   /**

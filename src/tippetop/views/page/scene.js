@@ -24,6 +24,7 @@ import { UNITS, along, dot, length, minus, plus, times } from "./vector.js";
  * @property {Vector | []} ellipsoid half axes of a heavy top [m]
  * @property {number} weight [N]
  * @property {boolean} fixed whether its tip is fixed
+ * @property {boolean} asymmetric whether it has no axis of symmetry
  */
 
 const KINDS = { ball: 0, heavy: 1, cylinder: 2, lathe: 3 };

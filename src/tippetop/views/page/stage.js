@@ -288,10 +288,11 @@ export class Stage {
     const colours = palette(this.dark);
     const time = this.clock.time;
     const pose = motion.pose(time);
-    const spin = Math.abs(dot(pose.omega, axes(pose.orientation)[body.kind === "cylinder" ? 1 : 2]));
+    const about = axes(pose.orientation)[body.kind === "cylinder" ? 1 : 2];
+    const spin = body.asymmetric ? pose.omega[2] : Math.abs(dot(pose.omega, about));
     this.dirty = false;
     const passed = this.clock.jumped ? Infinity : this.clock.passed;
-    this.scene.draw(pose, colours, { dark: this.dark, turned: Math.min(spin * step, 6.2), passed });
+    this.scene.draw(pose, colours, { dark: this.dark, turned: Math.min(Math.abs(spin) * step, 6.2), passed });
     this.clock.jumped = false;
     const span = this.window();
     this.theta.draw(motion, log, pose, span, colours);
@@ -302,7 +303,7 @@ export class Stage {
     }
     this.line.draw(log, time, [motion.start, motion.end], span, colours);
     this.key.draw(log, [motion.start, motion.end], colours);
-    this.say(time, log, spin);
+    this.say(time, log, body.asymmetric ? "ω_z" : log.wound ? "θ′" : "ω₃", spin);
     this.frames.count += 1;
     this.frames.seconds += (performance.now() - began) / 1e3;
   }
@@ -311,11 +312,12 @@ export class Stage {
    * Writes the numbers.
    * @param {number} time
    * @param {Log} log
+   * @param {string} name
    * @param {number} spin
    */
-  say(time, log, spin) {
+  say(time, log, name, spin) {
     part("time").textContent = `${time.toFixed(4)} s`;
-    part("spin-name").textContent = log.wound ? "θ′" : "ω₃";
+    part("spin-name").textContent = name;
     part("spin").textContent = `${spin.toFixed(1)} rad/s`;
     part("turns").textContent = turns(spin);
     const phase = log.phase(time);
