@@ -42,7 +42,7 @@ def test_new_writes_a_scenario_that_checks_and_replaces_nothing(
     [("run invert", "inverting"), ("plot R.zarr sphe", "sphere"), ("plot R.zarr lyap", "lyapunov")],
 )
 def test_bash_completes_presets_and_kinds_of_figures(words: str, completed: str) -> None:
-    """In a process of its own, which reads no other command line."""
+    """Bash sources the script, as a user does."""
     tippetop = f"{sys.executable} -m tippetop"
     script = (
         f"source <({tippetop} completion bash); COMP_WORDS=(tippetop {words}); "

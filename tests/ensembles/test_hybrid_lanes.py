@@ -126,7 +126,7 @@ def test_a_stop_ends_the_pools_soon() -> None:
     worker = hybrid_lanes.HybridLanes(Outcomes(tops), lambda: None)
     thread = threading.Thread(target=worker.run, args=(iter(range(64)),))
     thread.start()
-    while not worker.under_way:
+    while thread.is_alive() and not worker.under_way:
         time.sleep(0.001)
     worker.stop.set()
     thread.join(0.5)

@@ -1,4 +1,6 @@
-"""The heavy tops: closed form, names of motions, and the gliding top that falls."""
+"""The heavy tops: closed form, published numbers, the limit of the tippe top, and the upright
+gliding top.
+"""
 
 import math
 
@@ -44,6 +46,32 @@ def test_closed_form(form: str, initial: dict[str, float]) -> None:
     assert max(result.report["drift"].values()) < 2e-13
 
 
+def test_published_heavy_tops() -> None:
+    """Joneja (2017), table 1, whose time 1 is 0.99999; and EXUDYN's benchmark."""
+    m, R, l = 0.02, 0.02, 0.04
+    pivot = 3 / 20 * m * (R**2 + l**2 / 4)
+    joneja = {"m": m, "l": l, "I1": pivot - m * l**2, "I3": 0.3 * m * R**2, "g": 9.81}
+    assert (
+        joneja["I1"] < 0
+    )  # the published cone is not a body of this tip: only the moment about the pivot enters
+    exudyn = {"m": 15.0, "l": 1.0, "I1": 0.234375, "I3": 0.46875, "g": 9.81}
+    made = examples.run(
+        "heavy-top",
+        exudyn,
+        {"theta": math.pi / 2, "phi_dot": -4.61538, "omega3": 150.0},
+        0.2,
+        times=np.array([0.0, 0.2]),
+    )
+    rows = examples.columns(made)
+    assert rows["theta"][-1] == pytest.approx(2.122316990777, abs=1e-11)
+    assert rows["phi"][-1] == pytest.approx(-0.790871611821, abs=1e-11)
+    start = {"theta": 0.1, "psi_dot": 125.0}
+    rows = examples.columns(
+        examples.run("heavy-top", joneja, start, 1.0, times=np.array([0.0, 0.99999, 1.0]))
+    )
+    np.testing.assert_allclose(rows["theta"][1:], [0.239331610776, 0.239334535444], atol=1e-11)
+
+
 A, HALF, WEIGHT = 2.4e-4 * math.cos(0.6), 5e-5 * 200.0 / 2, 0.1 * 9.82 * 0.04
 SLOW = (HALF - math.sqrt(HALF**2 - A * WEIGHT)) / A
 """A root phi' of I1* phi'^2 cos(theta) - I3 omega_3 phi' + m g l = 0."""
@@ -70,6 +98,32 @@ def test_motions_have_names(initial: dict[str, float], name: str) -> None:
     assert found == name
     if "phi_dot" in initial and initial["phi_dot"] == SLOW:
         assert np.ptp(examples.columns(solve(made))["theta"]) < 1e-13
+
+
+# --- the tippe top with R alpha = -l, R -> 0 ----------------------------------------------------
+
+
+RADII = 1e-5 * 0.5 ** np.arange(4)
+
+
+def orders(errors: list[float]) -> np.ndarray:
+    return np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+
+
+def test_motions_of_the_tippe_top_tend_to_the_gliding_heavy_top() -> None:
+    """theta(t) after half a second converges to first order in R."""
+    start, until = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02}, 0.5
+    exact = examples.columns(
+        examples.run("gliding-heavy-top", HEAVY, start, until, ("viscous", {"mu": 0.3}))
+    )["theta"]
+    errors = []
+    for R in RADII:
+        parameters = {"m": 0.1, "R": R, "alpha": -0.04 / R, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+        made = examples.run(
+            "tippe-top", parameters, start, until, ("viscous", {"mu": 0.3}), on_liftoff="continue"
+        )
+        errors.append(np.abs(examples.columns(made)["theta"] - exact).max())
+    assert np.all(np.abs(orders(errors) - 1) < 0.05), errors
 
 
 def test_the_fallen_top_stops_at_the_plane() -> None:

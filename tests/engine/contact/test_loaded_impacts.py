@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from touching import CARRIED, inertia
 
 from tippetop.engine.impacts import ImpactMotions
+from tippetop.engine.opt_level import opt_level
 from tippetop.mechanics.contact.body import (
     Moving,
     Touch,
@@ -196,7 +197,8 @@ def test_parts_of_zero_change_nothing(law: str) -> None:
             hit(*body, one, 0.5)[2:] for one in (law_of(law, (0.0, 0.0)), law_of(law, None, **none))
         )
         numbers = ([x for x in leaves(one) if not isinstance(x, str)] for one in (zero, without))
-        np.testing.assert_allclose(*numbers, rtol=1e-13, atol=1e-15)
+        # LLVM fuses other products at its other levels
+        np.testing.assert_allclose(*numbers, rtol=1e-13 if opt_level() else 0)
 
 
 def still_disc(v: Any, spin: float) -> tuple[Any, float]:
