@@ -78,7 +78,7 @@ class Written(NamedTuple):
     change: _Change
     motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
     phase: str  # the next one
-    cause: str  # of it; empty: it has no row of its own
+    cause: str  # of the change; empty if the table of phases gets no row
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
 
 

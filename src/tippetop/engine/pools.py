@@ -311,7 +311,7 @@ class Pools(HybridDriver):
 
     @QUIET
     def step(self, most: int) -> tuple[list[int], list[int]]:
-        """Make about so many steps of lanes. Return the slots of tops that have ended, and of
+        """Make about this many steps of lanes. Return the slots of tops that have ended, and of
         those that may have settled.
         """
         self.calls[0] = 0

@@ -13,7 +13,7 @@ from .plan import Plan
 
 WORTH = 0.4  # [s] of computing, roughly, from which the rest is inferred
 SOME = 16  # tops, spread over the plan
-FEW = 8  # every so many of these are run first, to compile
+FEW = 8  # one in this many of these is run first, to compile
 FULL = 0.9  # lanes that the tops of a chunk occupy, if their contact changes
 WRITING = 0.03  # [s] a chunk
 
