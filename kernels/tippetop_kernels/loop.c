@@ -1103,12 +1103,16 @@ static void take_top(const Pools *p, integer phase, integer lane) {
     tally->t = t->high;
 }
 
-/* Change the phase of a top in a lane, whose state is known. Return whether a program could. From
-   the last phase tops begin. */
+/* Whether tops only begin in a phase: in the last one, if there are several. */
+static bool is_start(const Pools *p, integer phase) {
+    return p->phases > 1 && phase == p->phases - 1;
+}
+
+/* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
 static bool change_top(const Pools *p, const Loop *l, integer lane, integer top) {
     Top *t = p->tops + top;
     integer events = l->events;
-    bool lasts = t->until > t->began, starts = t->phase == p->phases - 1;
+    bool lasts = t->until > t->began, starts = is_start(p, t->phase);
     if (lasts && t->high - t->began < p->chatter * fmax(t->began, 1))
         return false;
     real *state = p->states + top * p->width;
@@ -1176,9 +1180,11 @@ static void put_top(Pools *p, integer phase, integer lane) {
         p->called[(*p->calls)++] = top;
 }
 
-/* Return the phase in which most tops are; -1 without a top. */
+/* Return the phase in which tops begin, or else the one in which most tops are; -1 without a top. */
 static integer fullest(const Pools *p) {
-    integer best = -1, most = 0;
+    integer best = -1, most = 0, last = p->phases - 1;
+    if (is_start(p, last) && p->pools[last].count > 0)
+        return last;
     for (integer k = 0; k < p->phases; k++) {
         integer count = p->pools[k].count + p->pools[k].occupied;
         if (count > most) {
@@ -1189,11 +1195,11 @@ static integer fullest(const Pools *p) {
     return best;
 }
 
-/* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
-   Return their number. */
+/* Begin tops, and make at most `most` steps of lanes, in one phase after another, until a top waits
+   for the caller. Return their number. */
 integer loop_pools(Pools *p, integer most) {
     integer steps = 0, phase = fullest(p);
-    while (phase >= 0 && steps < most && *p->calls == 0) {
+    while (phase >= 0 && (steps < most || is_start(p, phase)) && *p->calls == 0) {
         Pool *pool = p->pools + phase;
         const Loop *l = pool->loop;
         for (integer lane = 0; lane < l->lanes; lane++)

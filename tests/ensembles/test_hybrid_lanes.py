@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from touching import BOUNCE, DRILLING, TOSSED
+from touching import BODY, BOUNCE, DRILLING, TOSSED
 
 from tippetop.engine import changes, pools
 from tippetop.engine.status import Status
@@ -16,6 +16,8 @@ from tippetop.problem import Problems
 from tippetop.scenario import build, reading
 
 
+STRUCK = {"theta": 2.6, "theta_dot": -3.0, "omega3": 150.0, "nu_x": 0.4}
+LONG_STEM = {"r": 0.0038, "h": 0.0195}
 VISCOUS, COULOMB = {"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3}
 TOPS = {
     "hops": ("flying", {}, 6.0),
@@ -23,6 +25,8 @@ TOPS = {
     "sticks": (BOUNCE, {"friction": COULOMB, "initial": TOSSED}, 0.3),
     "rests": (BOUNCE, {"friction": DRILLING, "initial": TOSSED}, 0.3),
     "stands": ("leine-glocker-stem", {}, 0.3),
+    "begins with a blow": ("leine-glocker-stem", {"initial": STRUCK, "stem": LONG_STEM}, 0.3),
+    "stands on its head": (BOUNCE, {"parameters": BODY | {"alpha": -0.3}}, 0.3),
     "rocks": ("gliding-cylinder", {"contact": {"e_n": 0.3}}, 0.3),
 }
 """Scenarios, changes to their tables, and the time of the end."""
@@ -63,6 +67,8 @@ def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
     np.testing.assert_array_equal(measured.status, single.status)
     np.testing.assert_array_equal(measured.kind, single.kind)
     np.testing.assert_allclose(measured.final, single.final, rtol=0, atol=1e-9)
+    for name, drift in measured.drift.items():
+        np.testing.assert_allclose(drift, single.drift[name], rtol=0, atol=1e-12)
     for name, values in single.columns.items():
         if name not in ("turnings", "normal_force_min"):  # of rounding, where an axis rests
             scale = np.nanmax(np.abs(values), initial=1e-3)

@@ -147,6 +147,7 @@ class Pools:
         """
         events, kinds, _ = self.all_events
         self.failures: dict[int, str] = {}
+        self.over: list[int] = []  # slots of tops that ended where they began
         self.parameters: dict[int, np.ndarray] = {}
         self.tops = np.zeros(room, TOP_RECORD)
         self.tallies_of = np.zeros(room, LANE_RECORD)
@@ -199,6 +200,8 @@ class Pools:
         self.place_in_first(slots)
         for slot in slots.tolist():
             self.push(slot)
+        while len(self.pools) > 1 and self.pools["count"][-1]:  # there they begin
+            self.over = self.step(0)[0]
 
     def place_in_first(self, slots: np.ndarray) -> None:
         """Put tops that begin into their first phase."""
@@ -218,7 +221,8 @@ class Pools:
         """
         self.calls[0] = 0
         library().loop_pools(self.record_at, most)
-        ended = list[int]()
+        ended = self.over
+        self.over = []
         looks = list[int]()
         for slot in self.called[: self.calls[0]].tolist():
             waits = self.tops["waits"][slot]
@@ -412,6 +416,7 @@ class HybridPools(Pools, HybridDriver):
         self.want(Rows(*arrays, self.rows.filled[slot : slot + 1], False))
         top = self.tops[slot]
         self.track = next((one for one in tracks if one.at == top["phase"]), self.before)
+        self.ended = None
         names = ["began", "until", "short", "end", "high", "low"]
         self.began, self.until, self.short, self.end, *clock = top[names].item()
         self.tallies.lane[0] = self.tallies_of[slot]
@@ -457,39 +462,30 @@ class HybridPools(Pools, HybridDriver):
     def learn_start(self, *given: Any) -> None:
         self.programs.learn(*given)
 
-    def _change_of(self, slot: int) -> Status | None:
-        """Make the change of a top that no program makes. Return how it ends the run, or None."""
+    def attend(self, slot: int) -> int:
         self._load(slot)
         top = self.tops[slot]
-        when = float(top["high"])
-        event = int(top["event"])
-        ending: Any = STALL if event < 0 else CLOCK if event == len(self.numbers) else event
-        jump = self.track.exits.get(ending)
+        if top["waits"] == AN_END:
+            self._set_end(slot)
+            return A_LANE
+        number = int(top["event"])
+        ending: Any = STALL if number < 0 else CLOCK if number == len(self.numbers) else number
         try:
             if self.track is self.before:
-                self.ended = None
                 self._start(tuple(self.last.tolist()))
                 ends = self.ended
             else:
-                ends = self._change(jump, when) if jump else STATUSES[self.status[0]]
+                jump = self.track.exits.get(ending)
+                ends = self._change(jump, self.at[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
         self._store(slot)
         if ends is not None:
             self.tallies_of["status"][slot] = ends.code
-        return ends
-
-    def attend(self, slot: int) -> int:
-        if self.tops["waits"][slot] == AN_END:
-            self._load(slot)
-            self._set_end(slot)
-            return A_LANE
-        if self._change_of(slot) is not None:
             return NOTHING
-        steps, high = self.tops[["steps", "high"]][slot].item()
-        lasted = high - self.tallies_of["lasts_since"][slot]
-        return A_LOOK if steps % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
+        lasted = self.at[0] - self.tally["lasts_since"]
+        return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
         rows = states[:, : self.variables].copy()

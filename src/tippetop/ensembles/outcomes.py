@@ -95,7 +95,7 @@ class Outcomes:
         self.settled = np.zeros(n, bool)
         self.lasts_since = np.full(n, np.nan)  # of tops in lanes, as in their tallies
         drift = Drift(tops, tops.start, tops.valid)
-        self.look = drift.look
+        self.look, self.begin = drift.look, drift.begin
         self.drift = drift.worst
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []

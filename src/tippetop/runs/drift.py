@@ -30,10 +30,18 @@ class Drift:
 
     def __init__(self, problems: Problems, start: np.ndarray, valid: Any = True):
         self.problems = problems
-        values = values_of(problems, start, np.arange(problems.n))
-        self.start = invariants(problems.base, values)
-        self.size = sizes(problems.base, values)
+        self.start: dict[str, np.ndarray] = {}
+        self.size: dict[str, np.ndarray] = {}
+        self.begin(start, np.arange(problems.n))
         self.worst = {name: np.where(valid, np.zeros(problems.n), np.nan) for name in self.start}
+
+    def begin(self, start: np.ndarray, which: np.ndarray) -> None:
+        """Compare the runs `which`, (k,), with these starts (variables, k)."""
+        problems = self.problems
+        values = values_of(problems, start, which)
+        for kept, of in (self.start, invariants), (self.size, sizes):
+            for name, value in of(problems.base, values).items():
+                kept.setdefault(name, np.empty(problems.n))[which] = value
 
     @np.errstate(all="ignore")  # the numbers of invalid runs
     def look(self, states: np.ndarray, which: np.ndarray) -> None:
