@@ -162,7 +162,7 @@ class Lanes:
             arrays = self.tops.start, self.functions.T, self.tops.pars, self.tops.end
             begun = Begun(*(array[..., which] for array in arrays), times)
         self.pools.begin_tops(slots, begun)
-        if is_hybrid:  # the start may be a blow
+        if is_hybrid:  # the gap of the start may follow theta
             self.outcomes.begin(self.pools.rows_in(slots).T, which)
         self.under_way += len(slots)
         return is_more
