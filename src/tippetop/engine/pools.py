@@ -24,7 +24,6 @@ from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, Track
 from .integrator import Compiled
 from .loop import (
-    MOST_COEFFICIENTS,
     Loop,
     Rows,
     address_of,
@@ -46,7 +45,6 @@ from .tallies import (
     Samples,
     Tallies,
     new_log,
-    new_samples,
     new_tallies,
 )
 from .taylor import compiled_when
@@ -161,9 +159,9 @@ class Pools:
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, room), np.int64)
         none = np.zeros(phases * (len(events) + 1), np.uint64)
-        programs = (changes.loops, changes.table) if changes else (none, none)
+        loops, table = (changes.loops, changes.table) if changes else (none, none)
         self.arrays = _Pools(  # must outlive the structure
-            *(self.pools, *programs, events, queues),
+            *(self.pools, loops, table, events, queues),
             *(self.tops, self.tallies_of, self.functions_of, self.kept_of, self.states),
             *(self.bodies, self.called, self.calls, CHATTER),
             *(phases, room, numbers, len(kinds), width, 0),
@@ -246,53 +244,6 @@ class Pools:
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
         """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""
         return states[:, : self.variables]
-
-
-class PoolOfOne(Pools):
-    """The pool of tops of a system of one phase.
-
-    Parameters
-    ----------
-    code
-        The integrator.
-    rows
-        The events.
-    rules
-        What ends a run.
-    variables
-        Number of variables of a row.
-    room, row_count
-        As for `allot`.
-    sampled
-        Number of states that are kept.
-    logs
-        Whether events are logged.
-    """
-
-    def __init__(
-        self,
-        code: Compiled,
-        rows: EventRows,
-        rules: Rules,
-        variables: int,
-        room: int,
-        row_count: int,
-        *,
-        sampled: int,
-        logs: bool,
-    ):
-        made = code.integrator
-        width, numbers = len(made.state), len(made.pars)
-        most = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
-        self.all_events = rows
-        self.variables = variables
-        self.samples = new_samples(sampled, width)
-        self.log = new_log(2 * most * logs, width)
-        found = self.lane_tallies(rows), self.log, self.samples
-        self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
-        self.loop = Loop(self.motion, rows, *found, rules, code.machine)
-        self.allot(room, 1, width, numbers, row_count)
-        self.add_pool(0, self.loop, range(numbers))
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
@@ -412,8 +363,8 @@ class HybridPools(Pools, HybridDriver):
         tracks = list(self.tracks.values())
         for track in tracks:
             track.b = track.phase.parameters(body)
-        arrays = (array[slot] for array in self.rows[:3])
-        self.want(Rows(*arrays, self.rows.filled[slot : slot + 1], False))
+        times, states, phases, filled, *_ = self.rows
+        self.want(Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False))
         top = self.tops[slot]
         self.track = next((one for one in tracks if one.at == top["phase"]), self.before)
         self.ended = None

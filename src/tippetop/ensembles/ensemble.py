@@ -95,8 +95,8 @@ def measure(
     measured.faults.sort()
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])
-    top, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
-    measured.rows[top, row] = measured.final[:, top].T
+    which, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
+    measured.rows[which, row] = measured.final[:, which].T
     _conclude(measured)
     if lyapunov:
         ends = measured.columns["t_end"]

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 
 from ..engine.expressions import formulas_of
+from ..engine.loop import MOST_COEFFICIENTS, Loop, new_motion
 from ..engine.observables import Observables, values_of
-from ..engine.pools import Begun, HybridPools, PoolOfOne, Pools, bodies_of
+from ..engine.pools import Begun, HybridPools, Pools, bodies_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for
+from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
 from ..engine.taylor import compiled_when
 from ..mechanics.units import SECOND
-from ..problem import Problem
+from ..problem import Problem, Problems
 from ..runs.event_log import LogReport
 from ..scenario.contact import touches
 from .hybrid_tops import faults_of, problem_of
@@ -25,12 +26,58 @@ from .outcomes import SWINGS, Outcomes
 
 ROOM, ROWS = 512, 1 << 18
 """Tops under way on a thread, enough for full lanes in every phase, and their rows, 50 MB."""
-MOST_DRIVEN = 2048
-"""Steps between two looks of Python: at most 50 ms."""
+MOST_DRIVEN = 512
+"""Steps between two looks of Python: at most 12 ms."""
 # of a lane, between two looks at the invariants, which take 0.2 ms: half of them at most
 SAMPLES = 128
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
+
+
+class PoolOfOne(Pools):
+    """The pool of tops of a system of one phase.
+
+    Parameters
+    ----------
+    tops
+        All that may run in it.
+    room, row_count
+        As for `allot`.
+    wanted, events
+        As in `ensemble.measure`.
+    """
+
+    def __init__(
+        self,
+        tops: Problems,
+        room: int,
+        row_count: int,
+        wanted: Collection[str] | None,
+        *,
+        events: bool,
+    ):
+        base = tops.base
+        formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
+        code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
+
+        def reads(*names: str) -> bool:
+            return wanted is None or any(name.startswith(names) for name in wanted)
+
+        rows = watched(code.rows, base, reads)
+        made = code.integrator
+        width, numbers = len(made.state), len(made.pars)
+        most = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
+        self.all_events = rows
+        self.variables = len(tops.start)
+        self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
+        self.log = new_log(2 * most * events, width)
+        settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
+        found = self.lane_tallies(rows), self.log, self.samples
+        self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
+        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
+        self.loop = Loop(self.motion, rows, *found, rules, code.machine)
+        self.allot(room, 1, width, numbers, row_count)
+        self.add_pool(0, self.loop, range(numbers))
 
 
 class Lanes:
@@ -78,31 +125,7 @@ class Lanes:
         self.steps = self.possible = 0  # of lanes: made, and possible
         self.pools: Pools | None = None
         if not self.tops.base.system.is_hybrid:
-            self.pools = self._pool_of_one(row_count, wanted, events)
-
-    def _pool_of_one(
-        self, row_count: int, wanted: Collection[str] | None, events: bool
-    ) -> PoolOfOne:
-        tops = self.tops
-        base = tops.base
-        formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
-        key = formulas, "double", base.tolerance, PoolOfOne.lanes, tops.orientation
-        code = compiled_when(key)
-
-        def reads(*names: str) -> bool:
-            return wanted is None or any(name.startswith(names) for name in wanted)
-
-        settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        return PoolOfOne(
-            code,
-            watched(code.rows, base, reads),
-            Rules(settled_for, MOST_STEPS, EVERY, 0),
-            len(tops.start),
-            self.room,
-            row_count,
-            sampled=SAMPLES * PoolOfOne.lanes if reads("drift") else 0,
-            logs=events,
-        )
+            self.pools = PoolOfOne(self.tops, self.room, row_count, wanted, events=events)
 
     def run(self, queue: Iterator[int]) -> None:
         """Run tops of a queue, which threads may share, to their ends."""
@@ -145,7 +168,7 @@ class Lanes:
         taken = list(islice(queue, len(free)))
         is_more = len(taken) == len(free)
         is_hybrid = self.tops.base.system.is_hybrid
-        problems = self._checked(taken) if is_hybrid else dict.fromkeys(taken)
+        problems: dict[int, Any] = self._checked(taken) if is_hybrid else dict.fromkeys(taken)
         if not problems:
             return is_more
         which = np.array([*problems])
@@ -157,10 +180,11 @@ class Lanes:
             self.pools = HybridPools(first, self.room, times.shape[1], self.stop)
         if isinstance(self.pools, HybridPools):
             self.pools.problems.update(zip(slots.tolist(), problems.values(), strict=True))
-            begun = self._begun(problems, times)
+            begun = self._begun(problems, len(self.pools.numbers), times)
         else:
-            arrays = self.tops.start, self.functions.T, self.tops.pars, self.tops.end
-            begun = Begun(*(array[..., which] for array in arrays), times)
+            tops = self.tops
+            of_tops = tops.start[:, which], self.functions[which].T, tops.pars[:, which]
+            begun = Begun(*of_tops, tops.end[which], times)
         self.pools.begin_tops(slots, begun)
         if is_hybrid:  # the gap of the start may follow theta
             self.outcomes.begin(self.pools.rows_in(slots).T, which)
@@ -181,7 +205,7 @@ class Lanes:
                 found[top] = problem
         return found
 
-    def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
+    def _begun(self, problems: dict[int, Problem], events: int, times: np.ndarray) -> Begun:
         """Return the starts of tops whose contact may change its phase."""
         which = np.array([*problems])
         columns = {key: values[which] for key, values in self.tops.columns.items()}
@@ -189,8 +213,7 @@ class Lanes:
             gaps = [problem.initial.get("gap", 0.0) for problem in problems.values()]
             columns["initial.gap"] = np.array(gaps)
         some = replace(self.tops, columns=columns)
-        functions = np.ones((len(self.pools.all_events.events), some.n))
-        return Begun(some.start, functions, bodies_of(some), some.end, times)
+        return Begun(some.start, np.ones((events, some.n)), bodies_of(some), some.end, times)
 
     # --- rows of tops ----------------------------------------------------------------------------
 
