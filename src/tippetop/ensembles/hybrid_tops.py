@@ -8,6 +8,7 @@ import numpy as np
 
 from ..engine.status import Status
 from ..errors import InputError
+from ..mechanics.contact.surroundings import dotted_numbers
 from ..problem import TURN, Problem, Problems
 from ..runs.integration import Integration
 from ..runs.sinks import Memory
@@ -45,6 +46,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
         parameters=parameters,
         friction=base.friction._replace(**tables["friction"]),
         initial=initial,
+        surroundings=dotted_numbers(tables),
         contact=rules,
         until=until,
         times=ListedTimes(np.array([until])),
