@@ -12,6 +12,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 
+SOON = 1e-5
+"""Time [s] after a start in which no event is looked for."""
+
 TIGHT = {"method": "DOP853", "rtol": 2.3e-14, "atol": 1e-16}
 
 
@@ -123,7 +126,7 @@ def follow(force: Callable, b: Body, s: np.ndarray, until: float, event: Any = N
     """Return the time and the state at the end, or at an event(s, b) that falls through zero."""
     events = None
     if event is not None:
-        events = lambda t, s: event(s, b) if t > 0 else 1.0  # noqa: E731
+        events = lambda t, s: event(s, b) if t > SOON else 1.0  # noqa: E731
         events.terminal, events.direction = True, -1
     found = solve_ivp(motion(force, b), (0, until), s, events=events, **TIGHT)
     return found.t[-1], found.y[:, -1]
@@ -132,7 +135,6 @@ def follow(force: Callable, b: Body, s: np.ndarray, until: float, event: Any = N
 def struck(s: np.ndarray, b: Body, k: Callable, e_n: float) -> np.ndarray:
     """Return the state after an impact of Newton's restitution, with friction -k(|v|) v per N."""
     n = b.plane[:, 2]
-    none = lowest(s, b).rates(np.zeros(3))
     rises = n @ lowest(s, b).v
 
     def rates(p: float, s: np.ndarray) -> np.ndarray:
@@ -145,17 +147,8 @@ def struck(s: np.ndarray, b: Body, k: Callable, e_n: float) -> np.ndarray:
         return n @ lowest(s, b).v + e_n * rises
 
     ends.terminal = True
-    del none
     found = solve_ivp(rates, (0, 10 * b.m * abs(rises)), s, events=ends, **TIGHT)
     return found.y_events[0][0]
-
-
-def start(problem: Any, b: Body) -> np.ndarray:
-    """Return the state in which a problem starts, read from its row at t = 0."""
-    import tippetop as tt
-
-    rows = tt.run(problem).trajectory.isel(time=0)
-    return state_of(rows, b)
 
 
 def state_of(row: Any, b: Body) -> np.ndarray:
