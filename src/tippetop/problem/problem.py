@@ -11,7 +11,7 @@ import numpy as np
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.body import touching_ball
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.contact.surroundings import SURROUNDINGS, tables_of
+from ..mechanics.contact.surroundings import SURROUNDINGS
 from ..mechanics.contact.uniqueness import COSINE, SINE
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
@@ -242,7 +242,7 @@ def numbers_of(system: System, law: Mapping[str, Number]) -> dict[str, Mapping[s
         "initial": system.initial,
         "contact": CONTACT,
         "stem": STEM,
-        **{name: SURROUNDINGS[name] for name in tables_of(system.surroundings)},
+        **SURROUNDINGS,
     }
 
 

@@ -45,13 +45,13 @@ def system_with_contact(system: System, tables: PlainData) -> System:
     law = system.laws.get(name, LAWS.get(name, LAWS["none"])).given(friction)
     opening = system.opening
     around = tuple(name for name in SURROUNDINGS if name in tables)
-    fits = surroundable_systems()
-    if around and system.name not in fits:
+    takes = surroundable_systems()
+    if around and system.name not in takes:
         raise InputError(
-            f"`{around[0]}` must be of a {' or '.join(fits)}, but the system is {system.name}."
+            f"`{around[0]}` must be of a {' or '.join(takes)}, but the system is {system.name}."
         )
     if around and not opening:
-        return surrounded_rolling(fits[system.name], around).with_records(*user_records(system))
+        return surrounded_rolling(takes[system.name], around).with_records(*user_records(system))
     features = (  # the requirement, whether it is given, and the Opening that has it; "": any
         ("`contact`", "contact" in tables, ""),
         ("`stem`", "stem" in tables, "sphere"),
@@ -125,6 +125,14 @@ def contact_faults(problem: Problem) -> list[str]:
     faults = [
         sentence
         for broken, sentence in (
+            (
+                problem.stop_when == "settled" and problem.surroundings,
+                '`run.stop_when` must be "until" in air or on a tilted plane, but is "settled".',
+            ),
+            (
+                "axis" not in problem.system.vectors and problem.surroundings.get("plane.azimuth"),
+                "`plane.azimuth` must be 0 for a cylinder, which moves along x.",
+            ),
             (
                 problem.stop_when == "settled" and has_parts(friction),
                 f'`run.stop_when` must be "until" with {parts}, but is "settled".',

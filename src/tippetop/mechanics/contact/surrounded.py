@@ -108,14 +108,16 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
         known = rolling_form(angles)
         if not isinstance(outline, Ball):
             known = outlined_form(known)
-    records = (
-        tuple(replace(one, formula=NEEDED.get(one.name, one.formula)) for one in every)
-        for every in (system.quantities, system.events)
-    )
-    quantities, events = records
+
+    def changed(records: Any) -> Any:
+        return tuple(
+            replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
+        )
+
     (phase,) = system.phases.values()
     form = replace(known, domains=form.domains)
-    phase = replace(phase, forms={"vector": form}, quantities=quantities, events=events)
+    phase = replace(phase, forms={"vector": form})
+    phase = replace(phase, quantities=changed(phase.quantities), events=changed(phase.events))
     start = system.start
 
     def started(data: dict[str, Any], s: Any, z: Any, b: Any) -> Any:

@@ -4,9 +4,10 @@ Space axes are those of the plane: z is its normal. A body has the gravity acros
 and the rest in its record of surroundings.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
+from ...errors import InputError
 from ..number import Number
 from ..operand import Operand, Vector, cos, dot, sin, sqrt, times
 from ..units import ANGULAR_MOMENTUM, INERTIA, METRE_PER_SECOND2, RADIAN
@@ -90,6 +91,16 @@ def dotted_numbers(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
         for table in SURROUNDINGS
         for name, value in tables.get(table, {}).items()
     }
+
+
+def require_still(tables: Collection[str], what: str) -> None:
+    """Raise InputError for what holds on a level plane in still air only, if there are tables of
+    surroundings.
+    """
+    if given := [f"[{name}]" for name in SURROUNDINGS if name in tables]:
+        raise InputError(
+            f"{what} must be on a level plane in still air, but has {' and '.join(given)}."
+        )
 
 
 def surrounded_body(body: Callable) -> Callable:
