@@ -15,7 +15,7 @@ from ..system import Form, Quantity
 from ..units import METRE, NEWTON, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import gliding
-from .body import arm_velocity, filled, kinematics_of_angles, moment, state
+from .body import Moving, arm_velocity, filled, height_of, kinematics_of_angles, moment, state
 from .body_axes import carried_along
 from .gliding import (
     angles_by,
@@ -28,7 +28,7 @@ from .gliding import (
     turning,
 )
 from .integrals import integral, place
-from .response import air, bias_vector, mobility_inverse_times
+from .response import around_torque, bias_vector, mobility_inverse_times
 
 
 FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
@@ -164,19 +164,25 @@ def velocity(q, carried, b):
 
 def vector_scalars(q, b):
     """Return the scalars of a vector state."""
-    return scalars(turning(q), axis_rate(q, b), velocity(q, None, b), b)
+    return scalars(moving(q, b), axis_rate(q, b), velocity(q, None, b), b)
 
 
 def force(q, b):
     """Return the reaction, (3,) [N]."""
-    return reaction(turning(q), b)
+    return reaction(moving(q, b), b)
+
+
+def moving(q, b):
+    """Return 3hat and L, with the velocity of the centre of mass in surroundings."""
+    x = turning(q)
+    return Moving(*x, velocity(q, None, b), height_of(x.u, b)) if b.around else x
 
 
 def vector_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = a x F, and the torque of the air. [section 4]"""
     turn = moment(axis(q), force(q, b), b)
     if b.around:
-        turn = plus(turn, air(turning(q), b))
+        turn = plus(turn, around_torque(turning(q), b))
     return VectorState(*axis_rate(q, b), *turn)
 
 
