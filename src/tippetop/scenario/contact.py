@@ -51,6 +51,11 @@ def system_with_contact(system: System, tables: PlainData) -> System:
         raise InputError(
             f"`{given[0]}` must be of a {' or '.join(takes)}, but the system is {system.name}."
         )
+    if "turntable" in around and ("tilt" in around or "axis" not in system.vectors):
+        raise InputError(
+            "a plane that turns (`plane.omega`) must be level, without `plane.tilt` and "
+            "`plane.azimuth`, and its body no cylinder."
+        )
     if around and not opening:
         return surrounded_rolling(takes[system.name], around).with_records(*user_records(system))
     features = (  # the requirement, whether it is given, and the Opening that has it; "": any

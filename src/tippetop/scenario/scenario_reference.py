@@ -102,7 +102,7 @@ def scenario() -> list[Section]:
         ("[contact]", f"a contact that may open; of {', '.join(opening_systems())}"),
         ("[stem]", "the ball at the end of a stem; of tippe-top"),
         ("[air]", f"a torque that brakes the rotation; of {', '.join(surroundable_systems())}"),
-        ("[plane]", "a plane that is not level; of the same"),
+        ("[plane]", "a plane that is tilted, vibrates or turns; of the same"),
         ("[run]", "end and accuracy of the run, and the rows and columns that are kept"),
     ]
     head = (
@@ -142,7 +142,8 @@ def scenario() -> list[Section]:
         ),
         Section(
             "[plane]",
-            "Space axes are those of the plane.",
+            "A plane that is tilted or vibrates, or that turns: give the numbers of what it does. "
+            "Axes, velocities and spins are those seen from the plane.",
             KEYS,
             keys_of(number_table(RULES["plane"])),
         ),

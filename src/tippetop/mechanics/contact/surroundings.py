@@ -5,12 +5,11 @@ across the plane as `g`, and the rest in its record of surroundings.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from math import pi
 from typing import Any, NamedTuple
 
 from ...errors import InputError
 from ..number import Number
-from ..operand import Operand, Vector, cos, cross, dot, minus, plus, sin, sqrt, times
+from ..operand import Operand, Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -178,6 +177,23 @@ def require_still(tables: Collection[str], what: str) -> None:
         )
 
 
+WORDS = {
+    "tilt": "falls by {0:.4g} rad towards the azimuth {1:.4g} rad",
+    "vibration": "vibrates with the amplitude {0:.4g} m and {1:.4g} Hz",
+    "turntable": "turns with {0:.4g} rad/s",
+}
+
+
+def moving_axes(numbers: Mapping[str, Any]) -> list[str]:
+    """Return a note on a picture in the axes of a plane that is not level, or moves."""
+    words = [
+        text.format(*map(numbers.get, GROUPS[name]))
+        for name, text in WORDS.items()
+        if name in groups_of(numbers)
+    ]
+    return [f"The picture is in the axes of the plane, which {' and '.join(words)}."] * bool(words)
+
+
 # --- the record of a body -----------------------------------------------------------------------
 
 
@@ -201,7 +217,7 @@ def surrounded_body(body: Callable) -> Callable:
             g = g * cos(tilt)
         if "plane.amplitude" in parameters:
             amplitude, frequency, phase = given["vibration"]
-            rate = 2 * pi * frequency
+            rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency  # 2 pi f
             push = amplitude * rate**2
             shake = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
         if "plane.omega" in parameters:
