@@ -136,7 +136,7 @@ def _force(
         none = np.zeros(n)
         if b.around.table:
             b = at_present(b, SimpleNamespace(x=columns["x"], y=columns["y"]))
-        push = push - b.m * np.stack(pushing(Vector(*velocity, none), none, b)[:2])
+        push = push - b.m * np.stack(pushing(Vector(velocity[0], velocity[1], none), none, b)[:2])
     if "phase" in columns:
         change = np.flatnonzero(np.diff(columns["phase"]) | np.diff(columns["ball"]))
         push[:, np.unique(np.clip([change, change + 1], 0, n - 1))] = 0.0

@@ -203,7 +203,7 @@ def free_rates(q, b):
 
 def free_leave(q, b):
     """Return the common state of a body in flight."""
-    return Moving(*turning(q), free_velocity(q), q.height)
+    return Moving(axis(q), turning(q).L, free_velocity(q), q.height)
 
 
 def free_velocity(q):

@@ -175,7 +175,7 @@ def force(q, b):
 def moving(q, b):
     """Return 3hat and L, with the velocity of the centre of mass in surroundings."""
     x = turning(q)
-    return Moving(*x, velocity(q, None, b), height_of(x.u, b)) if b.around else x
+    return Moving(x.u, x.L, velocity(q, None, b), height_of(x.u, b)) if b.around else x
 
 
 def vector_rates(q, b):

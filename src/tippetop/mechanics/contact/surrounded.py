@@ -1,9 +1,9 @@
 """Systems in surroundings: gliding ones lose their theory, rolling ones get further integrals."""
 
-from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 from ..form import Form, Integral, Phase
@@ -83,17 +83,20 @@ def further(around: tuple[str, ...]) -> tuple[Integral, ...]:
     return CLOCK if "vibration" in around else ()
 
 
+def known(q: Any, names: tuple[str, ...]) -> Any:
+    """Return the copies of these integrals, the last variables of a state, by name."""
+    return SimpleNamespace(**dict(zip(names, q[-len(names) :], strict=True)))
+
+
 def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
     """Return a function that makes functions(q, .., b) of states with copies of these integrals, of
     functions of states with these units.
     """
-    size = len(units)
-    known = namedtuple("Known", names)
 
     def seen(function: Callable) -> Callable:
         def of_copies(q: Any, *more: Any) -> Any:
-            b = at_present(more[-1], known(*q[size:]))
-            return function(type(units)(*q[:size]), *more[:-1], b)
+            b = at_present(more[-1], known(q, names))
+            return function(type(units)(*q[: len(units)]), *more[:-1], b)
 
         return of_copies
 
@@ -108,11 +111,9 @@ def joined(form: Form, around: tuple[str, ...]) -> Form:
     copied = [integrals[name] for name in names]
     units = filled(**form.units._asdict(), **{COPY + one.name: one.unit for one in copied})
     seen = in_copies(form.units, names)
-    known = namedtuple("Known", names)
 
     def rates(q: Any, b: Any) -> Any:
-        now = known(*q[len(form.units) :])
-        moves = [seen(one.rate)(q, now, b) for one in copied]
+        moves = [seen(one.rate)(q, known(q, names), b) for one in copied]
         return type(units)(*seen(form.rates)(q, b), *moves)
 
     def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:

@@ -205,9 +205,12 @@ def surrounded_body(body: Callable) -> Callable:
 
     def surrounded(parameters: Mapping[str, Any], friction: Any) -> Any:
         b = body(parameters, friction)
-        given = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
+        given: Any = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
         g = b.g
-        air = slope = shake = table = ()
+        air: Any = ()
+        slope: Any = ()
+        shake: Any = ()
+        table: Any = ()
         if "air.c1" in parameters:
             air = Air(*given["air"])
         if "plane.tilt" in parameters:
