@@ -7,18 +7,15 @@ from types import SimpleNamespace
 from typing import Any
 
 from ..form import Form, Integral, Phase
-from ..operand import dot
 from ..system import Outlook, System
 from ..units import JELLETT, JOULE, ONE
 from . import rolling
-from .body import FRAME, arm, filled
+from .body import FRAME, axis_rate, filled, kinematics
 from .contact_phases import without_slip
 from .framed import form_of
-from .gliding import angles_by, axis, turning
-from .integrals import integral
+from .gliding import angles_by
 from .outline import Ball
 from .outlined import outlined_form
-from .response import around_torque, taken
 from .surroundings import (
     COPY,
     at_present,
@@ -157,29 +154,22 @@ Scalars = type(filled(**dict.fromkeys((*rolling.FIELDS, "force"))))
 """Those of a body in pure rolling, and the normal force."""
 
 
-def scalars(q: Any, b: Any) -> Any:
-    """Return the scalars of a body in pure rolling."""
-    return Scalars(*rolling.vector_scalars(q, b), rolling.force(q, b).z)
-
-
-def power(q: Any, carried: Any, b: Any) -> Any:
-    """Return the power that is taken from a body in pure rolling."""
-    return taken(rolling.moving(q, b), b)
-
-
-def jellett_loss(q: Any, carried: Any, b: Any) -> Any:
-    """Return the rate at which a body in pure rolling loses Jellett's integral."""
-    return dot(around_torque(turning(q), b), arm(axis(q), b))
-
-
 def rolling_form(angles: Any) -> Form:
     """Return the form of a body with an axis in pure rolling, in surroundings."""
-    losses = integral("work", power), integral("jellett_lost", jellett_loss)
+    phase = without_slip(())
+
+    def scalars(q: Any, b: Any) -> Any:
+        x = phase.leave(q, b)
+        F = phase.reaction(q, b).force
+        v = x.velocity
+        seen = kinematics(x, axis_rate(x, b), b)
+        return Scalars(*seen, v.x**2 + v.y**2, F.x**2 + F.y**2, F.z)
+
     return replace(
-        rolling.VECTOR,
+        phase.form,
         scalars=scalars,
+        of_angles=rolling.vector_of_angles,
         to_angles=angles_by(angles, scalars),
-        integrals=(*rolling.VECTOR.integrals, *losses),
     )
 
 

@@ -124,19 +124,12 @@ class Surroundings(NamedTuple):
 
 def groups_in(tables: Mapping[str, Any]) -> tuple[str, ...]:
     """Return the groups of surroundings of a scenario: an empty table is air, or a level plane."""
-    keys = [f"{name}.{key}" for name in TABLES for key in plain_table(tables, name)]
-    groups = groups_of(keys)
-    if "air" in tables and "air" not in groups:
-        groups = ("air", *groups)
-    if "plane" in tables and not {*groups} - {"air"}:
-        groups = (*groups, "tilt")
-    return groups
-
-
-def plain_table(tables: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    """Return a table of a scenario, which may be wrong; then an empty one."""
-    table = tables.get(name)
-    return table if isinstance(table, Mapping) else {}
+    given = {name: tables[name] for name in TABLES if isinstance(tables.get(name), Mapping)}
+    groups = {*groups_of(dotted_numbers(given))}
+    groups |= {"air"} & {*tables}
+    if "plane" in tables and groups <= {"air"}:
+        groups.add("tilt")
+    return tuple(name for name in GROUPS if name in groups)
 
 
 def groups_of(keys: Iterable[str]) -> tuple[str, ...]:
