@@ -12,7 +12,7 @@ from ..arguments import PlainData, path_of
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError, StoreError
-from ..mechanics.contact.surroundings import TABLES, groups_of
+from ..mechanics.contact.surroundings import TABLES
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
@@ -109,10 +109,10 @@ def problem(tables: PlainData, source: Any, known: System | None = None) -> Prob
         others = [name for name in SAME if resolved[name] != attrs[name]]
         if (run.contact is None) != (before.contact is None):
             others.append("contact")
-        groups = groups_of(run.surroundings), groups_of(before.surroundings)
-        if groups[0] != groups[1]:
-            others.append("plane" if set(groups[0]) ^ set(groups[1]) - {"air"} else "air")
-        elif not set(run.variables.names) <= set(before.variables.names):
+        there = run.tables, before.tables
+        around = [n for n in TABLES if len({(*one.get(n, {}),) for one in there}) > 1]
+        others += around
+        if not around and not set(run.variables.names) <= set(before.variables.names):
             others.append("run.orientation")
     if others:
         words = f"must be that of `{path}`, whose end is the start, but is another."

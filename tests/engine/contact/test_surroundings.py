@@ -1,6 +1,7 @@
 """Air and a tilted plane: against an own code by Newton and Euler, and closed forms."""
 
 from collections import namedtuple
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,12 @@ from tippetop.mechanics.contact.body import (
     seen_from_balls,
 )
 from tippetop.mechanics.contact.response import around_torque
-from tippetop.mechanics.contact.surroundings import pushing, rules_of, surrounded_body
+from tippetop.mechanics.contact.surroundings import at_present, pushing, rules_of, surrounded_body
 from tippetop.mechanics.disc_friction import rolling
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 
 
 QUIET = {"progress": False}
-RULES = rules_of(("air", "tilt"))
 NOTHING = namedtuple("Nothing", ())()
 
 
@@ -287,8 +287,15 @@ def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
     assert np.isclose(run.trajectory.omega3[-1], expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("law", ["viscous", "coulomb", "contensou"])
-def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
+@pytest.mark.parametrize(
+    ("law", "around"),
+    [
+        ("viscous", AROUND),
+        ("coulomb", AROUND),
+        *(("contensou", one) for one in (MOVING["vibrating"], {"plane": {"omega": 1.0}})),
+    ],
+)
+def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[str, Any]) -> None:
     friction = {"law": law, "mu": 0.3}
     if law == "contensou":
         friction |= {"patch": 5e-4, "mu_r": 1e-5, "mu_d": 1e-5}
@@ -301,7 +308,7 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
             "contact": {"e_n": 0.02},
             "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0, "nu_x": 0.0},
             "run": {"until": 0.05},
-            **AROUND,
+            **around,
         },
         **QUIET,
     )
@@ -311,11 +318,18 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
         assert "both" in report["contact_phases"]["counts"]
 
 
-def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest() -> None:
+@pytest.mark.parametrize(
+    ("group", "plane"), [("tilt", (0.1, 0.3)), ("turntable", (5.0, 0.05, -0.02))]
+)
+def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest(
+    group: str, plane: tuple[float, ...]
+) -> None:
     body = TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
     law = Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)
-    numbers = body._asdict() | dict(zip(RULES, (1e-8, 1e-11, 0.1, 0.3), strict=True))
-    b, other = seen_from_balls(surrounded_body(TippeTop.body_of)(numbers, law), (0.005, 0.013))
+    rules = rules_of(("air", group))
+    numbers = body._asdict() | dict(zip(rules, (1e-8, 1e-11, *plane), strict=True))
+    whole = at_present(surrounded_body(TippeTop.body_of)(numbers, law), SimpleNamespace(x=0, y=0))
+    b, other = seen_from_balls(whole, (0.005, 0.013))
     z = -b.clearance / b.lever
     u = Vector(np.sqrt(1 - z * z), 0.0, z)
 
@@ -326,7 +340,7 @@ def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest() -> None:
         )
         force, torque, *_ = phases.rolled(x, b)
         turn = plus(plus(cross(arm(u, b), force), torque), around_torque(x, b))
-        push = plus(times(1 / b.m, force), pushing(None, 0.0, b))._replace(z=0.0)
+        push = plus(times(1 / b.m, force), pushing(x.velocity, 0.0, b))._replace(z=0.0)
 
         def later(time: float) -> list:
             state = Moving(
