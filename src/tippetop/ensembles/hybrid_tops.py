@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.units import SECOND
 from ..problem import TURN, Problem, Problems
 from ..runs.integration import Integration
@@ -45,6 +46,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
         parameters=parameters,
         friction=base.friction._replace(**tables["friction"]),
         initial=initial,
+        surroundings=dotted_numbers(tables),
         contact=rules,
         until=until,
         times=ListedTimes(np.array([until])),

@@ -14,6 +14,7 @@ from ..columns import Arrays
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
+from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
@@ -200,7 +201,7 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
-    if w is None:
+    if w is None or {*groups_of(problem.surroundings)} - {"tilt"}:
         return {}
     values = {}
     if problem.system.name.endswith("tippe-top"):
@@ -216,7 +217,9 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
             spin = (w * u).sum(axis=1)
             turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
         moving = (body.m * (there.velocity**2).sum(axis=1) + turning) / 2
-        values["energy"] = moving + body.m * body.g * there.place[:, 2]
+        slope = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+        height = body.g * there.place[:, 2] - there.place[:, :2] @ slope
+        values["energy"] = moving + body.m * height
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 

@@ -69,6 +69,8 @@ def starts_at_pole(problem: Problem) -> bool:
     initial = problem.initial
     if "tilt" in problem.system.initial:  # it has no axis of symmetry
         return False
+    if any(problem.surroundings.get(key) for key in ("plane.tilt", "plane.omega")):
+        return False
     turning = ["theta_dot"]
     if not is_frictionless(problem.friction):
         turning += ["nu_x", "nu_y"]

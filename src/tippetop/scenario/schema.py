@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from ..mechanics.contact.restitution import CONTACT, RESTITUTIONS, STEM
+from ..mechanics.contact.surroundings import by_table
 from ..mechanics.system import Number, System
 from ..problem import AUTO
 from ..problem.options import HINTS, OPTIONS
@@ -92,6 +93,8 @@ def tables_of(system: System, law: Any = None) -> dict[str, Any]:
         tables["contact"] = ContactTable
         if system.opening.sphere:
             tables["stem"] = StemTable
+    given = by_table(system.surroundings)
+    tables |= {name: number_table(rules) for name, rules in given.items()}
     return tables | {"run": RunTable}
 
 

@@ -31,6 +31,7 @@ from .body import (
     gained,
     height,
     height_of,
+    momentum_of,
     seen_from_other,
     state,
 )
@@ -39,14 +40,17 @@ from .gliding import VectorState, axis, axis_rate, turning
 from .integrals import integral, place
 from .response import (
     across_and_along,
+    around_torque,
     cone,
     contact_acceleration,
     kicked,
     margin,
     resting,
     sliding,
+    taken,
 )
 from .rolling import spin
+from .surroundings import mean_gravity, pushing
 
 
 def phase_name(label: str, ball: int, *regions: str) -> str:
@@ -106,15 +110,20 @@ def on_ball(
         changes(q, G) -> the rates of that, of the acceleration G of the contact point.
     """
 
+    def moving(q, b):
+        return leave(q, b) if b.around and b.around.table else turning(q)
+
     def acts(q, b):
-        x = turning(q)
+        x = moving(q, b)
         force, torque, *sides = forces(x, q, b)
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
-        G = contact_acceleration(turning(q), by.force, by.torque, b)
+        if b.around:
+            turn = plus(turn, around_torque(turning(q), b))
+        G = contact_acceleration(moving(q, b), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
@@ -130,13 +139,19 @@ def on_ball(
 
     def power(q, carried, b):
         by = acts(q, b)
-        return by.drilled - dot(by.force, by.velocity)
+        power = by.drilled - dot(by.force, by.velocity)
+        return power + taken(leave(q, b), b) if b.around else power
+
+    def jellett_lost(q, carried, b):
+        by = acts(q, b)
+        torque = plus(by.torque, around_torque(turning(q), b)) if b.around else by.torque
+        return dot(torque, arm(axis(q), b))
 
     integrals = (
         *place(lambda q, carried, b: leave(q, b).velocity),
         integral("work", power),
         integral("impulse", lambda q, carried, b: acts(q, b).force.z),
-        integral("jellett_lost", lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b))),
+        integral("jellett_lost", jellett_lost),
     )
     turns = orientation_of(units)
     form = Form("vector", units, rates, scalars, integrals=integrals, orientation=turns)
@@ -177,21 +192,49 @@ Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
+    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings. [contact 3.1]"""
     still = 0 * q.uz
-    return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
+    if not b.around:
+        return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
+    push = pushing(free_velocity(q), still, b)
+    torque = around_torque(turning(q), b)
+    return type(q)(*axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot)
+
+
+def free_leave(q, b):
+    """Return the common state of a body in flight."""
+    return Moving(axis(q), turning(q).L, free_velocity(q), q.height)
+
+
+def free_velocity(q):
+    """Return the velocity of the centre of mass of a body in flight."""
+    return Vector(q.rx_dot, q.ry_dot, q.rz_dot)
+
+
+def free_power(q, carried, b):
+    """Return the power that is taken from a body in flight."""
+    return taken(free_leave(q, b), b)
+
+
+def free_jellett_loss(q, carried, b):
+    """Return the rate at which a body in flight loses Jellett's integral."""
+    return dot(around_torque(turning(q), b), arm(axis(q), b))
 
 
 @cache
-def flight(lies: tuple[str, ...] = AXIS) -> Phase:
+def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     """Return free flight of a body whose state has these variables of how it lies."""
     units = state(lies, **VELOCITY, height=METRE)
+    losses = integral("work", free_power), integral("jellett_lost", free_jellett_loss)
     form = Form(
         "vector",
         units,
         free_rates,
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height_of(axis(q), b)),
-        integrals=place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
+        integrals=(
+            *place(lambda q, carried, b: free_velocity(q)),
+            *(losses if surrounded else ()),
+        ),
         orientation=orientation_of(units),
     )
     events = (
@@ -202,11 +245,7 @@ def flight(lies: tuple[str, ...] = AXIS) -> Phase:
     def enter(x: Moving, b: Any) -> Any:
         return type(units)(*x.u, *x.L, *x.velocity, x.height)
 
-    def leave(q: Any, b: Any) -> Moving:
-        x = turning(q)
-        return Moving(x.u, x.L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height)
-
-    return Phase(form, (), events, (), enter, leave, lambda q, b: Reaction(none(q)))
+    return Phase(form, (), events, (), enter, free_leave, lambda q, b: Reaction(none(q)))
 
 
 FLIGHT = flight()
@@ -269,7 +308,9 @@ STICK = ending(
 
 
 @cache
-def under_coulomb(lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
+def under_coulomb(
+    lies: tuple[str, ...] = AXIS, surrounded: bool = False
+) -> dict[tuple[str, ...], Phase]:
     """Return the phases under Coulomb's law itself.
 
     Where it slides, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and
@@ -284,7 +325,7 @@ def under_coulomb(lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
         directed_changes,
     )
     roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
-    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies)}
+    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies, surrounded)}
 
 
 # --- sliding of a disc, under a law with regions ------------------------------------------------
@@ -485,6 +526,8 @@ def slide_on_both(law: Any, *names: str) -> Phase:
 
     def pushed(x, v, b):
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
+        if b.around:
+            swing = swing - cross(around_torque(x, b), x.u).z
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
     return replace(with_slip((*LEAVES, *ends_of(law, names)), pushed), axis_stays=True)
@@ -513,14 +556,35 @@ def rolled(x, b):
     def rate(a):
         return plus(times(slows, a), cross(turn, a))
 
-    L_dot = rate(x.L)
+    L_dot = pushed = rate(x.L)
     V_dot = rate(velocity)
+    if b.around:
+        pushed, V_dot = pushed_on_both(Moving(u, x.L, velocity, 0 * u.z), L_dot, V_dot, b)
     acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
     frictions = [lambda *of: acts] * 2
-    swing = cross(L_dot, u).z
+    swing = cross(pushed, u).z
     _, _, *sides = shared(x, still, frictions, b.m * b.g, swing, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
-    return force, minus(L_dot, cross(arm(u, b), force)), *sides
+    return force, minus(pushed, cross(arm(u, b), force)), *sides
+
+
+def pushed_on_both(x, L_dot, V_dot, b):
+    """Return the parts of L' and s'' by the contacts of a body that rolls on both, in surroundings.
+
+    L_dot, V_dot are all of L' and s'' without these.
+    """
+    torque = around_torque(x, b)
+    push = pushing(x.velocity, 0 * x.u.z, b)
+    level = x.u._replace(z=0 * x.u.z)
+    n = times(1 / sqrt(horizontal2(level)), level)
+    one = Turning(x.u, momentum_of(n, x.u, b))
+    velocity = centre_velocity(one, times(0, n), b)
+    gives = dot(torque, n) + b.m * dot(push, velocity)
+    rate = gives / (dot(n, one.L) + b.m * dot(velocity, velocity))
+    return (
+        minus(plus(L_dot, times(rate, one.L)), torque),
+        minus(plus(V_dot, times(rate, velocity)), push),
+    )
 
 
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
@@ -533,18 +597,21 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 
-def phases_under(law: Any, lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
+def phases_under(
+    law: Any, lies: tuple[str, ...] = AXIS, surrounded: bool = False
+) -> dict[tuple[str, ...], Phase]:
     """Return the phases under a law, by label and its regions on each ball in contact."""
     if law.set_valued:
-        return under_coulomb(lies)
+        return under_coulomb(lies, surrounded)
+    flies = flight(lies, surrounded)
     if lies is not AXIS:  # with one contact, a point
-        return {("slip",): slip_under(law, lies=lies), ("flight",): flight(lies)}
+        return {("slip",): slip_under(law, lies=lies), ("flight",): flies}
     if not law.regions:
-        slip = slip_under(law) if law.torque else SLIP
-        return {("slip",): slip, ("flight",): FLIGHT, ("both",): slide_on_both(law)}
+        slip = slip_under(law) if law.torque or surrounded else SLIP
+        return {("slip",): slip, ("flight",): flies, ("both",): slide_on_both(law)}
     return {
         **{("slip", name): slip_under(law, name) for name in law.regions},
-        ("flight",): FLIGHT,
+        ("flight",): flies,
         ("both", "roll"): ROLLS_ON_BOTH,
         **{
             ("both", *names): slide_on_both(law, *names) for names in product(law.regions, repeat=2)
@@ -560,7 +627,7 @@ def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
     along = x.u._replace(z=0 * x.u.z)
     omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
-    L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
+    L = momentum_of(omega, x.u, b)
     velocity = centre_velocity(Turning(x.u, L), times(0, L), b)
     p = times(b.m, minus(velocity, x.velocity))
     return kicked(x, b, p, minus(minus(L, x.L), cross(arm(x.u, b), p)))
@@ -574,4 +641,4 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
     v = contact_velocity(x, b)
     sinks = -(b.m * x.velocity.z)
     p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
-    return gained(kicked(x, b, p, twist), work=b.m * b.g * contact.gap(x, b))
+    return gained(kicked(x, b, p, twist), work=b.m * mean_gravity(b) * contact.gap(x, b))

@@ -35,6 +35,8 @@ from .rows import (
     planar_theta_dot,
     row,
 )
+from .surrounded import LOSSES, disturbed, further, in_surroundings, joined_jump, joined_phase
+from .surroundings import joined_names
 
 
 ABOVE = {
@@ -105,13 +107,17 @@ def in_plane(form: Form) -> Form:
 # --- phases and exits ---------------------------------------------------------------------------
 
 
-def phases_of(opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...]) -> dict[str, Phase]:
+def phases_of(
+    opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...], around: tuple[str, ...]
+) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
-    same = lambda one: one  # noqa: E731
-    seen, jumping = (outlined_phase, outlined_jump) if opening.outlined else (same, same)
+    known = phases_under(law, FRAME if opening.framed else AXIS, bool(around))
+    jumped = jumping(opening, around)
+    if joined_names(around):
+        known = {key: joined_phase(phase, around) for key, phase in known.items()}
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
-        for (label, *regions), phase in phases_under(law, FRAME if opening.framed else AXIS).items()
+        for (label, *regions), phase in known.items()
         for ball in range(balls - (label == "both"))
     }
     phases = {}
@@ -125,19 +131,31 @@ def phases_of(opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
         if label == "slip" and law.set_valued:
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
-        phase = seen(phase)
+        if opening.outlined:
+            phase = outlined_phase(phase)
         gaps = ("land",) if opening.framed and label == "flight" else phase.form.resolved
         form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(
             phase,
             forms=in_plane(form) if opening.planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(one, tuple(kinds), jumping(jumps[one])) for one in names),
+            exits=tuple(Exit(one, tuple(kinds), jumped(jumps[one])) for one in names),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,
         )
     return phases
+
+
+def jumping(opening: Any, around: tuple[str, ...]) -> Callable:
+    """Return a function that makes jumps of a body, of those of a ball on a plane at rest."""
+
+    def jumped(jump: Callable) -> Callable:
+        if opening.outlined:
+            jump = outlined_jump(jump)
+        return joined_jump(jump) if joined_names(around) else jump
+
+    return jumped
 
 
 def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
@@ -158,7 +176,7 @@ def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, C
 
 
 @cache
-def opened(system: System, law: Any, balls: int) -> System:
+def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -> System:
     """Return a system whose contact may open, of one that slides; the same one for a law's record.
 
     Parameters
@@ -169,14 +187,17 @@ def opened(system: System, law: Any, balls: int) -> System:
         The friction law.
     balls
         1, or 2 of a body with a stem.
+    around
+        The groups of its surroundings; see `surroundings`.
     """
     opening: Any = system.opening
-    angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
-    form = PLANAR_ROW if opening.planar else DISC_ROW if law.torque else ROW
+    torques = law.torque or around
+    angles: Any = PLANAR_ANGLES if opening.planar else DISC_ANGLES if torques else ANGLES
+    form = PLANAR_ROW if opening.planar else DISC_ROW if torques else ROW
     read = row
     if opening.framed:
         angles, form, read = opening.framed
-    form = replace(form, domains=opening.domains)
+    form = replace(form, domains=opening.domains, integrals=(*form.integrals, *further(around)))
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     jellett = not (opening.planar or opening.outlined or opening.framed)
     quantities = columns(jellett, opening.routh, balls > 1)
@@ -186,7 +207,7 @@ def opened(system: System, law: Any, balls: int) -> System:
     quantities += tuple(one for one in system.quantities if one.name not in known)
     # events of the axis by the few scalars of a phase, if these are enough
     apart = opening.planar or opening.framed
-    phases = phases_of(opening, law, balls, () if apart else of_axis)
+    phases = phases_of(opening, law, balls, () if apart else of_axis, around)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -202,30 +223,30 @@ def opened(system: System, law: Any, balls: int) -> System:
         friction = b.friction
         if (law.set_valued or law.regions) and np.all(friction.mu == 0):
             none = LAWS["none"].given(PARTS if has_parts(friction) else ())
-            known = opened(system, none, balls).phases
+            known = opened(system, none, balls, around).phases
             numbers = (getattr(friction, name, 0 * b.m) for name in none.parameters)
             b = b._replace(friction=none._make(numbers))
         return seen_from_balls(b, stem), known
 
     return replace(
-        system,
+        in_surroundings(system, around) if around else system,
         title=f"{system.title}, which may slip, roll and fly",
         phases=phases,
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
-        begin=outlined_jump(begin) if opening.outlined else begin,
+        begin=jumping(opening, around)(begin),
         read=read,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,
         start=system.start if opening.framed else start,
         angles=angles,
-        long_names=system.long_names | LONG_NAMES,
+        long_names=system.long_names | LONG_NAMES | (LOSSES if around else {}),
         integrals=("jellett",) if jellett else (),
         landscape=None,
         potential=None,
-        outlook=opening.outlook,
+        outlook=disturbed if around else opening.outlook,
         borders=None,
         motion=None,
-        contact=(law, balls),
+        contact=(law, balls, around),
     )

@@ -1,0 +1,222 @@
+"""Systems in surroundings: gliding ones lose their theory, rolling ones get further integrals."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+from ..form import Form, Integral, Phase
+from ..system import Outlook, System
+from ..units import JELLETT, JOULE, ONE
+from . import rolling
+from .body import FRAME, axis_rate, filled, kinematics
+from .contact_phases import without_slip
+from .framed import form_of
+from .gliding import angles_by
+from .outline import Ball
+from .outlined import outlined_form
+from .surroundings import (
+    COPY,
+    at_present,
+    joined_names,
+    joined_values,
+    rules_of,
+    surrounded_body,
+    surrounded_units,
+)
+
+
+NO_OUTLOOK = "theory is that of a level plane at rest in still air: it predicts nothing here"
+
+
+LOSSES = {
+    "work": "energy taken by friction and surroundings since the start",
+    "jellett_lost": "Jellett's integral taken by torques since the start",
+}
+"""Words for the integrals that surroundings change."""
+
+
+def disturbed(b: Any, start: Any, rules: Any = None) -> Outlook:
+    """Predict nothing of a body in surroundings."""
+    return Outlook(NO_OUTLOOK)
+
+
+def in_surroundings(system: System, around: tuple[str, ...]) -> System:
+    """Return a system whose body is in surroundings of these tables, without its theory."""
+    return replace(
+        system,
+        body=surrounded_body(system.body),
+        body_units=surrounded_units(system.body_units, around),
+        surroundings=rules_of(around),
+        landscape=None,
+        potential=None,
+        momenta=(),
+        outlook=disturbed,
+        borders=None,
+        motion=None,
+    )
+
+
+def rolls(system: System) -> bool:
+    """Return whether a system is that of a body in space in pure rolling."""
+    return [*system.phases] == ["roll"] and bool(system.vectors)
+
+
+def clock(rate_of: Callable, name: str, first: int) -> Integral:
+    """Return the integral of this name, `first` at the start."""
+    rate = lambda q, carried, b: rate_of(carried, b.around.shake.rate)  # noqa: E731
+    return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
+
+
+CLOCK = (
+    clock(lambda carried, rate: -(rate * carried.clock_sin), "clock_cos", 1),
+    clock(lambda carried, rate: rate * carried.clock_cos, "clock_sin", 0),
+)
+
+
+def further(around: tuple[str, ...]) -> tuple[Integral, ...]:
+    """Return the integrals that runs in surroundings of these groups have besides."""
+    return CLOCK if "vibration" in around else ()
+
+
+def known(q: Any, names: tuple[str, ...]) -> Any:
+    """Return the copies of these integrals, the last variables of a state, by name."""
+    return SimpleNamespace(**dict(zip(names, q[-len(names) :], strict=True)))
+
+
+def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
+    """Return a function that makes functions(q, .., b) of states with copies of these integrals, of
+    functions of states with these units.
+    """
+
+    def seen(function: Callable) -> Callable:
+        def of_copies(q: Any, *more: Any) -> Any:
+            b = at_present(more[-1], known(q, names))
+            return function(type(units)(*q[: len(units)]), *more[:-1], b)
+
+        return of_copies
+
+    return seen
+
+
+def joined(form: Form, around: tuple[str, ...]) -> Form:
+    """Return a form whose equations read integrals, of which its state then has copies."""
+    names = joined_names(around)
+    every = (*form.integrals, *further(around))
+    integrals = {one.name: one for one in every}
+    copied = [integrals[name] for name in names]
+    units = filled(**form.units._asdict(), **{COPY + one.name: one.unit for one in copied})
+    seen = in_copies(form.units, names)
+
+    def rates(q: Any, b: Any) -> Any:
+        moves = [seen(one.rate)(q, known(q, names), b) for one in copied]
+        return type(units)(*seen(form.rates)(q, b), *moves)
+
+    def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
+        starts = [one.start({}, s, z) if one.start else getattr(e, one.name) for one in copied]
+        return type(units)(*form.of_angles(e, s, z, b), *starts)
+
+    return replace(
+        form,
+        units=units,
+        rates=rates,
+        scalars=seen(form.scalars),
+        of_angles=of_angles,
+        to_angles=seen(form.to_angles),
+        integrals=tuple(replace(one, rate=seen(one.rate)) for one in every),
+    )
+
+
+def joined_phase(phase: Phase, around: tuple[str, ...]) -> Phase:
+    """Return a phase whose equations read integrals."""
+    form = joined(phase.form, around)
+    seen = in_copies(phase.form.units, joined_names(around))
+
+    def enter(x: Any, b: Any) -> Any:
+        q = phase.enter(x, at_present(b, x.carried))
+        return type(form.units)(*q, *joined_values(form.units, x.carried))
+
+    leave = seen(phase.leave)
+    return replace(phase, forms=form, enter=enter, leave=leave, reaction=seen(phase.reaction))
+
+
+def joined_jump(jump: Callable) -> Callable:
+    """Return a jump of bodies whose equations read integrals."""
+
+    def at_once(x: Any, world: Any) -> Any:
+        return jump(x, world._replace(body=tuple(at_present(b, x.carried) for b in world.body)))
+
+    return at_once
+
+
+Scalars = type(filled(**dict.fromkeys((*rolling.FIELDS, "force"))))
+"""Those of a body in pure rolling, and the normal force."""
+
+
+def rolling_form(angles: Any) -> Form:
+    """Return the form of a body with an axis in pure rolling, in surroundings."""
+    phase = without_slip(())
+
+    def scalars(q: Any, b: Any) -> Any:
+        x = phase.leave(q, b)
+        F = phase.reaction(q, b).force
+        v = x.velocity
+        seen = kinematics(x, axis_rate(x, b), b)
+        return Scalars(*seen, v.x**2 + v.y**2, F.x**2 + F.y**2, F.z)
+
+    return replace(
+        phase.form,
+        scalars=scalars,
+        of_angles=rolling.vector_of_angles,
+        to_angles=angles_by(angles, scalars),
+    )
+
+
+NEEDED: dict[str, Callable] = {
+    "normal_force": lambda s, b: s.force,
+    "friction_needed": lambda s, b: rolling.horizontal_force(s, b) / s.force,
+    "liftoff": lambda s, b: s.force,
+}
+"""Formulas that differ from those on a level plane in still air, by name."""
+
+
+@cache
+def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
+    """Return a system in pure rolling, in surroundings of these tables."""
+    form = system.forms["vector"]
+    outline = getattr(system.body_units(()), "outline", Ball())
+    angles = filled(**system.angles._asdict(), work=JOULE)
+    if "ix" in form.units._fields:
+        known = form_of(without_slip((), lies=FRAME), "roll", angles)
+    else:
+        angles = filled(**angles._asdict(), jellett_lost=JELLETT)
+        known = rolling_form(angles)
+        if not isinstance(outline, Ball):
+            known = outlined_form(known)
+    if joined_names(around):
+        known = joined(known, around)
+
+    def changed(records: Any) -> Any:
+        return tuple(
+            replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
+        )
+
+    (phase,) = system.phases.values()
+    form = replace(known, domains=form.domains)
+    phase = replace(phase, forms={"vector": form})
+    phase = replace(phase, quantities=changed(phase.quantities), events=changed(phase.events))
+    start = system.start
+
+    def started(data: dict[str, Any], s: Any, z: Any, b: Any) -> Any:
+        e: Any = start(data, s, z, b)
+        return angles._make((*e, *(0 * z,) * (len(angles) - len(e)))) if hasattr(e, "phi") else e
+
+    return replace(
+        in_surroundings(system, around),
+        phases={"roll": phase},
+        angles=angles,
+        start=started,
+        long_names=system.long_names | LOSSES,
+        integrals=tuple(name for name in system.integrals if name == "jellett"),
+    )
