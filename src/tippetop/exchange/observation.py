@@ -107,10 +107,6 @@ class Observation:
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
 
-    def refine(self) -> None:
-        """Predict with the tolerance of the scenario from now on."""
-        self.predicted.refine()
-
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
         return TIMES.get(name) or self.problem.rules[name]

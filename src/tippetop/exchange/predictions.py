@@ -8,15 +8,14 @@ import numpy as np
 from ..columns import Arrays
 from ..engine.expressions import AXES, component
 from ..engine.orientation import quaternion
-from ..engine.status import Status
 from ..engine.tangent import Tangents
-from ..ensembles.hybrid_tops import faults_of, problem_of
+from ..ensembles import ensemble
+from ..ensembles.rows_at_times import rows_at_times
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import outer
 from ..mechanics.units import METRE
-from ..problem import Problem, Problems, name_faults
-from ..runs.run import solve, with_rows_at
+from ..problem import Problem, name_faults
 
 
 # Tolerance of the integrator while numbers are searched: three fifths of the time
@@ -81,8 +80,8 @@ class Predictions:
             return self._read_smooth(self.tangents, points, times, names)
         if not points:
             points = {"run.until": times[:, -1]}
-        turns = "orientation" in names
-        return rows_at_times(Problems.vary(self.problem, points, turns), times, names)[0]
+        tops = ensemble.vary(self.problem, points, orientation="orientation" in names)
+        return rows_at_times(tops, times, names)[0]
 
     def _read_smooth(
         self,
@@ -107,42 +106,3 @@ class Predictions:
             scale = self.problem.unit(units[name]) if name in units else 1.0
             found[name] = scale * (np.stack(values, axis=-1) if len(values) > 1 else values[0])
         return found
-
-
-def rows_at_times(
-    tops: Problems, times: np.ndarray, names: Sequence[str]
-) -> tuple[Arrays, np.ndarray]:
-    """Return columns of tops at given times, and the codes of their `Status`, (tops,).
-
-    Parameters
-    ----------
-    tops
-        The runs; each ends with its last time.
-    times
-        (tops, rows) [s], ascending.
-    names
-        Of columns of runs.
-    """
-    found: Arrays = {}
-    status = np.full(tops.n, Status.INVALID.code)
-    for top in np.flatnonzero(tops.valid).tolist():
-        later = times[top] >= 0
-        try:
-            problem = problem_of(tops, top)
-            if faults := faults_of(problem):
-                raise InputError(faults)
-            run = solve(with_rows_at(problem, times[top, later]))
-        except InputError:
-            continue
-        status[top] = run.status.code
-        columns = run.columns()
-        after = times[top, later] > run.progress.t_end
-        for name in names:
-            values = columns[name].values
-            values[after] = np.nan
-            every = found.setdefault(name, np.full((*times.shape, *values.shape[1:]), np.nan))
-            every[top, later] = values
-    widths = {"axis": (3,), "orientation": (4,)}
-    for name in names:
-        found.setdefault(name, np.full((*times.shape, *widths.get(name, ())), np.nan))
-    return found, status
