@@ -203,7 +203,7 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
     if w is None:
         return {}
     values = {}
-    if problem.system.name.endswith("tippe-top"):
+    if problem.system.name.endswith("tippe-top") and "air" not in problem.tables:
         spin = (w * u).sum(axis=1)
         Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
         values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)
@@ -216,7 +216,9 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
             spin = (w * u).sum(axis=1)
             turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
         moving = (body.m * (there.velocity**2).sum(axis=1) + turning) / 2
-        values["energy"] = moving + body.m * body.g * there.place[:, 2]
+        slope = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+        height = body.g * there.place[:, 2] - there.place[:, :2] @ slope
+        values["energy"] = moving + body.m * height
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 
