@@ -96,8 +96,7 @@ class Observation:
             )
         columns = [name for group in self.groups for name in NAMES.get(group, (group,))]
         self.columns = tuple(dict.fromkeys(columns))
-        turning = "orientation" in columns
-        self.problem = dataclasses.replace(problem, orientation=turning)
+        self.problem = self.replaced(problem)
         self.predicted = Predictions(self.problem, self.own)
 
     @property
@@ -106,6 +105,10 @@ class Observation:
         return {
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
+
+    def replaced(self, problem: Problem) -> Problem:
+        """Return a problem whose orientation is integrated only if it is measured."""
+        return dataclasses.replace(problem, orientation="orientation" in self.columns)
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
