@@ -1,0 +1,108 @@
+"""Columns of many motions at given times, for sets of values of the free numbers of a scenario."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..columns import Arrays
+from ..engine.expressions import AXES, component
+from ..engine.orientation import quaternion
+from ..engine.tangent import Tangents
+from ..ensembles import ensemble
+from ..ensembles.rows_at_times import rows_at_times
+from ..errors import InputError
+from ..mechanics.operand import Vector
+from ..mechanics.rotation import outer
+from ..mechanics.units import METRE
+from ..problem import Problem, name_faults
+
+
+# Tolerance of the integrator while numbers are searched: three fifths of the time
+TOLERANCE = 1e-9
+# Steps per internal unit of time beyond which a motion is given up: a canonical inversion takes 9
+MOST_STEPS = 25.0
+VALUES = {
+    "axis": tuple(component(f"u{c}") for c in "xyz"),
+    "orientation": AXES,
+    "z": ("height",),
+}
+"""Values from which a column is made, if not those of its name."""
+
+
+class Predictions:
+    """Motions of a scenario whose free numbers have given values.
+
+    Parameters
+    ----------
+    problem
+        The scenario.
+    free
+        Dotted names of the free numbers; an initial number that is not given is 0.
+
+    Raises
+    ------
+    InputError
+        If the problem has no number of a name, or its motion is not one of doubles from a start.
+    """
+
+    def __init__(self, problem: Problem, free: Sequence[str]):
+        self.problem = problem
+        self.tangents = None
+        if not problem.system.is_hybrid:
+            coarse = dataclasses.replace(problem, tolerance=TOLERANCE)
+            self.tangents = Tangents(coarse, free, MOST_STEPS)
+        elif faults := name_faults(problem, free, without=("run.",)):
+            raise InputError(faults)
+
+    def refine(self) -> None:
+        """Predict with the tolerance of the scenario from now on."""
+        if self.tangents is not None:
+            self.tangents.problem = self.problem
+
+    def read(
+        self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Sequence[str]
+    ) -> Arrays:
+        """Return columns (points, rows) or (points, rows, parts), SI, by name.
+
+        They are NaN where a motion cannot be computed.
+
+        Parameters
+        ----------
+        points
+            Values of the free numbers, (points,) each, SI.
+        times
+            (points, rows) [s], ascending.
+        names
+            Of the columns.
+        """
+        if self.tangents is not None:
+            return self._read_smooth(self.tangents, points, times, names)
+        if not points:
+            points = {"run.until": times[:, -1]}
+        tops = ensemble.vary(self.problem, points, orientation="orientation" in names)
+        return rows_at_times(tops, times, names)[0]
+
+    def _read_smooth(
+        self,
+        tangents: Tangents,
+        points: Mapping[str, np.ndarray],
+        times: np.ndarray,
+        names: Sequence[str],
+    ) -> Arrays:
+        """Read motions that a single system of equations describes."""
+        parts = {name: VALUES.get(name, (name,)) for name in names}
+        pars = tangents.parameters(np.zeros((len(tangents.values), len(times))), points)
+        wanted = tuple(dict.fromkeys(part for some in parts.values() for part in some))
+        read = tangents.read(0, pars, times.T, wanted)
+        system = self.problem.system
+        units = {**system.angles._asdict(), "z": METRE}
+        units |= {q.name: q.unit for q in system.quantities}
+        found = {}
+        for name, some in parts.items():
+            values = [read[part][0].T for part in some]
+            if name == "orientation":
+                values = list(quaternion(outer(Vector(*values[:3]), Vector(*values[3:]))))
+            scale = self.problem.unit(units[name]) if name in units else 1.0
+            found[name] = scale * (np.stack(values, axis=-1) if len(values) > 1 else values[0])
+        return found
