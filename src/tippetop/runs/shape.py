@@ -84,7 +84,7 @@ def surface_of(b: Any) -> Surface:
         half = np.array([outline.b, outline.b, outline.a])
         return Surface(np.array([0.0, 0.0, outline.c]), half)
     if hasattr(b, "I2"):
-        centre, half = np.array([outline[-3:], outline[:3]])
+        half, centre = np.array([outline[:3], outline[5:8]])
         return Surface(centre, half, float(np.arctan2(outline.sin, outline.cos)))
     normal = np.linspace(0, np.pi, POINTS)
     theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)

@@ -57,6 +57,9 @@ class Ellipsoid(NamedTuple):
     x: Operand
     y: Operand
     z: Operand
+    a11: Operand  # the matrix of squares of the half axes along axes 1 and 2
+    a12: Operand
+    a22: Operand
 
     @property
     def size(self) -> Operand:
@@ -73,23 +76,26 @@ class Ellipsoid(NamedTuple):
         along = self.cos * v.x + self.sin * v.y
         return Vector(along, self.cos * v.y - self.sin * v.x, v.z)
 
-    def squares(self, v: Vector) -> tuple[Vector, Operand]:
-        """Return A v and v.A v, where A = diag(a^2, b^2, c^2) in the half axes."""
-        d = self.half_axes(v)
-        q = Vector(self.a**2 * d.x, self.b**2 * d.y, self.c**2 * d.z)
-        along = self.cos * q.x - self.sin * q.y
-        return Vector(along, self.sin * q.x + self.cos * q.y, q.z), dot(d, q)
+    def squares(self, v: Vector) -> Vector:
+        """Return A v, where A = diag(a^2, b^2, c^2) along the half axes."""
+        along = self.a11 * v.x + self.a12 * v.y
+        return Vector(along, self.a12 * v.x + self.a22 * v.y, self.c * (self.c * v.z))
+
+    def edge(self, up: Vector) -> tuple[Vector, Operand]:
+        """Return the highest point seen from its centre, and its height above it."""
+        q = self.squares(up)
+        k = sqrt(dot(up, q))
+        return times(1 / k, q), k
 
     def arm(self, up: Vector) -> Vector:
         """Return the arm, by the direction of zhat."""
-        q, k2 = self.squares(up)
-        return minus(Vector(self.x, self.y, self.z), times(1 / sqrt(k2), q))
+        top, _ = self.edge(up)
+        return minus(Vector(self.x, self.y, self.z), top)
 
-    def arm_rate(self, up: Vector, turns: Vector) -> Vector:
-        """Return the rate of the arm in the body where zhat turns there at this rate."""
-        q, k2 = self.squares(up)
-        q_dot, _ = self.squares(turns)
-        return times(1 / sqrt(k2), minus(times(dot(up, q_dot) / k2, q), q_dot))
+    def arm_rate(self, up: Vector, turn: Vector) -> Vector:
+        """Return the rate of the arm in the body, where zhat turns by turn = omega x zhat."""
+        top, k = self.edge(up)
+        return times(1 / k, minus(self.squares(turn), times(dot(turn, top), top)))
 
 
 def parts(v: Vector, axes: tuple[Vector, Vector, Vector]) -> Vector:
@@ -158,42 +164,64 @@ def arm_velocity(x, b):
     return whole(cross(turns(x, b), b.outline.arm(up(axes))), axes)
 
 
-def inverse_times(v, a, b):
-    """Return K^-1 v by the arm a, along the axes of the body.
-
-    It is m (v - w x a), where (I + m (a^2 - a a)) w = m a x v.
-    """
-    about = Vector(*(one + b.m * dot(a, a) for one in moments(b)))
-    w = over(cross(a, v), about)
+def turning(torque, a, b):
+    """Return w, where (I + m (a^2 - a a)) w = torque about the contact, along the axes."""
+    a2 = a.x**2 + a.y**2 + a.z**2
+    about = Vector(*(one + b.m * a2 for one in moments(b)))
     p = over(a, about)
-    w = plus(w, times(b.m * dot(a, w) / (1 - b.m * dot(a, p)), p))
-    return times(b.m, minus(v, times(b.m, cross(w, a))))
+    share = b.m * dot(p, torque) / (1 - b.m * dot(p, a))
+    return plus(over(torque, about), times(share, p))
 
 
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x, (3,): the force or impulse for x at the contact."""
-    axes = u.axes
-    return whole(inverse_times(parts(x, axes), b.outline.arm(up(axes)), b), axes)
+    """Return K^-1 x = m (x - m w x a), (3,): the force or impulse for x at the contact."""
+    a = b.outline.arm(up(u.axes))
+    v = parts(x, u.axes)
+    w = turning(cross(a, v), a, b)
+    return whole(times(b.m, minus(v, times(b.m, cross(w, a)))), u.axes)
 
 
-def bias(x, b):
-    """Return I^-1(L x omega) x a + omega x a' - g zhat along the axes of the body [m/s^2]."""
-    axes = x.u.axes
-    n = up(axes)
+def gyration(omega, b):
+    """Return L x omega along the axes of the body [N m]."""
+    yz = omega.y * omega.z
+    zx = omega.z * omega.x
+    xy = omega.x * omega.y
+    return Vector(b.I2 * yz - b.I3 * yz, b.I3 * zx - b.I1 * zx, b.I1 * xy - b.I2 * xy)
+
+
+def swing(x, a, b):
+    """Return omega x a' - g zhat along the axes of the body [m/s^2]."""
+    n = up(x.u.axes)
     omega = turns(x, b)
-    a = b.outline.arm(n)
-    moves = plus(cross(omega, a), b.outline.arm_rate(n, cross(n, omega)))
-    free = over(cross(parts(x.L, axes), omega), moments(b))
-    return minus(plus(cross(free, a), cross(omega, moves)), times(b.g, n))
+    moves = plus(cross(omega, a), b.outline.arm_rate(n, cross(omega, n)))
+    return minus(cross(omega, moves), times(b.g, n))
 
 
 def bias_vector(x, b):
     """Return the acceleration of the contact point without a force there, (3,) [m/s^2]."""
-    return whole(bias(x, b), x.u.axes)
+    axes = x.u.axes
+    a = b.outline.arm(up(axes))
+    free = over(gyration(turns(x, b), b), moments(b))
+    return whole(plus(cross(free, a), swing(x, a, b)), axes)
+
+
+def rolling(x, b):
+    """Return omega' of a body whose contact point stays at rest, and its force, along the axes."""
+    a = b.outline.arm(up(x.u.axes))
+    more = swing(x, a, b)
+    torque = minus(gyration(turns(x, b), b), times(b.m, cross(a, more)))
+    w = turning(torque, a, b)
+    return w, times(b.m, minus(cross(a, w), more))
 
 
 def resting(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
-    axes = x.u.axes
-    F = whole(inverse_times(bias(x, b), b.outline.arm(up(axes)), b), axes)
-    return times(-1, F), times(0, F)
+    _, F = rolling(x, b)
+    return whole(F, x.u.axes), times(0, F)
+
+
+def rolling_torque(x, b):
+    """Return L' of a body whose contact point stays at rest, (3,) [N m]."""
+    w, _ = rolling(x, b)
+    I_w = Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
+    return whole(minus(I_w, gyration(turns(x, b), b)), x.u.axes)

@@ -147,7 +147,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
         q.ball,
         u,
         up,
-        cross(up, omega),
+        cross(omega, up),
         dot(up, omega),
         dot(omega, frame.parts(x.L, u.axes)) / 2,
     )

@@ -12,7 +12,7 @@ from ..friction import LAWS
 from ..number import Number, number, reuse
 from ..operand import cos, sin
 from ..system import Opening, System, of_one_phase
-from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN
+from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, Unit
 from . import outlook
 from .tippe_top import TippeTop
 
@@ -50,8 +50,10 @@ class Ellipsoid(Top):
 
     def seen(self, friction: Any) -> Asymmetric:
         """Return the body that formulas take."""
-        turned = cos(self.delta), sin(self.delta)
-        shape = Outline(self.a, self.b, self.c, *turned, self.x, self.y, self.h)
+        k, s = cos(self.delta), sin(self.delta)
+        a2, b2 = self.a**2, self.b**2
+        squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2
+        shape = Outline(self.a, self.b, self.c, k, s, self.x, self.y, self.h, *squares)
         return Asymmetric(self.m, self.I1, self.I2, self.I3, self.g, friction, shape)
 
     @staticmethod
@@ -68,9 +70,12 @@ class Ellipsoid(Top):
         return []
 
 
+METRE2 = Unit("m2")
+
+
 def body_units(friction: Any) -> Asymmetric:
     """Return the units of the body."""
-    shape = Outline(METRE, METRE, METRE, ONE, ONE, METRE, METRE, METRE)
+    shape = Outline(*[METRE] * 3, *[ONE] * 2, *[METRE] * 3, *[METRE2] * 3)
     return Asymmetric(KILOGRAM, INERTIA, INERTIA, INERTIA, METRE_PER_SECOND2, friction, shape)
 
 
