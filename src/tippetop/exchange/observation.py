@@ -36,7 +36,7 @@ UNSUPPORTED = (
     "yet: give a smooth law (a "
     'Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'
 )
-MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
+MOST_STEPS = 60.0  # per internal unit of time: a canonical inversion takes 9, a rattleback 27
 NAMES = {
     "axis": tuple(component(f"u{c}") for c in "xyz"),
     "place": ("x", "y"),
