@@ -4,17 +4,34 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
+from ..contact import body as contact
 from ..contact import framed, gliding
 from ..contact.body import Top
 from ..contact.frame import Asymmetric
 from ..contact.frame import Ellipsoid as Outline
 from ..friction import LAWS
 from ..number import Number, number, reuse
-from ..operand import cos, sin
+from ..operand import Vector, cos, sin
 from ..system import Opening, System, of_one_phase
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, Unit
 from . import outlook
+from .revolution import Spheroid
 from .tippe_top import TippeTop
+
+
+CENTRE = "position of the centre along axis {} from the centre of mass"
+
+
+def moment(axis: int, squares: str) -> Any:
+    """Return a principal moment of inertia, by default that of a uniform ellipsoid."""
+    return number(
+        INERTIA,
+        f"moment of inertia about axis {axis}",
+        symbol=f"I_{axis}",
+        above=0,
+        default=f"m*({squares})/5",
+        where_zero=("delta", "x", "y", "h"),
+    )
 
 
 class Ellipsoid(Top):
@@ -23,11 +40,13 @@ class Ellipsoid(Top):
     Axes 1, 2 and 3 are the principal axes of inertia; half axis c lies along axis 3, and half axis
     a at the angle delta from axis 1. A rattleback is one, and so is a ball with three moments of
     inertia or with its centre of mass off the axis. Each number may be a text: with a unit, "5 g",
-    or arithmetic of the others, as I1="m*(b^2 + c^2)/5" of a uniform body.
+    or arithmetic of the others. By default the body is uniform.
 
     >>> import tippetop as tt
-    >>> boat = tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02, delta=0.01, x=0, y=0, h=0.01,
-    ...                     I1=2e-4, I2=1.6e-3, I3=1.7e-3, g=9.81)
+    >>> tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02).I3
+    0.00818
+    >>> boat = tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02, delta=0.01, h=0.01,
+    ...                     I1=2e-4, I2=1.6e-3, I3=1.7e-3)
     """
 
     gliding = "ellipsoid"
@@ -38,15 +57,18 @@ class Ellipsoid(Top):
     b: Number = number(METRE, "half axis, at delta from axis 2", symbol="b", above=0)
     c: Number = number(METRE, "half axis along axis 3", symbol="c", above=0)
     delta: Number = number(
-        RADIAN, "angle of half axes a and b from axes 1 and 2, about axis 3", symbol=r"\delta"
+        RADIAN,
+        "angle of half axes a and b from axes 1 and 2, about axis 3",
+        symbol=r"\delta",
+        default=0.0,
     )
-    x: Number = number(METRE, "position of the centre along axis 1 from the centre of mass")
-    y: Number = number(METRE, "position of the centre along axis 2 from the centre of mass")
-    h: Number = number(METRE, "position of the centre along axis 3 from the centre of mass")
-    I1: Number = number(INERTIA, "moment of inertia about axis 1", symbol="I_1", above=0)
-    I2: Number = number(INERTIA, "moment of inertia about axis 2", symbol="I_2", above=0)
-    I3: Number = number(INERTIA, "moment of inertia about axis 3", symbol="I_3", above=0)
-    g: Number = reuse(TippeTop.parameters["g"])
+    x: Number = number(METRE, CENTRE.format(1), default=0.0)
+    y: Number = number(METRE, CENTRE.format(2), default=0.0)
+    h: Number = number(METRE, CENTRE.format(3), default=0.0)
+    I1: Number = moment(1, "b^2 + c^2")
+    I2: Number = moment(2, "a^2 + c^2")
+    I3: Number = moment(3, "a^2 + b^2")
+    g: Number = reuse(Spheroid.parameters["g"])
 
     def seen(self, friction: Any) -> Asymmetric:
         """Return the body that formulas take."""
@@ -58,16 +80,22 @@ class Ellipsoid(Top):
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return a sentence if a moment of inertia exceeds the sum of the others."""
+        """Return sentences on moments of inertia, and on a centre of mass outside of the body.
+
+        No moment exceeds the sum of the others.
+        """
+        shape = Ellipsoid.body_of(parameters, ()).outline
+        along = shape.half_axes(Vector(shape.x, shape.y, shape.z))
+        faults = contact.outside_faults(*(x / half for x, half in zip(along, shape, strict=False)))
         inertia = {name: parameters[name] for name in ("I1", "I2", "I3")}
         name = max(inertia, key=inertia.__getitem__)
         others = sum(inertia.values()) - inertia[name]
         if inertia[name] > others * (1 + 1e-12):
-            return [
+            faults.append(
                 f"`parameters.{name}` must be at most the sum of the other moments = "
                 f"{others:.6g} (no rigid body has more), but is {inertia[name]:.6g}."
-            ]
-        return []
+            )
+        return faults
 
 
 METRE2 = Unit("m2")

@@ -1,6 +1,6 @@
 """Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar
@@ -51,9 +51,15 @@ class Spheroid(Outlined):
     c: Number = number(
         METRE, "distance of the centre from the centre of mass along 3hat", symbol="c", default=0.0
     )
-    I1: Number = reuse(TippeTop.parameters["I1"], default="m*(a^2 + b^2)/5", where_zero="c")
-    I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero="c")
+    I1: Number = reuse(TippeTop.parameters["I1"], default="m*(a^2 + b^2)/5", where_zero=("c",))
+    I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero=("c",))
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
+
+    @staticmethod
+    def faults(parameters: Mapping[str, float]) -> list[str]:
+        """Return sentences on moments of inertia, and on a centre of mass outside of the body."""
+        at = parameters["c"] / parameters["a"]
+        return contact.inertia_faults(parameters) + contact.outside_faults(at)
 
 
 VOLUME = "(2*ring^2 + pi*ring*tube + 4/3*tube^2)"
@@ -86,13 +92,13 @@ class Disc(Outlined):
     I1: Number = reuse(
         TippeTop.parameters["I1"],
         default=f"I3/2 + m*tube^2*(2/3*ring^2 + pi/4*ring*tube + 4/15*tube^2)/{VOLUME}",
-        where_zero="c",
+        where_zero=("c",),
     )
     I3: Number = reuse(
         TippeTop.parameters["I3"],
         default="m*(ring^4 + pi*ring^3*tube + 4*ring^2*tube^2 + 3/4*pi*ring*tube^3 + 8/15*tube^4)"
         f"/{VOLUME}",
-        where_zero="c",
+        where_zero=("c",),
     )
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
