@@ -102,9 +102,9 @@ def test_a_drawn_meridian_is_convex(name: str) -> None:
 
 def test_omega_is_that_of_three_moments() -> None:
     q, w = quaternions(1), np.array([1.0, -2.0, 3.0])
-    R, moments = shapes.rotation(q[0]), np.array([3.0, 1.0, 4.0])
-    L = R @ np.diag(moments) @ R.T @ w
-    np.testing.assert_allclose(shapes.angular_velocity(q, L[None], moments)[0], w, rtol=1e-12)
+    R = shapes.rotation(q[0])
+    L = R @ np.diag(shapes.moments(STONE)) @ R.T @ w
+    np.testing.assert_allclose(shapes.angular_velocity(q, L[None], STONE)[0], w, rtol=1e-12)
 
 
 def test_an_ellipsoid_of_simulators_has_its_axes_and_moments() -> None:

@@ -167,7 +167,7 @@ def reference(run: Solution) -> Arrays:
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
     if hasattr(body, "I2"):
         q = columns["orientation"]
-        columns["omega"] = angular_velocity(q, columns["L"], moments(body))
+        columns["omega"] = angular_velocity(q, columns["L"], body)
         height = -lowest(q, body)[:, 2]
         rise = np.cross(lowest(q, body), columns["omega"])[:, 2]
     else:

@@ -5,7 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.contact.body import Touch, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact import body as contact
+from ..mechanics.contact.body import Touch, Turning, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact.frame import Frame
 from ..mechanics.contact.outline import Ball, Spheroid
 from ..mechanics.friction import Frictionless
 from ..mechanics.operand import Vector
@@ -110,20 +112,22 @@ def frames(orientation: np.ndarray) -> np.ndarray:
     return np.moveaxis(np.array(axes(Quaternion(*orientation.T))), -1, 0)
 
 
+def _lies(orientation: np.ndarray, b: Any) -> Any:
+    """Return how a body with these quaternions, (n, 4), lies: its axis or its Frame."""
+    first, _, third = axes(Quaternion(*orientation.T))
+    return Frame(*third, *first) if hasattr(b, "I2") else third
+
+
 def lowest(orientation: np.ndarray, b: Any) -> np.ndarray:
     """Return the lowest point from the centre of mass in space, (n, 3) [m]."""
-    frame = frames(orientation)
-    if hasattr(b, "I2"):
-        local = b.outline.arm(Vector(*frame[:, :, 2].T))
-        return np.einsum("in,nij->nj", local, frame)
-    u = Vector(*frame[:, 2].T)
-    return np.stack(arm(u, by_axis(u, b)), axis=1)
+    u = _lies(orientation, b)
+    return np.stack(arm(u, b if hasattr(b, "I2") else by_axis(u, b)), axis=1)
 
 
-def angular_velocity(orientation: np.ndarray, L: np.ndarray, inertia: np.ndarray) -> np.ndarray:
-    """Return omega in space, (n, 3) [rad/s], of L and principal moments of inertia."""
-    frame = frames(orientation)
-    return np.einsum("nij,nik,nk->nj", frame, frame / inertia[:, None], L)
+def angular_velocity(orientation: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:
+    """Return omega in space, (n, 3) [rad/s], of L."""
+    x = Turning(_lies(orientation, b), Vector(*L.T))
+    return np.stack(contact.angular_velocity(x, b), axis=1)
 
 
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:

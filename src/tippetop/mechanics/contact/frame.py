@@ -98,35 +98,50 @@ class Ellipsoid(NamedTuple):
         return times(1 / k, minus(self.squares(turn), times(dot(turn, top), top)))
 
 
-def parts(v: Vector, axes: tuple[Vector, Vector, Vector]) -> Vector:
-    """Return the components of a vector along the axes of a body."""
-    return Vector(*(dot(v, axis) for axis in axes))
+def parts(v: Vector, u: Frame) -> Vector:
+    """Return the components of a vector along the axes of a body that lies so."""
+    return Vector(*(dot(v, axis) for axis in u.axes))
 
 
-def whole(v: Vector, axes: tuple[Vector, Vector, Vector]) -> Vector:
+def whole(v: Vector, u: Frame) -> Vector:
     """Return a vector in space of its components along the axes of a body."""
-    one, two, three = axes
+    one, two, three = u.axes
     return plus(plus(times(v.x, one), times(v.y, two)), times(v.z, three))
 
 
-def up(axes: tuple[Vector, Vector, Vector]) -> Vector:
+def up(u: Frame) -> Vector:
     """Return the components of zhat along the axes of a body."""
-    return Vector(*(axis.z for axis in axes))
+    return Vector(*(axis.z for axis in u.axes))
 
 
-def moments(b: Asymmetric) -> Vector:
-    """Return the principal moments of inertia."""
-    return Vector(b.I1, b.I2, b.I3)
+def of_rates(w, b):
+    """Return I w along the axes of the body."""
+    return Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
 
 
-def over(v: Vector, by: Vector) -> Vector:
+def over(v: Vector, moments: Vector) -> Vector:
     """Return the quotients of components."""
-    return Vector(v.x / by.x, v.y / by.y, v.z / by.z)
+    return Vector(v.x / moments.x, v.y / moments.y, v.z / moments.z)
+
+
+def rates_of(v, b):
+    """Return I^-1 v along the axes of the body."""
+    return over(v, Vector(b.I1, b.I2, b.I3))
+
+
+def turns(x, b):
+    """Return omega = I^-1 L along the axes of the body [rad/s]."""
+    return rates_of(parts(x.L, x.u), b)
+
+
+def local_arm(u, b):
+    """Return the arm along the axes of the body [m]."""
+    return b.outline.arm(up(u))
 
 
 def arm(u, b):
     """Return the arm, (3,) [m]: from the centre of mass to the contact."""
-    return whole(b.outline.arm(up(u.axes)), u.axes)
+    return whole(local_arm(u, b), u)
 
 
 def height(u, b):
@@ -136,18 +151,12 @@ def height(u, b):
 
 def momentum(omega, u, b):
     """Return L = I omega, (3,)."""
-    along = zip(moments(b), parts(omega, u.axes), strict=True)
-    return whole(Vector(*(moment * rate for moment, rate in along)), u.axes)
-
-
-def turns(x, b):
-    """Return omega = I^-1 L along the axes of the body [rad/s]."""
-    return over(parts(x.L, x.u.axes), moments(b))
+    return whole(of_rates(parts(omega, u), b), u)
 
 
 def angular_velocity(x, b):
     """Return omega, (3,) [rad/s]."""
-    return whole(turns(x, b), x.u.axes)
+    return whole(turns(x, b), x.u)
 
 
 def axis_rate(x, b):
@@ -160,14 +169,13 @@ def axis_rate(x, b):
 
 def arm_velocity(x, b):
     """Return omega x a, (3,) [m/s]."""
-    axes = x.u.axes
-    return whole(cross(turns(x, b), b.outline.arm(up(axes))), axes)
+    return whole(cross(turns(x, b), local_arm(x.u, b)), x.u)
 
 
 def turning(torque, a, b):
     """Return w, where (I + m (a^2 - a a)) w = torque about the contact, along the axes."""
-    a2 = a.x**2 + a.y**2 + a.z**2
-    about = Vector(*(one + b.m * a2 for one in moments(b)))
+    ma2 = b.m * (a.x**2 + a.y**2 + a.z**2)
+    about = Vector(b.I1 + ma2, b.I2 + ma2, b.I3 + ma2)
     p = over(a, about)
     share = b.m * dot(p, torque) / (1 - b.m * dot(p, a))
     return plus(over(torque, about), times(share, p))
@@ -175,10 +183,10 @@ def turning(torque, a, b):
 
 def mobility_inverse_times(u, x, b):
     """Return K^-1 x = m (x - m w x a), (3,): the force or impulse for x at the contact."""
-    a = b.outline.arm(up(u.axes))
-    v = parts(x, u.axes)
+    a = local_arm(u, b)
+    v = parts(x, u)
     w = turning(cross(a, v), a, b)
-    return whole(times(b.m, minus(v, times(b.m, cross(w, a)))), u.axes)
+    return whole(times(b.m, minus(v, times(b.m, cross(w, a)))), u)
 
 
 def gyration(omega, b):
@@ -189,39 +197,35 @@ def gyration(omega, b):
     return Vector(b.I2 * yz - b.I3 * yz, b.I3 * zx - b.I1 * zx, b.I1 * xy - b.I2 * xy)
 
 
-def swing(x, a, b):
+def swing(x, b):
     """Return omega x a' - g zhat along the axes of the body [m/s^2]."""
-    n = up(x.u.axes)
+    n = up(x.u)
     omega = turns(x, b)
-    moves = plus(cross(omega, a), b.outline.arm_rate(n, cross(omega, n)))
+    moves = plus(cross(omega, b.outline.arm(n)), b.outline.arm_rate(n, cross(omega, n)))
     return minus(cross(omega, moves), times(b.g, n))
 
 
 def bias_vector(x, b):
     """Return the acceleration of the contact point without a force there, (3,) [m/s^2]."""
-    axes = x.u.axes
-    a = b.outline.arm(up(axes))
-    free = over(gyration(turns(x, b), b), moments(b))
-    return whole(plus(cross(free, a), swing(x, a, b)), axes)
+    free = rates_of(gyration(turns(x, b), b), b)
+    return whole(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
 
 
 def rolling(x, b):
     """Return omega' of a body whose contact point stays at rest, and its force, along the axes."""
-    a = b.outline.arm(up(x.u.axes))
-    more = swing(x, a, b)
-    torque = minus(gyration(turns(x, b), b), times(b.m, cross(a, more)))
-    w = turning(torque, a, b)
+    a = local_arm(x.u, b)
+    more = swing(x, b)
+    w = turning(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
     return w, times(b.m, minus(cross(a, w), more))
 
 
 def resting(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
     _, F = rolling(x, b)
-    return whole(F, x.u.axes), times(0, F)
+    return whole(F, x.u), times(0, F)
 
 
 def rolling_torque(x, b):
     """Return L' of a body whose contact point stays at rest, (3,) [N m]."""
     w, _ = rolling(x, b)
-    I_w = Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
-    return whole(minus(I_w, gyration(turns(x, b), b)), x.u.axes)
+    return whole(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)

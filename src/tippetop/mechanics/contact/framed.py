@@ -124,7 +124,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     x = rows.moving(q, ())
     u = x.u
     u_dot = contact.axis_rate(x, b)
-    up = frame.up(u.axes)
+    up = frame.up(u)
     omega = frame.turns(x, b)
     v = contact.contact_velocity(x, b)
     values = (
@@ -149,7 +149,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
         up,
         cross(omega, up),
         dot(up, omega),
-        dot(omega, frame.parts(x.L, u.axes)) / 2,
+        dot(omega, frame.parts(x.L, u)) / 2,
     )
     return Scalars._make(values)
 
