@@ -57,9 +57,10 @@ class Ellipsoid(NamedTuple):
     x: Operand
     y: Operand
     z: Operand
-    a11: Operand  # the matrix of squares of the half axes along axes 1 and 2
+    a11: Operand  # the matrix of squares of the half axes, along axes 1, 2, 3
     a12: Operand
     a22: Operand
+    a33: Operand
 
     @property
     def size(self) -> Operand:
@@ -79,7 +80,7 @@ class Ellipsoid(NamedTuple):
     def squares(self, v: Vector) -> Vector:
         """Return A v, where A = diag(a^2, b^2, c^2) along the half axes."""
         along = self.a11 * v.x + self.a12 * v.y
-        return Vector(along, self.a12 * v.x + self.a22 * v.y, self.c * (self.c * v.z))
+        return Vector(along, self.a12 * v.x + self.a22 * v.y, self.a33 * v.z)
 
     def edge(self, up: Vector) -> tuple[Vector, Operand]:
         """Return the highest point seen from its centre, and its height above it."""

@@ -85,9 +85,7 @@ def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
 
 
 ANGLES = filled(**gliding.ANGLES._asdict(), psi=RADIAN)
-ROLLING_ANGLES = filled(
-    **{n: u for n, u in ANGLES._asdict().items() if n not in ("nu_x", "nu_y", "work")}
-)
+ROLLING_ANGLES = filled(**rolling.ANGLES._asdict(), psi=RADIAN)
 ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 """Public variables: those of other bodies, with psi."""
 

@@ -5,17 +5,16 @@ from functools import partial
 from typing import Any
 
 from ..contact import body as contact
-from ..contact import framed, gliding
+from ..contact import framed, rolling
 from ..contact.body import Top
 from ..contact.frame import Asymmetric
 from ..contact.frame import Ellipsoid as Outline
-from ..friction import LAWS
 from ..number import Number, number, reuse
 from ..operand import Vector, cos, sin
-from ..system import Opening, System, of_one_phase
+from ..system import Opening
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, Unit
 from . import outlook
-from .revolution import Spheroid
+from .revolution import Spheroid, both
 from .tippe_top import TippeTop
 
 
@@ -74,7 +73,7 @@ class Ellipsoid(Top):
         """Return the body that formulas take."""
         k, s = cos(self.delta), sin(self.delta)
         a2, b2 = self.a**2, self.b**2
-        squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2
+        squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2, self.c**2
         shape = Outline(self.a, self.b, self.c, k, s, self.x, self.y, self.h, *squares)
         return Asymmetric(self.m, self.I1, self.I2, self.I3, self.g, friction, shape)
 
@@ -103,51 +102,37 @@ METRE2 = Unit("m2")
 
 def body_units(friction: Any) -> Asymmetric:
     """Return the units of the body."""
-    shape = Outline(*[METRE] * 3, *[ONE] * 2, *[METRE] * 3, *[METRE2] * 3)
+    shape = Outline(*[METRE] * 3, *[ONE] * 2, *[METRE] * 3, *[METRE2] * 4)
     return Asymmetric(KILOGRAM, INERTIA, INERTIA, INERTIA, METRE_PER_SECOND2, friction, shape)
 
 
-COMMON: dict[str, Any] = {
-    "parameters": Ellipsoid.parameters,
-    "body": Ellipsoid.body_of,
-    "body_units": body_units,
-    "scales": lambda b: (b.m, b.outline.c),
-    "normalised_to": {"m": 1.0},
-    "start": framed.start,
-    "long_names": framed.LONG_NAMES,
-    "vectors": gliding.VECTORS,
-    "checks": Ellipsoid.faults,
-    "outlook": outlook.without_axis,
-    "source": "Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
+ELLIPSOID, ROLLING_ELLIPSOID = both(
+    Ellipsoid,
+    "ellipsoid",
+    {
+        "initial": framed.INITIAL,
+        "alternatives": framed.ALTERNATIVES,
+        "angles": framed.ANGLES,
+        "forms": {"vector": framed.SLIDES},
+        "quantities": framed.QUANTITIES,
+        "events": framed.EVENTS,
+        "undefined_at_poles": framed.UNDEFINED_AT_POLES,
+        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW, framed.row)),
+        "outlook": outlook.without_axis,
+    },
+    {
+        "initial": {n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
+        "alternatives": tuple(one for one in framed.ALTERNATIVES if not one.flag),
+        "angles": framed.ROLLING_ANGLES,
+        "forms": {"vector": framed.ROLLS},
+        "quantities": framed.ROLLING_QUANTITIES,
+        "events": framed.ROLLING_EVENTS,
+        "undefined_at_poles": (*rolling.UNDEFINED_AT_POLES, "psi"),
+        "outlook": partial(outlook.without_axis, rolls=True),
+    },
+    body_units=body_units,
+    start=framed.start,
+    long_names=framed.LONG_NAMES,
+    source="Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
     "Int. J. Non-Linear Mechanics 17, 175 (1982)",
-}
-
-ELLIPSOID: System = of_one_phase(
-    "slip",
-    name=Ellipsoid.gliding,
-    title="ellipsoid that glides",
-    initial=framed.INITIAL,
-    alternatives=framed.ALTERNATIVES,
-    angles=framed.ANGLES,
-    forms={"vector": framed.SLIDES},
-    quantities=framed.QUANTITIES,
-    events=framed.EVENTS,
-    undefined_at_poles=framed.UNDEFINED_AT_POLES,
-    opening=Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW, framed.row)),
-    laws=LAWS,
-    **COMMON,
-)
-ROLLING_ELLIPSOID: System = of_one_phase(
-    "roll",
-    name=Ellipsoid.resting,
-    title="ellipsoid in pure rolling",
-    initial={n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
-    alternatives=tuple(one for one in framed.ALTERNATIVES if not one.flag),
-    angles=framed.ROLLING_ANGLES,
-    forms={"vector": framed.ROLLS},
-    quantities=framed.ROLLING_QUANTITIES,
-    events=framed.ROLLING_EVENTS,
-    integrals=("energy",),
-    undefined_at_poles=("phi", "phi_dot", "psi"),
-    **COMMON | {"outlook": partial(outlook.without_axis, rolls=True)},
 )
