@@ -237,12 +237,13 @@ def _contact(there: Motion, problem: Problem, body: Any) -> PlainData:
     axis: Any = there.axis
     if (
         there.place is None
-        or (hasattr(body, "I2") and there.orientation is None)
         or problem.system.name == "heavy-top"
         or not np.isfinite(there.place[:, 2]).any()
     ):
         return {}
     if hasattr(body, "I2"):
+        if there.orientation is None:
+            return {}
         gap = there.place[:, 2] + lowest(there.orientation, body)[:, 2]
     else:
         z = axis[:, 2]

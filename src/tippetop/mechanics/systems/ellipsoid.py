@@ -14,23 +14,15 @@ from ..operand import Vector, cos, sin
 from ..system import Opening
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, Unit
 from . import outlook
-from .revolution import Spheroid, both
+from .revolution import both
 from .tippe_top import TippeTop
 
 
 CENTRE = "position of the centre along axis {} from the centre of mass"
 
 
-def moment(axis: int, squares: str) -> Any:
-    """Return a principal moment of inertia, by default that of a uniform ellipsoid."""
-    return number(
-        INERTIA,
-        f"moment of inertia about axis {axis}",
-        symbol=f"I_{axis}",
-        above=0,
-        default=f"m*({squares})/5",
-        where_zero=("delta", "x", "y", "h"),
-    )
+OFF = ("delta", "x", "y", "h")
+"""Numbers that are 0 in a uniform body."""
 
 
 class Ellipsoid(Top):
@@ -64,10 +56,21 @@ class Ellipsoid(Top):
     x: Number = number(METRE, CENTRE.format(1), default=0.0)
     y: Number = number(METRE, CENTRE.format(2), default=0.0)
     h: Number = number(METRE, CENTRE.format(3), default=0.0)
-    I1: Number = moment(1, "b^2 + c^2")
-    I2: Number = moment(2, "a^2 + c^2")
-    I3: Number = moment(3, "a^2 + b^2")
-    g: Number = reuse(Spheroid.parameters["g"])
+    I1: Number = number(
+        INERTIA,
+        "moment of inertia about axis 1",
+        symbol="I_1",
+        above=0,
+        default="m*(b^2 + c^2)/5",
+        where_zero=OFF,
+    )
+    I2: Number = reuse(
+        I1, long_name="moment of inertia about axis 2", symbol="I_2", default="m*(a^2 + c^2)/5"
+    )
+    I3: Number = reuse(
+        I1, long_name="moment of inertia about axis 3", symbol="I_3", default="m*(a^2 + b^2)/5"
+    )
+    g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Asymmetric:
         """Return the body that formulas take."""
@@ -85,7 +88,8 @@ class Ellipsoid(Top):
         """
         shape = Ellipsoid.body_of(parameters, ()).outline
         along = shape.half_axes(Vector(shape.x, shape.y, shape.z))
-        faults = contact.outside_faults(*(x / half for x, half in zip(along, shape, strict=False)))
+        halves = zip(along, shape[:3], strict=True)
+        faults = contact.outside_faults(*(x / half for x, half in halves))
         inertia = {name: parameters[name] for name in ("I1", "I2", "I3")}
         name = max(inertia, key=inertia.__getitem__)
         others = sum(inertia.values()) - inertia[name]

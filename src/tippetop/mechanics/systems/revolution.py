@@ -141,11 +141,24 @@ def both(
         "vectors": gliding.VECTORS,
         **more,
     }
-    names = {"name": body.gliding, "title": f"{title} that glides"}
-    gliding_system = of_one_phase("slip", **names, **shared, **slides, laws=LAWS)
-    names = {"name": body.resting, "title": f"{title} in pure rolling"}
-    rolling_system = of_one_phase("roll", **names, **shared, **rolls, integrals=("energy",))
-    return gliding_system, rolling_system
+    return (
+        of_one_phase(
+            "slip",
+            name=body.gliding,
+            title=f"{title} that glides",
+            laws=LAWS,
+            **shared,
+            **slides,
+        ),
+        of_one_phase(
+            "roll",
+            name=body.resting,
+            title=f"{title} in pure rolling",
+            integrals=("energy",),
+            **shared,
+            **rolls,
+        ),
+    )
 
 
 def systems(
