@@ -112,8 +112,8 @@ Scalars: Any = namedtuple(
     "z s2 z_dot phi_dot_s2 axis_speed2 L3 v v_u v_n v2 rise speed2 gap power height force "
     "friction_force2 phase ball u up turns spin rotation",
 )
-"""As of other rows; v_A, how the body lies, zhat along its axes and its rate there, omega_z, energy
-of rotation.
+"""As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
+energy of rotation.
 """
 
 
@@ -224,9 +224,9 @@ def roll(s: Any, b: Asymmetric) -> Any:
 
 
 def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return the rate of `roll` times a positive number."""
-    rates = b.outline.half_axes(s.turns)
-    return rates.y * s.up.z - b.outline.half_axes(s.up).y * rates.z
+    """Return the rate of `roll` times a negative number."""
+    turns = b.outline.half_axes(s.turns)
+    return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 
 
 def energy(s: Any, b: Asymmetric) -> Any:
