@@ -271,10 +271,16 @@ def gap(x, b):
     return x.height - height_of(x.u, b)
 
 
+chosen_arm = of_outline(
+    formula(lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)),
+    lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, -outline.height),
+)
+
+
 @or_of_frame(frame.arm)
 def arm(u, b):
     """Return a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
-    return Vector(b.c * u.x, b.c * u.y, -height(u.z, b))
+    return chosen_arm(u, b, b.outline)
 
 
 @formula
