@@ -22,6 +22,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("completion foo", 2, 'Invalid value "foo" for SHELL. Choose from: "bash", "zsh", "fish".'),
     ("help scenaro", 2, "Did you mean `scenario`?"),
     (f"info {LONG}", 5, "File name too long"),
+    ("check RUN.zarr", 2, "but is a folder: `tippetop info` describes a store."),
     (f"check {LONG}", 2, "...` is neither a TOML file nor a preset."),
     (f"run inverting --until 0.05 --figure {LONG}.png", 5, "File name too long"),
     # run

@@ -509,7 +509,8 @@ def mirrored(b: Any) -> Any:
     """Return the mirror image of a body: delta and y of an ellipsoid are reversed."""
     if not hasattr(b, "I2"):
         return b
-    return b._replace(outline=b.outline._replace(sin=-b.outline.sin, y=-b.outline.y))
+    turned = {name: -getattr(b.outline, name) for name in ("sin", "a12", "y")}
+    return b._replace(outline=b.outline._replace(**turned))
 
 
 def mirror(case: Case) -> Pairs:

@@ -229,7 +229,7 @@ CALLS: list[tuple[Call, str]] = [
     # what has no such theory or landscape
     (lambda: thresholds("rolling-cylinder"), "but is that of the system rolling-cylinder"),
     (lambda: thresholds(3.0), "a Run, a Problem or the name of a preset, but is 3.0"),
-    (lambda: thresholds(CYLINDER), "must be a TippeTop or a HeavyTop, but is Cylinder"),
+    (lambda: thresholds(CYLINDER), "or a Spheroid or a Disc, but is Cylinder"),
     (lambda: thresholds("invertin"), "neither a TOML file nor a preset"),
     (lambda: regime(CYLINDER, 1.0), "must be a TippeTop"),
     (lambda: reconstruct(run(start={"theta_dot": 1.0})), "`initial.theta_dot` must be 0"),

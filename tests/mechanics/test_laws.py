@@ -147,8 +147,8 @@ DECOMPOSITION = {
     ("disc", "euler"): 169,
     ("rolling-disc", "vector"): 167,
     ("rolling-disc", "euler"): 134,
-    ("ellipsoid", "vector"): 343,
-    ("rolling-ellipsoid", "vector"): 299,
+    ("ellipsoid", "vector"): 322,
+    ("rolling-ellipsoid", "vector"): 248,
 }
 
 

@@ -136,10 +136,11 @@ def export(
     Parameters
     ----------
     store
-        The store of a run, a sweep, a surface or a potential; for mjcf and urdf a scenario, a
-        preset or the store of a run.
+        The store of a run, a sweep, a surface or a potential; for mjcf, urdf and sdf a
+        scenario, a preset or the store of a run.
     to
-        The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
+        The format: netcdf, csv or parquet; mjcf, urdf or sdf for the body, its start and its
+        friction.
     out
         The file to write; must not exist yet (or use --overwrite).
     group
@@ -149,7 +150,7 @@ def export(
     overwrite
         Replace an existing file.
     """
-    if to not in ("mjcf", "urdf"):
+    if to not in ("mjcf", "urdf", "sdf"):
         from ..store import root
         from ..store.export import export as write
 

@@ -116,7 +116,7 @@ def compiled_from(
     -----
     Numbers wider than doubles and huge equations of one run get heyoka's compact code: it runs a
     third slower, but other code would take 6 s (longdouble), 25 s (quad), 4 s for each phase of
-    drilling friction or 7 s (a rattleback) to compile.
+    drilling friction or 5 s (a rattleback) to compile.
 
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is
     neither, its integral is integrated too, scaled not to control the step. heyoka's own detection

@@ -18,7 +18,7 @@ from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
-from ..runs.shape import frames, moments
+from ..runs.shape import angular_velocity, frames, lowest, moments
 from .headers import KIND
 from .motion import Convention, Motion, angle_between, motion
 from .motion_table import read
@@ -158,7 +158,7 @@ def reference(run: Solution) -> Arrays:
     if problem.contact is not None or problem.system.name == "heavy-top":
         names = ("place", "orientation", "velocity", "omega", "force")
         return columns | dict(zip(names, motion_of(problem, run.rows), strict=True))
-    if not isinstance(body, contact.Touch):
+    if not hasattr(body, "outline"):
         return columns
     view = Observables(problem)
     scale = problem.unit(METRE_PER_SECOND)
@@ -166,14 +166,21 @@ def reference(run: Solution) -> Arrays:
     theta = columns["theta"]
     none = np.zeros(len(run.times))
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
-    z = np.cos(theta)
-    touching = contact.touching_ball(z, np.sin(theta) ** 2, body)
-    place = columns["x"], columns.get("y", none), contact.height(z, touching)
+    if hasattr(body, "I2"):
+        q = columns["orientation"]
+        columns["omega"] = angular_velocity(q, columns["L"], body)
+        height = -lowest(q, body)[:, 2]
+        rise = np.cross(lowest(q, body), columns["omega"])[:, 2]
+    else:
+        z = np.cos(theta)
+        touching = contact.touching_ball(z, np.sin(theta) ** 2, body)
+        height = contact.height(z, touching)
+        rise = touching.c * np.sin(theta) * columns["theta_dot"]
+    place = columns["x"], columns.get("y", none), height
     across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
     columns["place"] = np.stack(place, axis=1)
-    rise = touching.c * np.sin(theta) * columns["theta_dot"]
     columns["velocity"] = np.stack([*across, rise], axis=1)
-    if "L" in columns:
+    if "L" in columns and "omega" not in columns:
         spin = columns["omega3"][:, None] * columns["axis"]
         columns["omega"] = (columns["L"] - (body.I3 - body.I1) * spin) / body.I1
     return columns
@@ -233,13 +240,17 @@ def _contact(there: Motion, problem: Problem, body: Any) -> PlainData:
     axis: Any = there.axis
     if (
         there.place is None
-        or not isinstance(body, contact.Touch)
         or problem.system.name == "heavy-top"
         or not np.isfinite(there.place[:, 2]).any()
     ):
         return {}
-    z = axis[:, 2]
-    gap = there.place[:, 2] - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
+    if hasattr(body, "I2"):
+        if there.orientation is None:
+            return {}
+        gap = there.place[:, 2] + lowest(there.orientation, body)[:, 2]
+    else:
+        z = axis[:, 2]
+        gap = there.place[:, 2] - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
     return {
         "contact": {
             "penetration": float(max(0.0, -np.nanmin(gap))),

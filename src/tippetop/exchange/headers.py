@@ -43,7 +43,7 @@ UNITS = {
 }
 """Units of differences as text, by quantity; the others are angles in rad."""
 
-OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
+OWN = {"theta", "theta_dot", "energy", "normal_force"}
 """Columns of every run, which identify a header of `tippetop export`."""
 
 RENAMED = {"time": "t"} | {f"orientation_{c}": f"q_{c}" for c in "wxyz"}

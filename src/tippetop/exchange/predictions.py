@@ -21,7 +21,7 @@ from ..problem import Problem, name_faults
 # Tolerance of the integrator while numbers are searched: three fifths of the time
 TOLERANCE = 1e-9
 # Steps per internal unit of time beyond which a motion is given up: a canonical inversion takes 9
-MOST_STEPS = 25.0
+MOST_STEPS = 60.0
 VALUES = {
     "axis": tuple(component(f"u{c}") for c in "xyz"),
     "orientation": AXES,

@@ -75,7 +75,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     spin = (L * u).sum(axis=1)[:, None]
     w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
     if hasattr(body, "I2"):
-        w = angular_velocity(q, L, moments(body))
+        w = angular_velocity(q, L, body)
     if fixed:
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u

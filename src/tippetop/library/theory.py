@@ -12,10 +12,10 @@ from ..mechanics.contact.body import Top
 from ..mechanics.friction import has_parts
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.heavy_top import HeavyTop
-from ..mechanics.systems.revolution import Spheroid
+from ..mechanics.systems.revolution import Disc, Outlined, Spheroid
 from ..mechanics.systems.tippe_top import TippeTop
+from ..mechanics.theory import eggs_and_discs, modes, regimes
 from ..mechanics.theory import least_energy as least
-from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.least_energy import AsymptoticState
 from ..mechanics.theory.regimes import Regime
@@ -41,12 +41,12 @@ class Thresholds(dict):
         return "\n".join(f"{row[0]:<{name}}  {row[1]:<{value}}  {row[2]}" for row in rows)
 
 
-def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Threshold]:
+def thresholds(top: Top | Run | Problem | str) -> dict[str, Threshold]:
     """Compute the numbers that separate the regimes of a top.
 
     Parameters
     ----------
-    top : TippeTop, HeavyTop, Run, Problem or str
+    top : TippeTop, HeavyTop, Spheroid, Disc, Run, Problem or str
         A body, or a run, a problem, the name of a preset or a TOML file.
 
     Returns
@@ -55,7 +55,9 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
         By name, each with value, unit and long_name. Of a tippe top: lambda_u, lambda_s, lambda_de
         [kg m^3/s], spin_upright, spin_inverted, spin_full [rad/s], gamma, gamma_c, gamma_plus; of
         its surface and of rolling lambda_pi [kg m^3/s] and gamma_star. Of a heavy top:
-        spin_sleeping [rad/s].
+        spin_sleeping [rad/s]. Of a spheroid or a disc: heights at rest [m], radii at the poles [m],
+        mu_unique, and spin_upright, spin_inverted [rad/s] where a limit separates stable from
+        unstable spins, under friction or, of a problem in pure rolling, there.
 
     Raises
     ------
@@ -66,7 +68,12 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     -----
     Rutstam (2010), theorem 3.3.2, eqs. 4.29, 4.30, 5.54.
     """
-    body = top_of(top, TippeTop, HeavyTop)
+    body = top_of(top, TippeTop, HeavyTop, Spheroid, Disc)
+    if isinstance(body, Outlined):
+        problem = problem_behind(top)
+        rolls = problem is not None and not problem.system.frictional
+        _, spins = eggs_and_discs.spins(body.body(), rolls=rolls)
+        return Thresholds(eggs_and_discs.limits(body.body()) | spins)
     if isinstance(body, HeavyTop):
         return Thresholds(limits.thresholds_of_sleeping(body.body()))
     return Thresholds(limits.thresholds(body.body()) | thresholds_of_surface(body.body()))

@@ -39,8 +39,8 @@ class Number:
     default : float or str, optional
         The value if the number is omitted, or arithmetic of the other numbers; without a default it
         is required.
-    where_zero : str
-        A number that must be 0 for the default to apply.
+    where_zero : tuple of str
+        Numbers that must be 0 for the default to apply.
     symbol : str
         Symbol in figures, in TeX.
     optional : bool
@@ -61,7 +61,7 @@ class Number:
     below: float | None = None  # must be less than
     most: float | None = None  # must be at most
     default: float | str | None = None  # where it is left out; None: it must be given
-    where_zero: str = ""
+    where_zero: tuple[str, ...] = ()
     nonzero: bool = False  # must not be 0
     symbol: str = ""
     optional: bool = False
@@ -189,10 +189,11 @@ def omission_faults(
 ) -> list[str]:
     """Return a sentence for each omitted number whose default does not apply to the others."""
     return [
-        f"`parameters.{key}` must be given where {rule.where_zero} is not 0, but is missing: its "
-        "default is that of a uniform body."
+        f"`parameters.{key}` must be given where {name} is not 0, but is missing: its default is "
+        "that of a uniform body."
         for key, rule in rules.items()
-        if rule.where_zero and given.get(key) is None and numbers[rule.where_zero]
+        for name in rule.where_zero
+        if given.get(key) is None and numbers[name]
     ]
 
 

@@ -5,7 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.contact.body import Touch, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact import body as contact
+from ..mechanics.contact.body import Touch, Turning, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact.frame import Frame
 from ..mechanics.contact.outline import Ball, Spheroid
 from ..mechanics.contact.surroundings import dotted_numbers, surrounded_body
 from ..mechanics.friction import Frictionless
@@ -89,7 +91,7 @@ def surface_of(b: Any) -> Surface:
         half = np.array([outline.b, outline.b, outline.a])
         return Surface(np.array([0.0, 0.0, outline.c]), half)
     if hasattr(b, "I2"):
-        centre, half = np.array([outline[-3:], outline[:3]])
+        half, centre = np.array([outline[:3], outline[5:8]])
         return Surface(centre, half, float(np.arctan2(outline.sin, outline.cos)))
     normal = np.linspace(0, np.pi, POINTS)
     theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
@@ -115,20 +117,22 @@ def frames(orientation: np.ndarray) -> np.ndarray:
     return np.moveaxis(np.array(axes(Quaternion(*orientation.T))), -1, 0)
 
 
+def _lies(orientation: np.ndarray, b: Any) -> Any:
+    """Return how a body with these quaternions, (n, 4), lies: its axis or its Frame."""
+    first, _, third = axes(Quaternion(*orientation.T))
+    return Frame(*third, *first) if hasattr(b, "I2") else third
+
+
 def lowest(orientation: np.ndarray, b: Any) -> np.ndarray:
     """Return the lowest point from the centre of mass in space, (n, 3) [m]."""
-    frame = frames(orientation)
-    if hasattr(b, "I2"):
-        local = b.outline.arm(Vector(*frame[:, :, 2].T))
-        return np.einsum("in,nij->nj", local, frame)
-    u = Vector(*frame[:, 2].T)
-    return np.stack(arm(u, by_axis(u, b)), axis=1)
+    u = _lies(orientation, b)
+    return np.stack(arm(u, b if hasattr(b, "I2") else by_axis(u, b)), axis=1)
 
 
-def angular_velocity(orientation: np.ndarray, L: np.ndarray, inertia: np.ndarray) -> np.ndarray:
-    """Return omega in space, (n, 3) [rad/s], of L and principal moments of inertia."""
-    frame = frames(orientation)
-    return np.einsum("nij,nik,nk->nj", frame, frame / inertia[:, None], L)
+def angular_velocity(orientation: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:
+    """Return omega in space, (n, 3) [rad/s], of L."""
+    x = Turning(_lies(orientation, b), Vector(*L.T))
+    return np.stack(contact.angular_velocity(x, b), axis=1)
 
 
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:

@@ -47,6 +47,11 @@ def read(source: str) -> PlainData:
         if path.suffix != ".toml" and not os.path.isfile(path):
             known = _presets()
             if source not in known:
+                if os.path.isdir(path):
+                    raise InputError(
+                        f"`{_short(source)}` must be a TOML file or a preset, but is a folder: "
+                        "`tippetop info` describes a store."
+                    )
                 raise InputError(
                     f"`{_short(source)}` is neither a TOML file nor a preset."
                     f"{suggestion(source, known)} "

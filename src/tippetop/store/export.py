@@ -53,7 +53,8 @@ def export(
     """
     if to not in ENDINGS.values():
         raise InputError(
-            f"--to must be one of netcdf, csv, parquet, or for a body mjcf, urdf, but is `{to}`."
+            "--to must be one of netcdf, csv, parquet, or for a body mjcf, urdf, sdf, but is "
+            f"`{to}`."
         )
     if group not in (None, *tables):
         raise InputError(f"--group must be {' or '.join(tables)}, but is `{group}`.")

@@ -12,7 +12,7 @@ from ..mechanics.friction import slip_coefficient
 from ..mechanics.operand import Vector, cross
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import angular_velocity, body_of, lowest, moments, shape
+from ..runs.shape import angular_velocity, body_of, lowest, shape
 
 
 Columns = Mapping[str, np.ndarray]
@@ -60,10 +60,8 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         momentum = Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
-        inertia = moments(b)
-        if drawn["fixed"]:  # L is about the tip
-            inertia[:2] = tip_inertia(b)
-        omega = Vector(*angular_velocity(orientation, columns["L"], inertia).T)
+        turned = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip
+        omega = Vector(*angular_velocity(orientation, columns["L"], turned).T)
     arm = Vector(*lowest(orientation, _touching(columns, attrs, b)).T)
     slip = _slip(columns, n)
     turning = cross(omega, arm)

@@ -286,6 +286,23 @@ def test_derivatives_by_delta_are_those_of_differences() -> None:
     assert float(found[-1, 0]) == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=1e-5)
 
 
+def test_numbers_of_a_film_are_fitted_and_an_exported_run_is_compared(tmp_path: Path) -> None:
+    t = np.linspace(0.05, 1.0, 20)
+    scenario = tt.run(BOAT, Viscous(mu=3.0), start=START, until=1.0, output_times=[*t])
+    header = "t [s],q_w,q_x,q_y,q_z"
+    film = np.column_stack([t, scenario.trajectory.orientation])
+    np.savetxt(tmp_path / "film.csv", film, delimiter=",", header=header, comments="")
+    guess = BOAT._replace(delta=1.01 * BOAT.delta), Viscous(mu=3.1)
+    problem = tt.run(*guess, start=START, until=1e-3).problem
+    fit = tt.fit(tmp_path / "film.csv", problem, ["friction.mu", "parameters.delta"])
+    assert fit.trustworthy
+    assert fit.estimates["friction.mu"].value == pytest.approx(3.0, rel=1e-9)
+    assert fit.estimates["friction.mu"].sigma < 1e-6
+    scenario.export(tmp_path / "run.csv")
+    (found,) = tt.compare(tmp_path / "run.csv", scenario).motions
+    assert max(found.curves[name].max() for name in ("attitude", "place")) < 1e-14
+
+
 def run_boat(law: Any, **more: Any) -> Any:
     return tt.run(BOAT, law, start=START, until=0.1, **more)
 
@@ -299,6 +316,9 @@ def run_boat(law: Any, **more: Any) -> Any:
         ("Painleve", lambda: run_boat(Coulomb(mu=9.0))),
         ("TippeTop", lambda: tt.theory.thresholds(BOAT)),
         ("I1", lambda: tt.Ellipsoid(**{**BOAT._asdict(), "I1": 1.0})),
+        ("uniform", lambda: tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02, h=0.01)),
+        ("inside of the body", lambda: tt.Ellipsoid(**{**BOAT._asdict(), "x": 0.2})),
+        ("inside of the body", lambda: tt.Spheroid(m=1, a=0.2, b=0.3, c=-0.2, I1=1, I3=1)),
         ("given alone", lambda: tt.run(BOAT, start=START | {"theta": 0.1}, until=0.1)),
     ],
 )

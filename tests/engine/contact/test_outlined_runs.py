@@ -229,6 +229,13 @@ def assert_tippe_top(law: Any, start: dict[str, float], **options: Any) -> None:
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-12 * size)
 
 
+def test_thresholds_of_an_egg_are_those_of_its_regime() -> None:
+    """Upright spin above sqrt(5 g a^3)/b^2 is stable under friction."""
+    found = tt.theory.thresholds("spinning-egg")
+    assert found["spin_upright"].value == pytest.approx(np.sqrt(5 * 9.81 * 0.03**3) / 0.02**2)
+    assert tt.theory.thresholds("rolling-egg")["spin_upright"].value < 50
+
+
 # --- presets ------------------------------------------------------------------------------------
 
 

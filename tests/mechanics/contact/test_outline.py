@@ -202,7 +202,6 @@ def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
 def test_what_is_of_spheres_only_is_refused(name: str, rolls: bool) -> None:
     name = name.replace("spinning", "rolling") if rolls else name
     for call in (
-        tt.theory.thresholds,
         lambda top: tt.theory.regime(top, 1e-6),
         lambda top: tt.theory.asymptotic_states(top, 1e-6),
         lambda top: tt.landscapes.minimal_surface(top, D=0.0, lam=0.0),

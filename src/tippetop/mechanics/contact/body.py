@@ -3,6 +3,7 @@
 Vectors are those of space: regular everywhere.
 """
 
+import math
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from functools import update_wrapper
@@ -406,6 +407,19 @@ def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
             f"is {I3:.6g}."
         ]
     return []
+
+
+def outside_faults(*centre: float) -> list[str]:
+    """Return a sentence if the centre of mass is outside of the body.
+
+    `centre` is the place of its middle seen from there, by its half axes.
+    """
+    if (distance := math.hypot(*centre)) < 1:
+        return []
+    return [
+        "the centre of mass must lie inside of the body, less than 1 half axis from its middle, "
+        f"but is {distance:.6g} half axes away."
+    ]
 
 
 Kinematics: Any = namedtuple("Kinematics", "z s2 z_dot z_ddot_free phi_dot_s2 axis_speed2 L3 Lz")

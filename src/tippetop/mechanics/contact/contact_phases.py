@@ -36,6 +36,7 @@ from .body import (
     state,
 )
 from .body_axes import carried_along
+from .frame import rolling_torque
 from .gliding import VectorState, axis, axis_rate, turning
 from .integrals import integral, place
 from .response import (
@@ -276,7 +277,14 @@ SLIP = Phase(
 def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...] = AXIS) -> Phase:
     """Return a phase in which the contact point stays at rest: holds(x, b) -> force, torque."""
     forces = lambda x, q, b: holds(x, b)  # noqa: E731
-    return on_ball(state(lies), events, forces, none, lambda v: (), lambda q, G: ())
+    phase = on_ball(state(lies), events, forces, none, lambda v: (), lambda q, G: ())
+    if lies is AXIS:
+        return phase
+
+    def rates(q, b):
+        return type(phase.form.units)(*axis_rate(q, b), *rolling_torque(turning(q), b))
+
+    return replace(phase, forms=replace(phase.form, rates=rates))  # fewer products than a x F
 
 
 CONE = ending(

@@ -58,6 +58,10 @@ class Ellipsoid(NamedTuple):
     x: Operand
     y: Operand
     z: Operand
+    a11: Operand  # the matrix of squares of the half axes, along axes 1, 2, 3
+    a12: Operand
+    a22: Operand
+    a33: Operand
 
     @property
     def size(self) -> Operand:
@@ -74,54 +78,72 @@ class Ellipsoid(NamedTuple):
         along = self.cos * v.x + self.sin * v.y
         return Vector(along, self.cos * v.y - self.sin * v.x, v.z)
 
-    def squares(self, v: Vector) -> tuple[Vector, Operand]:
-        """Return A v and v.A v, where A = diag(a^2, b^2, c^2) in the half axes."""
-        d = self.half_axes(v)
-        q = Vector(self.a**2 * d.x, self.b**2 * d.y, self.c**2 * d.z)
-        along = self.cos * q.x - self.sin * q.y
-        return Vector(along, self.sin * q.x + self.cos * q.y, q.z), dot(d, q)
+    def squares(self, v: Vector) -> Vector:
+        """Return A v, where A = diag(a^2, b^2, c^2) along the half axes."""
+        along = self.a11 * v.x + self.a12 * v.y
+        return Vector(along, self.a12 * v.x + self.a22 * v.y, self.a33 * v.z)
+
+    def edge(self, up: Vector) -> tuple[Vector, Operand]:
+        """Return the highest point seen from its centre, and its height above it."""
+        q = self.squares(up)
+        k = sqrt(dot(up, q))
+        return times(1 / k, q), k
 
     def arm(self, up: Vector) -> Vector:
         """Return the arm, by the direction of zhat."""
-        q, k2 = self.squares(up)
-        return minus(Vector(self.x, self.y, self.z), times(1 / sqrt(k2), q))
+        top, _ = self.edge(up)
+        return minus(Vector(self.x, self.y, self.z), top)
 
-    def arm_rate(self, up: Vector, turns: Vector) -> Vector:
-        """Return the rate of the arm in the body where zhat turns there at this rate."""
-        q, k2 = self.squares(up)
-        q_dot, _ = self.squares(turns)
-        return times(1 / sqrt(k2), minus(times(dot(up, q_dot) / k2, q), q_dot))
-
-
-def parts(v: Vector, axes: tuple[Vector, Vector, Vector]) -> Vector:
-    """Return the components of a vector along the axes of a body."""
-    return Vector(*(dot(v, axis) for axis in axes))
+    def arm_rate(self, up: Vector, turn: Vector) -> Vector:
+        """Return the rate of the arm in the body, where zhat turns by turn = omega x zhat."""
+        top, k = self.edge(up)
+        return times(1 / k, minus(self.squares(turn), times(dot(turn, top), top)))
 
 
-def whole(v: Vector, axes: tuple[Vector, Vector, Vector]) -> Vector:
+def parts(v: Vector, u: Frame) -> Vector:
+    """Return the components of a vector along the axes of a body that lies so."""
+    return Vector(*(dot(v, axis) for axis in u.axes))
+
+
+def whole(v: Vector, u: Frame) -> Vector:
     """Return a vector in space of its components along the axes of a body."""
-    one, two, three = axes
+    one, two, three = u.axes
     return plus(plus(times(v.x, one), times(v.y, two)), times(v.z, three))
 
 
-def up(axes: tuple[Vector, Vector, Vector]) -> Vector:
+def up(u: Frame) -> Vector:
     """Return the components of zhat along the axes of a body."""
-    return Vector(*(axis.z for axis in axes))
+    return Vector(*(axis.z for axis in u.axes))
 
 
-def moments(b: Asymmetric) -> Vector:
-    """Return the principal moments of inertia."""
-    return Vector(b.I1, b.I2, b.I3)
+def of_rates(w, b):
+    """Return I w along the axes of the body."""
+    return Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
 
 
-def over(v: Vector, by: Vector) -> Vector:
+def over(v: Vector, moments: Vector) -> Vector:
     """Return the quotients of components."""
-    return Vector(v.x / by.x, v.y / by.y, v.z / by.z)
+    return Vector(v.x / moments.x, v.y / moments.y, v.z / moments.z)
+
+
+def rates_of(v, b):
+    """Return I^-1 v along the axes of the body."""
+    return over(v, Vector(b.I1, b.I2, b.I3))
+
+
+def turns(x, b):
+    """Return omega = I^-1 L along the axes of the body [rad/s]."""
+    return rates_of(parts(x.L, x.u), b)
+
+
+def local_arm(u, b):
+    """Return the arm along the axes of the body [m]."""
+    return b.outline.arm(up(u))
 
 
 def arm(u, b):
     """Return the arm, (3,) [m]: from the centre of mass to the contact."""
-    return whole(b.outline.arm(up(u.axes)), u.axes)
+    return whole(local_arm(u, b), u)
 
 
 def height(u, b):
@@ -131,18 +153,12 @@ def height(u, b):
 
 def momentum(omega, u, b):
     """Return L = I omega, (3,)."""
-    along = zip(moments(b), parts(omega, u.axes), strict=True)
-    return whole(Vector(*(moment * rate for moment, rate in along)), u.axes)
-
-
-def turns(x, b):
-    """Return omega = I^-1 L along the axes of the body [rad/s]."""
-    return over(parts(x.L, x.u.axes), moments(b))
+    return whole(of_rates(parts(omega, u), b), u)
 
 
 def angular_velocity(x, b):
     """Return omega, (3,) [rad/s]."""
-    return whole(turns(x, b), x.u.axes)
+    return whole(turns(x, b), x.u)
 
 
 def axis_rate(x, b):
@@ -155,46 +171,63 @@ def axis_rate(x, b):
 
 def arm_velocity(x, b):
     """Return omega x a, (3,) [m/s]."""
-    axes = x.u.axes
-    return whole(cross(turns(x, b), b.outline.arm(up(axes))), axes)
+    return whole(cross(turns(x, b), local_arm(x.u, b)), x.u)
 
 
-def inverse_times(v, a, b):
-    """Return K^-1 v by the arm a, along the axes of the body.
-
-    It is m (v - w x a), where (I + m (a^2 - a a)) w = m a x v.
-    """
-    about = Vector(*(one + b.m * dot(a, a) for one in moments(b)))
-    w = over(cross(a, v), about)
+def turning(torque, a, b):
+    """Return w, where (I + m (a^2 - a a)) w = torque about the contact, along the axes."""
+    ma2 = b.m * (a.x**2 + a.y**2 + a.z**2)
+    about = Vector(b.I1 + ma2, b.I2 + ma2, b.I3 + ma2)
     p = over(a, about)
-    w = plus(w, times(b.m * dot(a, w) / (1 - b.m * dot(a, p)), p))
-    return times(b.m, minus(v, times(b.m, cross(w, a))))
+    share = b.m * dot(p, torque) / (1 - b.m * dot(p, a))
+    return plus(over(torque, about), times(share, p))
 
 
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x, (3,): the force or impulse for x at the contact."""
-    axes = u.axes
-    return whole(inverse_times(parts(x, axes), b.outline.arm(up(axes)), b), axes)
+    """Return K^-1 x = m (x - m w x a), (3,): the force or impulse for x at the contact."""
+    a = local_arm(u, b)
+    v = parts(x, u)
+    w = turning(cross(a, v), a, b)
+    return whole(times(b.m, minus(v, times(b.m, cross(w, a)))), u)
 
 
-def bias(x, b):
-    """Return I^-1(L x omega) x a + omega x a' - g zhat along the axes of the body [m/s^2]."""
-    axes = x.u.axes
-    n = up(axes)
+def gyration(omega, b):
+    """Return L x omega along the axes of the body [N m]."""
+    yz = omega.y * omega.z
+    zx = omega.z * omega.x
+    xy = omega.x * omega.y
+    return Vector(b.I2 * yz - b.I3 * yz, b.I3 * zx - b.I1 * zx, b.I1 * xy - b.I2 * xy)
+
+
+def swing(x, b):
+    """Return omega x a' - g zhat along the axes of the body [m/s^2]."""
+    n = up(x.u)
     omega = turns(x, b)
-    a = b.outline.arm(n)
-    moves = plus(cross(omega, a), b.outline.arm_rate(n, cross(n, omega)))
-    free = over(cross(parts(x.L, axes), omega), moments(b))
-    return minus(plus(cross(free, a), cross(omega, moves)), times(b.g, n))
+    moves = plus(cross(omega, b.outline.arm(n)), b.outline.arm_rate(n, cross(omega, n)))
+    return minus(cross(omega, moves), times(b.g, n))
 
 
 def bias_vector(x, b):
     """Return the acceleration of the contact point without a force there, (3,) [m/s^2]."""
-    return whole(bias(x, b), x.u.axes)
+    free = rates_of(gyration(turns(x, b), b), b)
+    return whole(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
+
+
+def rolling(x, b):
+    """Return omega' of a body whose contact point stays at rest, and its force, along the axes."""
+    a = local_arm(x.u, b)
+    more = swing(x, b)
+    w = turning(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
+    return w, times(b.m, minus(cross(a, w), more))
 
 
 def resting(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
-    axes = x.u.axes
-    F = whole(inverse_times(bias(x, b), b.outline.arm(up(axes)), b), axes)
-    return times(-1, F), times(0, F)
+    _, F = rolling(x, b)
+    return whole(F, x.u), times(0, F)
+
+
+def rolling_torque(x, b):
+    """Return L' of a body whose contact point stays at rest, (3,) [N m]."""
+    w, _ = rolling(x, b)
+    return whole(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)

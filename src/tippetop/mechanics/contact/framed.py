@@ -85,9 +85,7 @@ def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
 
 
 ANGLES = filled(**gliding.ANGLES._asdict(), psi=RADIAN)
-ROLLING_ANGLES = filled(
-    **{n: u for n, u in ANGLES._asdict().items() if n not in ("nu_x", "nu_y", "work")}
-)
+ROLLING_ANGLES = filled(**rolling.ANGLES._asdict(), psi=RADIAN)
 ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 """Public variables: those of other bodies, with psi."""
 
@@ -114,8 +112,8 @@ Scalars: Any = namedtuple(
     "z s2 z_dot phi_dot_s2 axis_speed2 L3 v v_u v_n v2 rise speed2 gap power height force "
     "friction_force2 phase ball u up turns spin rotation",
 )
-"""As of other rows; v_A, how the body lies, zhat along its axes and its rate there, omega_z, energy
-of rotation.
+"""As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
+energy of rotation.
 """
 
 
@@ -124,7 +122,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     x = rows.moving(q, ())
     u = x.u
     u_dot = contact.axis_rate(x, b)
-    up = frame.up(u.axes)
+    up = frame.up(u)
     omega = frame.turns(x, b)
     v = contact.contact_velocity(x, b)
     values = (
@@ -147,9 +145,9 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
         q.ball,
         u,
         up,
-        cross(up, omega),
+        cross(omega, up),
         dot(up, omega),
-        dot(omega, frame.parts(x.L, u.axes)) / 2,
+        dot(omega, frame.parts(x.L, u)) / 2,
     )
     return Scalars._make(values)
 
@@ -226,9 +224,9 @@ def roll(s: Any, b: Asymmetric) -> Any:
 
 
 def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return the rate of `roll` times a positive number."""
-    rates = b.outline.half_axes(s.turns)
-    return rates.y * s.up.z - b.outline.half_axes(s.up).y * rates.z
+    """Return the rate of `roll` times a negative number."""
+    turns = b.outline.half_axes(s.turns)
+    return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 
 
 def energy(s: Any, b: Asymmetric) -> Any:

@@ -4,17 +4,25 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from ..contact import framed, gliding
+from ..contact import body as contact
+from ..contact import framed, rolling
 from ..contact.body import Top
 from ..contact.frame import Asymmetric
 from ..contact.frame import Ellipsoid as Outline
-from ..friction import LAWS
 from ..number import Number, number, reuse
-from ..operand import cos, sin
-from ..system import Opening, System, of_one_phase
-from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN
+from ..operand import Vector, cos, sin
+from ..system import Opening
+from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, Unit
 from . import outlook
+from .revolution import both
 from .tippe_top import TippeTop
+
+
+CENTRE = "position of the centre along axis {} from the centre of mass"
+
+
+OFF = ("delta", "x", "y", "h")
+"""Numbers that are 0 in a uniform body."""
 
 
 class Ellipsoid(Top):
@@ -23,11 +31,13 @@ class Ellipsoid(Top):
     Axes 1, 2 and 3 are the principal axes of inertia; half axis c lies along axis 3, and half axis
     a at the angle delta from axis 1. A rattleback is one, and so is a ball with three moments of
     inertia or with its centre of mass off the axis. Each number may be a text: with a unit, "5 g",
-    or arithmetic of the others, as I1="m*(b^2 + c^2)/5" of a uniform body.
+    or arithmetic of the others. By default the body is uniform.
 
     >>> import tippetop as tt
-    >>> boat = tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02, delta=0.01, x=0, y=0, h=0.01,
-    ...                     I1=2e-4, I2=1.6e-3, I3=1.7e-3, g=9.81)
+    >>> tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02).I3
+    0.00818
+    >>> boat = tt.Ellipsoid(m=1, a=0.2, b=0.03, c=0.02, delta=0.01, h=0.01,
+    ...                     I1=2e-4, I2=1.6e-3, I3=1.7e-3)
     """
 
     gliding = "ellipsoid"
@@ -38,83 +48,95 @@ class Ellipsoid(Top):
     b: Number = number(METRE, "half axis, at delta from axis 2", symbol="b", above=0)
     c: Number = number(METRE, "half axis along axis 3", symbol="c", above=0)
     delta: Number = number(
-        RADIAN, "angle of half axes a and b from axes 1 and 2, about axis 3", symbol=r"\delta"
+        RADIAN,
+        "angle of half axes a and b from axes 1 and 2, about axis 3",
+        symbol=r"\delta",
+        default=0.0,
     )
-    x: Number = number(METRE, "position of the centre along axis 1 from the centre of mass")
-    y: Number = number(METRE, "position of the centre along axis 2 from the centre of mass")
-    h: Number = number(METRE, "position of the centre along axis 3 from the centre of mass")
-    I1: Number = number(INERTIA, "moment of inertia about axis 1", symbol="I_1", above=0)
-    I2: Number = number(INERTIA, "moment of inertia about axis 2", symbol="I_2", above=0)
-    I3: Number = number(INERTIA, "moment of inertia about axis 3", symbol="I_3", above=0)
-    g: Number = reuse(TippeTop.parameters["g"])
+    x: Number = number(METRE, CENTRE.format(1), default=0.0)
+    y: Number = number(METRE, CENTRE.format(2), default=0.0)
+    h: Number = number(METRE, CENTRE.format(3), default=0.0)
+    I1: Number = number(
+        INERTIA,
+        "moment of inertia about axis 1",
+        symbol="I_1",
+        above=0,
+        default="m*(b^2 + c^2)/5",
+        where_zero=OFF,
+    )
+    I2: Number = reuse(
+        I1, long_name="moment of inertia about axis 2", symbol="I_2", default="m*(a^2 + c^2)/5"
+    )
+    I3: Number = reuse(
+        I1, long_name="moment of inertia about axis 3", symbol="I_3", default="m*(a^2 + b^2)/5"
+    )
+    g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Asymmetric:
         """Return the body that formulas take."""
-        turned = cos(self.delta), sin(self.delta)
-        shape = Outline(self.a, self.b, self.c, *turned, self.x, self.y, self.h)
+        k, s = cos(self.delta), sin(self.delta)
+        a2, b2 = self.a**2, self.b**2
+        squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2, self.c**2
+        shape = Outline(self.a, self.b, self.c, k, s, self.x, self.y, self.h, *squares)
         return Asymmetric(self.m, self.I1, self.I2, self.I3, self.g, friction, shape)
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return a sentence if a moment of inertia exceeds the sum of the others."""
+        """Return sentences on moments of inertia, and on a centre of mass outside of the body.
+
+        No moment exceeds the sum of the others.
+        """
+        shape = Ellipsoid.body_of(parameters, ()).outline
+        along = shape.half_axes(Vector(shape.x, shape.y, shape.z))
+        halves = zip(along, shape[:3], strict=True)
+        faults = contact.outside_faults(*(x / half for x, half in halves))
         inertia = {name: parameters[name] for name in ("I1", "I2", "I3")}
         name = max(inertia, key=inertia.__getitem__)
         others = sum(inertia.values()) - inertia[name]
         if inertia[name] > others * (1 + 1e-12):
-            return [
+            faults.append(
                 f"`parameters.{name}` must be at most the sum of the other moments = "
                 f"{others:.6g} (no rigid body has more), but is {inertia[name]:.6g}."
-            ]
-        return []
+            )
+        return faults
+
+
+METRE2 = Unit("m2")
 
 
 def body_units(friction: Any) -> Asymmetric:
     """Return the units of the body."""
-    shape = Outline(METRE, METRE, METRE, ONE, ONE, METRE, METRE, METRE)
+    shape = Outline(*[METRE] * 3, *[ONE] * 2, *[METRE] * 3, *[METRE2] * 4)
     return Asymmetric(KILOGRAM, INERTIA, INERTIA, INERTIA, METRE_PER_SECOND2, friction, shape)
 
 
-COMMON: dict[str, Any] = {
-    "parameters": Ellipsoid.parameters,
-    "body": Ellipsoid.body_of,
-    "body_units": body_units,
-    "scales": lambda b: (b.m, b.outline.c),
-    "normalised_to": {"m": 1.0},
-    "start": framed.start,
-    "long_names": framed.LONG_NAMES,
-    "vectors": gliding.VECTORS,
-    "checks": Ellipsoid.faults,
-    "outlook": outlook.without_axis,
-    "source": "Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
+ELLIPSOID, ROLLING_ELLIPSOID = both(
+    Ellipsoid,
+    "ellipsoid",
+    {
+        "initial": framed.INITIAL,
+        "alternatives": framed.ALTERNATIVES,
+        "angles": framed.ANGLES,
+        "forms": {"vector": framed.SLIDES},
+        "quantities": framed.QUANTITIES,
+        "events": framed.EVENTS,
+        "undefined_at_poles": framed.UNDEFINED_AT_POLES,
+        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW, framed.row)),
+        "outlook": outlook.without_axis,
+    },
+    {
+        "initial": {n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
+        "alternatives": tuple(one for one in framed.ALTERNATIVES if not one.flag),
+        "angles": framed.ROLLING_ANGLES,
+        "forms": {"vector": framed.ROLLS},
+        "quantities": framed.ROLLING_QUANTITIES,
+        "events": framed.ROLLING_EVENTS,
+        "undefined_at_poles": (*rolling.UNDEFINED_AT_POLES, "psi"),
+        "outlook": partial(outlook.without_axis, rolls=True),
+    },
+    body_units=body_units,
+    start=framed.start,
+    long_names=framed.LONG_NAMES,
+    source="Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
     "Int. J. Non-Linear Mechanics 17, 175 (1982)",
-}
-
-ELLIPSOID: System = of_one_phase(
-    "slip",
-    name=Ellipsoid.gliding,
-    title="ellipsoid that glides",
-    initial=framed.INITIAL,
-    alternatives=framed.ALTERNATIVES,
-    angles=framed.ANGLES,
-    forms={"vector": framed.SLIDES},
-    quantities=framed.QUANTITIES,
-    events=framed.EVENTS,
-    undefined_at_poles=framed.UNDEFINED_AT_POLES,
-    opening=Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW, framed.row)),
-    laws=LAWS,
-    **COMMON,
-)
-ROLLING_ELLIPSOID: System = of_one_phase(
-    "roll",
-    name=Ellipsoid.resting,
-    title="ellipsoid in pure rolling",
-    initial={n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
-    alternatives=tuple(one for one in framed.ALTERNATIVES if not one.flag),
-    angles=framed.ROLLING_ANGLES,
-    forms={"vector": framed.ROLLS},
-    quantities=framed.ROLLING_QUANTITIES,
-    events=framed.ROLLING_EVENTS,
-    integrals=("energy",),
-    undefined_at_poles=("phi", "phi_dot", "psi"),
-    **COMMON | {"outlook": partial(outlook.without_axis, rolls=True)},
 )

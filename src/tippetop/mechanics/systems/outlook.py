@@ -22,7 +22,6 @@ from ..theory.regimes import regime
 from ..theory.small_oscillations import oscillations
 from ..theory.spinning import thresholds_of_surface
 from ..theory.thresholds import (
-    SPINS,
     Threshold,
     lambda_de,
     lambda_s,
@@ -218,17 +217,9 @@ def revolution(
 
     The end of a disc is disputed.
     """
-    found = eggs_and_discs.limits(b)
     acts = nowhere_vanishes(b.friction) and not has_parts(b.friction)
-    spins = []
-    if (rolls or acts) and "radius_upright" in found:
-        for name, z in SPINS.items():
-            how, limit = eggs_and_discs.spin_limit(z, b, rolls=rolls)
-            if limit > 0:
-                words = f"{name} spin stable {how}"
-                found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, words)
-                how = f"stable {how} {limit:.6g} rad/s"
-            spins.append(f"the {name} spin is {how}")
+    spins, limits = eggs_and_discs.spins(b, rolls=rolls) if rolls or acts else ([], {})
+    found = eggs_and_discs.limits(b) | limits
     if start["phi_dot"] and 0 < start["theta"] < math.pi:
         found |= eggs_and_discs.steady_rolling(start["theta"], start["phi_dot"], b)
     when = "in pure rolling" if rolls else "under friction" if law is None else "while it slides"

@@ -1,6 +1,6 @@
 """Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim."""
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar
@@ -51,9 +51,15 @@ class Spheroid(Outlined):
     c: Number = number(
         METRE, "distance of the centre from the centre of mass along 3hat", symbol="c", default=0.0
     )
-    I1: Number = reuse(TippeTop.parameters["I1"], default="m*(a^2 + b^2)/5", where_zero="c")
-    I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero="c")
+    I1: Number = reuse(TippeTop.parameters["I1"], default="m*(a^2 + b^2)/5", where_zero=("c",))
+    I3: Number = reuse(TippeTop.parameters["I3"], default="2/5*m*b^2", where_zero=("c",))
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
+
+    @staticmethod
+    def faults(parameters: Mapping[str, float]) -> list[str]:
+        """Return sentences on moments of inertia, and on a centre of mass outside of the body."""
+        at = parameters["c"] / parameters["a"]
+        return contact.inertia_faults(parameters) + contact.outside_faults(at)
 
 
 VOLUME = "(2*ring^2 + pi*ring*tube + 4/3*tube^2)"
@@ -86,13 +92,13 @@ class Disc(Outlined):
     I1: Number = reuse(
         TippeTop.parameters["I1"],
         default=f"I3/2 + m*tube^2*(2/3*ring^2 + pi/4*ring*tube + 4/15*tube^2)/{VOLUME}",
-        where_zero="c",
+        where_zero=("c",),
     )
     I3: Number = reuse(
         TippeTop.parameters["I3"],
         default="m*(ring^4 + pi*ring^3*tube + 4*ring^2*tube^2 + 3/4*pi*ring*tube^3 + 8/15*tube^4)"
         f"/{VOLUME}",
-        where_zero="c",
+        where_zero=("c",),
     )
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
@@ -115,6 +121,46 @@ NOT_FLAT = Domain(
 JELLETT = replace(gliding.JELLETT_QUANTITY, long_name="-L.a, which is constant for a sphere only")
 
 
+def both(
+    body: type[Top],
+    title: str,
+    slides: Mapping[str, Any],
+    rolls: Mapping[str, Any],
+    **more: Any,
+) -> tuple[System, System]:
+    """Return the gliding and the rolling system of a body, with fields of each and `more` of both.
+
+    The unit of length is the size of its outline.
+    """
+    shared: dict[str, Any] = {
+        "parameters": body.parameters,
+        "body": body.body_of,
+        "checks": body.faults,
+        "scales": lambda b: (b.m, b.outline.size),
+        "normalised_to": {"m": 1.0},
+        "vectors": gliding.VECTORS,
+        **more,
+    }
+    return (
+        of_one_phase(
+            "slip",
+            name=body.gliding,
+            title=f"{title} that glides",
+            laws=LAWS,
+            **shared,
+            **slides,
+        ),
+        of_one_phase(
+            "roll",
+            name=body.resting,
+            title=f"{title} in pure rolling",
+            integrals=("energy",),
+            **shared,
+            **rolls,
+        ),
+    )
+
+
 def systems(
     body: type[Outlined],
     title: str,
@@ -122,68 +168,48 @@ def systems(
     *,
     events: tuple[Event, ...] = (),
     domains: tuple[Domain, ...] = (),
-    **more: Any,
+    classes: tuple[str, ...] = (),
 ) -> tuple[System, System]:
-    """Return the gliding and the rolling system of a body with an outline.
-
-    `more` are fields of both systems.
-    """
+    """Return the gliding and the rolling system of a body with an outline."""
     units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
 
-    def starting(angles: Any) -> Callable:
-        start = gliding.start_of(angles)
-        return lambda data, s, z, b: start(data, s, z, touching_ball(z, s * s, b))
+    def fields(of_ball: Any, *quantities: Any) -> dict[str, Any]:
+        start = gliding.start_of(of_ball.ANGLES)
+        return {
+            "forms": {
+                name: outlined_form(replace(form, domains=(*domains, *form.domains)))
+                for name, form in of_ball.FORMS.items()
+            },
+            "initial": of_ball.INITIAL,
+            "start": lambda data, s, z, b: start(data, s, z, touching_ball(z, s * s, b)),
+            "angles": of_ball.ANGLES,
+            "quantities": tuple(map(in_scalars, (JELLETT, *quantities))),
+            "events": tuple(map(in_scalars, (*of_ball.EVENTS, *events))),
+            "undefined_at_poles": of_ball.UNDEFINED_AT_POLES,
+        }
 
-    def forms(of_ball: dict[str, Any]) -> dict[str, Any]:
-        with_domains = {n: replace(f, domains=(*domains, *f.domains)) for n, f in of_ball.items()}
-        return {name: outlined_form(form) for name, form in with_domains.items()}
-
-    def of_phase(phase: str, of_ball: Any, quantities: tuple, **others: Any) -> System:
-        return of_one_phase(
-            phase,
-            forms=forms(of_ball.FORMS),
-            initial=of_ball.INITIAL,
-            start=starting(of_ball.ANGLES),
-            angles=of_ball.ANGLES,
-            quantities=tuple(map(in_scalars, (JELLETT, *quantities))),
-            events=tuple(map(in_scalars, (*of_ball.EVENTS, *events))),
-            undefined_at_poles=of_ball.UNDEFINED_AT_POLES,
-            parameters=body.parameters,
-            body=body.body_of,
-            body_units=lambda law: contact.body_units(law)._replace(R=(), c=(), outline=units),
-            scales=lambda b: (b.m, b.outline.size),
-            normalised_to={"m": 1.0},
-            long_names=gliding.LONG_NAMES,
-            vectors=gliding.VECTORS,
-            checks=body.faults,
-            source=source,
-            **more,
-            **others,
-        )
-
-    slides = of_phase(
-        "slip",
-        gliding,
-        gliding.QUANTITIES,
-        name=body.gliding,
-        title=f"{title} that glides",
-        alternatives=gliding.ALTERNATIVES,
-        on_request=(in_scalars(gliding.MODIFIED_ENERGY_RATE),),
-        opening=Opening(outlined=True, domains=domains, outlook=outlook.revolution),
-        outlook=outlook.revolution,
-        laws=LAWS,
+    slides = {
+        **fields(gliding, *gliding.QUANTITIES),
+        "alternatives": gliding.ALTERNATIVES,
+        "on_request": (in_scalars(gliding.MODIFIED_ENERGY_RATE),),
+        "opening": Opening(outlined=True, domains=domains, outlook=outlook.revolution),
+        "outlook": outlook.revolution,
+    }
+    rolls = {
+        **fields(rolling, *gliding.ENERGIES, *rolling.REACTION),
+        "alternatives": (gliding.BY_PSI_DOT,),
+        "outlook": partial(outlook.revolution, rolls=True),
+    }
+    return both(
+        body,
+        title,
+        slides,
+        rolls,
+        body_units=lambda law: contact.body_units(law)._replace(R=(), c=(), outline=units),
+        long_names=gliding.LONG_NAMES,
+        source=source,
+        classes=classes,
     )
-    rolls = of_phase(
-        "roll",
-        rolling,
-        (*gliding.ENERGIES, *rolling.REACTION),
-        name=body.resting,
-        title=f"{title} in pure rolling",
-        alternatives=(gliding.BY_PSI_DOT,),
-        outlook=partial(outlook.revolution, rolls=True),
-        integrals=("energy",),
-    )
-    return slides, rolls
 
 
 SPHEROID, ROLLING_SPHEROID = systems(

@@ -40,6 +40,23 @@ def spin_limit(z: float, b: Touch, *, rolls: bool = False) -> tuple[str, float]:
 
 
 @np.errstate(all="ignore")  # a disc has no ball at its poles
+def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Threshold]]:
+    """Return which spins at the poles are stable, in words, and the limits of their speed."""
+    words = []
+    found = {}
+    for name, z in SPINS.items():
+        if not np.isfinite(touching_ball(z, 0.0, b).R):
+            continue
+        how, limit = spin_limit(z, b, rolls=rolls)
+        if limit > 0:
+            text = f"{name} spin stable {how}"
+            found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, text)
+            how = f"stable {how} {limit:.6g} rad/s"
+        words.append(f"the {name} spin is {how}")
+    return words, found
+
+
+@np.errstate(all="ignore")  # a disc has no ball at its poles
 def limits(b: Touch) -> dict[str, Threshold]:
     """Return the heights at rest, the balls at the poles, and Painleve's bound."""
     shape = shape_of(b)
