@@ -7,7 +7,7 @@ functions, so that one integrator serves every direction, each in a SIMD lane. U
 the problem.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from ..mechanics.contact.body import Touch, by_scalars, height
 from ..mechanics.moment import moment
-from ..mechanics.operand import Vector, cos, leaves, refill, sin
+from ..mechanics.operand import Vector, cos, cross, dot, leaves, refill, sin
 from ..mechanics.rotation import outer
 from ..mechanics.system import System
 from ..mechanics.units import Scales
@@ -31,6 +31,8 @@ ZERO = hy.expression(0.0)
 COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
 """Entries of 4 q q^t of the orientation q."""
+CHIP = tuple(f"{name}_{c}" for name in ("gyroscope", "turning", "accelerometer") for c in "xyz")
+"""In body axes: angular velocity, its rate, and the specific force at the centre of mass."""
 
 
 class Kind(NamedTuple):
@@ -129,9 +131,11 @@ def expressions_of(kind: Kind, state: list[Any], body: Any) -> dict[str, Any]:
     """
     form, (q, carried) = kind.variables.form, kind.variables.split(state)
     values = observed(kind.system, form, q, carried, body)
+    scalars = form.scalars(q, body)
     if isinstance(body, Touch):
-        scalars = form.scalars(q, body)
         values |= {"height": height(scalars.z, by_scalars(scalars, body))}
+    elif hasattr(scalars, "height"):
+        values |= {"height": scalars.height}
     if kind.variables.orientation and form.orientation:
         values |= orientation_of(kind.system, form, q, carried, body)
         first, third = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
@@ -162,10 +166,33 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
 
     `names`: None for all.
     """
-    state, body, rates = kind.motion()
+    state, body, moving = kind.motion()
     known = expressions_of(kind, state, body)
+
+    def rates(values: Iterable) -> list[Any]:
+        return _derivatives([ZERO + v for v in values], dict(zip(state, moving, strict=True)))
+
+    if names and not set(CHIP).isdisjoint(names):
+        known |= zip(CHIP, _in_body_axes(known, rates, body), strict=True)
     names = tuple(known) if names is None else names
     values = [ZERO + known[name] for name in names]
-    by_time = _derivatives(values, dict(zip(state, rates, strict=True)))
+    by_time = rates(values)
     outputs = kind.with_derivatives(values) + by_time
     return names, compiled_once(hy.cfunc, outputs, vars=kind.symbols, compact_mode=True)
+
+
+def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[Any]:
+    """Return the functions CHIP of a state, of its axes and place by name and of time derivatives.
+
+    The specific force is the acceleration of the centre of mass + g zhat.
+    """
+    first, third = (Vector(*(known[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
+    axes = first, cross(third, first), third
+    moves = [Vector(*rates(axis)) for axis in axes]
+    omega = [dot(moves[i - 2], axes[i - 1]) for i in range(3)]
+    flat = [
+        known[c] if c in known else -body.c * getattr(third, c) for c in "xy"
+    ]  # on a fixed tip, or 0 of a cylinder
+    force = Vector(*rates(rates([*flat, known["height"]])))
+    force = Vector(force.x, force.y, force.z + body.g)
+    return [*omega, *rates(omega), *(dot(axis, force) for axis in axes)]

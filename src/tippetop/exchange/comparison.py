@@ -18,9 +18,10 @@ from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 from ..runs.shape import frames, moments
-from .headers import KIND
-from .motion import Convention, Motion, angle_between, motion
+from .headers import CAMERA, KIND
+from .motion import Convention, Motion, angle_between, lean, motion
 from .motion_table import read
+from .observation import Observation
 from .simulators import motion_of
 
 
@@ -87,7 +88,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     InputError
         If the table is wrong, or has no quantity that can be compared.
     """
-    table = read(path, wrapped=bool(problem.system.vectors))
+    table = read(path, wrapped=bool(problem.system.vectors), track=convention.track)
     given = motion(table, convention)
     t = table.t
     if t[0] < 0 or t[-1] <= 0:
@@ -102,14 +103,21 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
     columns = reference(run)
-    theirs = {name: part[:rows] for name, part in given._asdict().items() if part is not None}
+    if {"omega", "orientation"} <= columns.keys():
+        columns["gyroscope"] = _in_body_axes(columns["omega"], columns)
+    parts = {**given._asdict(), **given.leans, "leans": None}
+    theirs = {name: part[:rows] for name, part in parts.items() if part is not None}
+    if "axis" in columns:
+        columns |= {name: lean(columns["axis"], name) for name in given.leans}
+    if "accelerometer" in theirs:
+        columns["accelerometer"] = specific_force(run, columns, given, convention)
     known = {"t"} | theirs.keys() & columns
     if lost := [f"`{name}`" for name in table.columns if KIND.get(name, name) not in known]:
         raise InputError(
             f"`{path}`: every column must be comparable with the reference, but "
             f"{', '.join(lost)} cannot be: leave them out."
         )
-    there = Motion(**theirs)
+    there = Motion(**{name: theirs[name] for name in theirs if name in Motion._fields})
     curves = differences(theirs, columns)
     if not set(MAIN) & curves.keys():
         raise InputError(
@@ -178,12 +186,36 @@ def reference(run: Solution) -> Arrays:
     return columns
 
 
+def specific_force(
+    run: Solution, columns: Arrays, given: Motion, convention: Convention
+) -> np.ndarray:
+    """Return what an accelerometer in the body measures, (rows, 3) [m/s^2].
+
+    Raises InputError for a chip that is not at the centre of mass if the contact may open."""
+    problem = run.problem
+    if problem.contact is None:
+        seen = Motion(run.times, accelerometer=given.accelerometer[: len(run.times)])
+        observation = Observation(problem, (), seen, chip=convention.chip)
+        observation.refine()
+        return observation.curves({}, run.times)[1]["accelerometer"]
+    if any(convention.chip):
+        raise InputError(
+            "`chip` must be 0,0,0 to be compared where the contact may open, but is "
+            f"{convention.chip}."
+        )
+    return _in_body_axes(columns["force"], columns) / problem.body().m
+
+
+def _in_body_axes(vectors: np.ndarray, columns: Arrays) -> np.ndarray:
+    return np.einsum("nij,nj->ni", frames(columns["orientation"]), vectors)
+
+
 def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
     result: Arrays = {}
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
-        if name in ("phi", "psi"):
+        if name in ("phi", "psi") or CAMERA.fullmatch(name):
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))

@@ -8,12 +8,14 @@ import numpy as np
 from ..columns import Arrays
 from ..engine.expressions import AXES, component
 from ..engine.tangent import Tangents
+from ..engine.variational import CHIP
 from ..errors import InputError, suggestion
 from ..mechanics.number import Number
 from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
 from . import residuals
-from .motion import Motion, theta_of
+from .headers import CAMERA
+from .motion import Motion, picture, theta_of
 
 
 OFFSET = "time.offset"
@@ -37,8 +39,11 @@ UNSUPPORTED = (
     'Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'
 )
 MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
+AXIS = tuple(component(f"u{c}") for c in "xyz")
+IN_BODY = dict.fromkeys(("gyroscope", "omega", "accelerometer"), CHIP)
 NAMES = {
-    "axis": tuple(component(f"u{c}") for c in "xyz"),
+    **IN_BODY,
+    "axis": AXIS,
     "place": ("x", "y"),
     "marker": ("x", "y", "height"),
     "orientation": (),
@@ -61,6 +66,8 @@ class Observation:
         The place of the marker in body axes, from the centre of mass [m].
     noise
         Standard deviation of measured angles and directions [rad]; None: unknown.
+    chip
+        The place of the accelerometer in body axes, from the centre of mass [m].
 
     Attributes
     ----------
@@ -75,6 +82,7 @@ class Observation:
         seen: Motion,
         marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
+        chip: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ):
         self.free = tuple(free)
         self.t = seen.t
@@ -100,20 +108,20 @@ class Observation:
             raise InputError(faults)
         self.own = tuple(name for name in free if name not in TIMES)
         self.marker = marker
+        self.chip = np.reshape(chip, (1, 3, 1))
         self.groups = _groups(problem, seen)
         if not self.groups:
             raise InputError(
-                "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
+                "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
+                "gyroscope, an accelerometer, a place or a marker."
             )
-        self.turning = bool({"orientation", "marker"} & self.groups.keys())
+        self.turning = bool({"orientation", "marker", *IN_BODY} & self.groups.keys())
         self.exact = dataclasses.replace(problem, orientation=self.turning)
         coarse = dataclasses.replace(self.exact, tolerance=TOLERANCE)
         self.tangents = Tangents(coarse, self.own, MOST_STEPS)
         turning = AXES if self.turning else ()
         self.names = tuple(
-            dict.fromkeys(
-                [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
-            )
+            dict.fromkeys([*turning, *(name for group in self.groups for name in _names(group))])
         )
 
     @property
@@ -162,9 +170,13 @@ class Observation:
             rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
-    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
-        """Return the predictions of `dots`, also between them: times [s], and curves by group."""
-        t = np.linspace(self.t[0], self.t[-1], DRAWN)
+    def curves(
+        self, values: dict[str, float], t: np.ndarray | None = None
+    ) -> tuple[np.ndarray, Arrays]:
+        """Return the predictions of `dots` at times [s], by default also between them, and curves
+        by group.
+        """
+        t = np.linspace(self.t[0], self.t[-1], DRAWN) if t is None else t
         jets = self._read([values], t, slopes=False)
         curves = {
             group: self._model(group, jets)[..., 0]
@@ -216,18 +228,47 @@ class Observation:
         if group == "axis":
             return residuals.of_axis(seen, model, moves)
         off = seen - model
-        return (np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off), moves
+        if group == "phi" or CAMERA.fullmatch(group):
+            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+        return off, moves
 
     def _model(self, group: str, jets: Arrays) -> np.ndarray:
         """Return the predictions of a group and their derivatives, (rows, parts, 1 + free)."""
         sizes = {"place": self.metre, "marker": self.metre, "omega3": 1 / self.second}
-        names = NAMES.get(group, (group,))
-        model = np.stack([jets[name] for name in names], axis=1) * sizes.get(group, 1.0)
+        model = np.stack([jets[name] for name in _names(group)], axis=1) * sizes.get(group, 1.0)
+        if CAMERA.fullmatch(group):
+            x, y = np.moveaxis(picture(group) @ model, 1, 0)
+            lean = (y[:, :1] * x - x[:, :1] * y) / (x**2 + y**2)[:, :1]
+            lean[:, 0] = np.arctan2(x[:, 0], y[:, 0])
+            return lean[:, None]
+        if group in IN_BODY:
+            model = self._in_body_axes(group, model)
+        if group == "omega":
+            model = self._turned(model, jets)
         if group == "marker":
-            axes, turn = self._axes(jets)
-            arm = (axes @ self.marker)[:, :, None]
-            model += np.concatenate([arm, np.cross(turn, arm, axis=1)], axis=2)
+            arm = np.zeros(model.shape[1:])
+            arm[:, 0] = self.marker
+            model += self._turned(arm, jets)
         return model
+
+    def _in_body_axes(self, group: str, chip: np.ndarray) -> np.ndarray:
+        """Return the reading of a gyroscope or an accelerometer; `chip`: jets of CHIP."""
+        chip = chip * self.metre ** np.repeat([0, 0, 1], 3)[:, None]
+        chip = chip / self.second ** np.repeat([1, 2, 2], 3)[:, None]
+        spin, turning, force = np.split(chip, 3, axis=1)
+        if group != "accelerometer":
+            return spin
+        w = spin[..., :1]
+        swing = np.cross(w, np.cross(spin, self.chip, axis=1), axis=1)
+        swing[..., 1:] += np.cross(spin[..., 1:], np.cross(w, self.chip, axis=1), axis=1)
+        return force + np.cross(turning, self.chip, axis=1) + swing
+
+    def _turned(self, v: np.ndarray, jets: Arrays) -> np.ndarray:
+        """Return jets of a vector in space, of those in body axes."""
+        axes, turn = self._axes(jets)
+        found = axes @ v
+        found[..., 1:] += np.cross(turn, found[..., :1], axis=1)
+        return found
 
     def _axes(self, jets: Arrays) -> tuple[np.ndarray, np.ndarray]:
         """Return the axes of the body (rows, space, axes), and their rotation vectors."""
@@ -254,11 +295,27 @@ def _groups(problem: Problem, seen: Motion) -> Arrays:
             left = left & ~there
             if there.any():
                 groups[kind] = np.where(there[:, None], rows, np.nan)
-    if seen.omega3 is not None and "omega3" in problem.system.angles._fields:
-        groups["omega3"] = seen.omega3[:, None]
+    spins = {"gyroscope": seen.gyroscope, "omega": seen.omega}
+    if "omega3" in problem.system.angles._fields and seen.omega3 is not None:
+        own = np.nan if seen.gyroscope is None else seen.gyroscope[:, 2]
+        spins["omega3"] = np.where(np.isfinite(own), np.nan, seen.omega3)
+    left[:] = True
+    for kind, values in spins.items():
+        if values is not None:
+            rows = np.where(left[:, None], values.reshape(len(left), -1), np.nan)
+            left &= ~np.isfinite(rows).all(axis=1)
+            if np.isfinite(rows).any():
+                groups[kind] = rows
+    groups |= {name: rows[:, None] for name, rows in seen.leans.items()}
     flat = {"x", "y"} <= set(problem.system.angles._fields)
     if flat and seen.place is not None and np.isfinite(seen.place[:, :2]).any():
         groups["place"] = seen.place[:, :2]
-    if seen.marker is not None:
-        groups["marker"] = seen.marker
+    for kind in ("accelerometer", "marker"):
+        if (values := getattr(seen, kind)) is not None:
+            groups[kind] = values
     return groups
+
+
+def _names(group: str) -> tuple[str, ...]:
+    """Return the readings of a motion for a kind of measurement."""
+    return AXIS if CAMERA.fullmatch(group) else NAMES.get(group, (group,))

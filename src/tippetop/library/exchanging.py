@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import in_python, instance, names_of, path_of, whole
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, measurements
-from ..exchange.motion import convention_of
+from ..exchange.motion import convention_of, place_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..progress import Report, reporting
@@ -51,15 +51,16 @@ def compare(
     *,
     quaternion: str | None = None,
     up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
 ) -> Comparison:
     """Compare another program's motion with the exact one.
 
     Parameters
     ----------
     others : path or list of paths
-        CSV or Parquet files whose headers name columns and units: `t [s], theta [deg]`, `axis_x,
-        axis_y, axis_z`, `q_w, q_x, q_y, q_z` (body to space), `x [m]`, `vx [m/s]`, `omega_x
-        [rad/s]` (space), `omega_body_x [rad/s]`. Every column is compared; one that the reference
+        CSV or Parquet files whose headers name columns and units, such as `t [s], theta [deg]`:
+        `tippetop help measurements` lists them. Every column is compared; one that the reference
         lacks is refused. A name such as `dt=1e-3.csv` gives the time step.
     reference : str, path, Run, Problem or mapping
         A scenario, or a run: the exact motion is computed at the other's own times.
@@ -68,6 +69,11 @@ def compare(
     up : str
         The letter of the vertical in the other's frames, and of the body's axis of symmetry: "z" or
         "y". With "y" their z, x, y are our x, y, z.
+    track : str, optional
+        The object whose columns are read, where a table has several: its name in the line before
+        the header.
+    chip : three floats, or text with commas, optional
+        Where the accelerometer is in the body, from the centre of mass, body axes [m].
 
     Returns
     -------
@@ -88,7 +94,7 @@ def compare(
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference("reference", reference)
-    convention = convention_of(quaternion, up)
+    convention = convention_of(quaternion, up, track, chip)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
 
 
@@ -172,6 +178,8 @@ def fit(
     marker: Sequence[float] | str | None = None,
     quaternion: str | None = None,
     up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
     noise: float | str | None = None,
     progress: Report | bool = True,
 ) -> Fitted:
@@ -195,7 +203,7 @@ def fit(
     marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
         axes [m].
-    quaternion, up : str
+    quaternion, up, track, chip
         As for `compare`.
     noise : float or str, optional
         Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg".
@@ -224,8 +232,8 @@ def fit(
         problem,
         path_of("data", data),
         names_of("free", free),
-        convention_of(quaternion, up),
-        fit_text.marker_of(marker),
+        convention_of(quaternion, up, track, chip),
+        place_of("marker", marker),
         noise,
     )
     starts = whole("starts", starts)
