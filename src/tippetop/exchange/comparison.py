@@ -110,7 +110,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     if "axis" in columns:
         columns |= {name: lean(columns["axis"], name) for name in given.leans}
     if "accelerometer" in theirs:
-        columns["accelerometer"] = specific_force(run, columns, given, convention)
+        columns["accelerometer"] = specific_force(run, columns, convention.chip)
     known = {"t"} | theirs.keys() & columns
     if lost := [f"`{name}`" for name in table.columns if KIND.get(name, name) not in known]:
         raise InputError(
@@ -186,22 +186,19 @@ def reference(run: Solution) -> Arrays:
     return columns
 
 
-def specific_force(
-    run: Solution, columns: Arrays, given: Motion, convention: Convention
-) -> np.ndarray:
-    """Return what an accelerometer in the body measures, (rows, 3) [m/s^2].
+def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
+    """Return what an accelerometer at a place in the body measures, (rows, 3) [m/s^2].
 
-    Raises InputError for a chip that is not at the centre of mass if the contact may open."""
+    Raises InputError for a place that is not the centre of mass if the contact may open."""
     problem = run.problem
     if problem.contact is None:
-        seen = Motion(run.times, accelerometer=given.accelerometer[: len(run.times)])
-        observation = Observation(problem, (), seen, chip=convention.chip)
+        seen = Motion(run.times, accelerometer=np.zeros((len(run.times), 3)))
+        observation = Observation(problem, (), seen, chip=chip)
         observation.refine()
         return observation.curves({}, run.times)[1]["accelerometer"]
-    if any(convention.chip):
+    if any(chip):
         raise InputError(
-            "`chip` must be 0,0,0 to be compared where the contact may open, but is "
-            f"{convention.chip}."
+            f"`chip` must be 0,0,0 to be compared where the contact may open, but is {chip}."
         )
     return _in_body_axes(columns["force"], columns) / problem.body().m
 

@@ -2,7 +2,6 @@
 
 import codecs
 import csv
-import itertools
 import math
 import re
 from collections.abc import Collection
@@ -199,10 +198,11 @@ def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
     """Return the places of the columns of an object, named in the row before the header.
 
     A name is valid for the columns after it too. Raises InputError."""
-    names = [name for name in above if name.strip() != MULTI]
-    names = names[: len(header)] + [""] * (len(header) - len(names))
-    names = list(itertools.accumulate(names, lambda last, name: name.strip() or last))
-    objects = list(dict.fromkeys(name for name in names if name))
+    names = [name.strip() for name in above if name.strip() != MULTI]
+    names += [""] * (len(header) - len(names))
+    for n in range(1, len(names)):
+        names[n] = names[n] or names[n - 1]
+    objects = dict.fromkeys(filter(None, names))
     known = [parsed(text)[0] for text in header if text.strip()]
     if track is None and (len(set(known)) == len(known) or not objects):
         return [*range(len(header))]
@@ -211,7 +211,7 @@ def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
             f"`track` must name an object of the table, of {', '.join(objects) or 'none'}, but is "
             f"{track or 'not given'}."
         )
-    return [n for n, name in enumerate(names) if name in ("", track)]
+    return [n for n in range(len(header)) if names[n] in ("", track)]
 
 
 def _has_decimal_commas(cells: list[str]) -> bool:

@@ -82,7 +82,7 @@ class Observation:
         seen: Motion,
         marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
-        chip: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        chip: Sequence[float] = (0.0, 0.0, 0.0),
     ):
         self.free = tuple(free)
         self.t = seen.t
@@ -284,28 +284,25 @@ class Observation:
 def _groups(problem: Problem, seen: Motion) -> Arrays:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: Arrays = {}
-    kinds = {"theta": seen.theta}
+    attitudes = {"theta": seen.theta}
     if "axis" in problem.system.vectors:
-        kinds = {"orientation": seen.orientation, "axis": seen.axis, **kinds, "phi": seen.phi}
-    left = np.ones(len(seen.t), bool)
-    for kind, values in kinds.items():  # the first that a row has contains the others
-        if values is not None:
-            rows = values.reshape(len(left), -1)
-            there = left & np.isfinite(rows).all(axis=1)
-            left = left & ~there
-            if there.any():
-                groups[kind] = np.where(there[:, None], rows, np.nan)
+        attitudes = {"orientation": seen.orientation, "axis": seen.axis} | attitudes
+        attitudes["phi"] = seen.phi
     spins = {"gyroscope": seen.gyroscope, "omega": seen.omega}
     if "omega3" in problem.system.angles._fields and seen.omega3 is not None:
         own = np.nan if seen.gyroscope is None else seen.gyroscope[:, 2]
         spins["omega3"] = np.where(np.isfinite(own), np.nan, seen.omega3)
-    left[:] = True
-    for kind, values in spins.items():
-        if values is not None:
-            rows = np.where(left[:, None], values.reshape(len(left), -1), np.nan)
-            left &= ~np.isfinite(rows).all(axis=1)
-            if np.isfinite(rows).any():
-                groups[kind] = rows
+    for kinds in (attitudes, spins):
+        left = np.ones(len(seen.t), bool)
+        for kind, values in kinds.items():  # the first that a row has contains the others
+            if values is not None:
+                rows = np.where(left[:, None], values.reshape(len(left), -1), np.nan)
+                full = np.isfinite(rows).all(axis=1)
+                left &= ~full
+                if kinds is attitudes:  # an axis needs both angles
+                    rows[~full] = np.nan
+                if np.isfinite(rows).any():
+                    groups[kind] = rows
     groups |= {name: rows[:, None] for name, rows in seen.leans.items()}
     flat = {"x", "y"} <= set(problem.system.angles._fields)
     if flat and seen.place is not None and np.isfinite(seen.place[:, :2]).any():
