@@ -128,9 +128,10 @@ typedef struct {
     real noise_floor, at_pole, near_pole, on_zero_for;
     integer settled_every; /* steps between two looks whether a run has settled */
 
-    real *row_times, *row_states;
+    real *row_times, *row_states; /* of each top in turn, as all arrays of rows */
     integer *row_phases, *rows_made;
     integer rows_at_steps, row_count;
+    integer row_phase_count; /* with lanes, `in_lane` is this times the top plus the phase */
 } Loop;
 
 static void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -557,31 +558,46 @@ FUSES static void sum_rows(const Loop *l, integer at) {
     }
 }
 
-/* Write the rows of a run that lie in its present step. Return whether all are written.
+/* Whether a top has rows that are not written before a time. */
+static bool is_row_before(const Loop *l, integer top, real time) {
+    integer count = l->row_count;
+    return count > 0 && l->rows_made[top] < count &&
+           l->row_times[top * count + l->rows_made[top]] < time;
+}
+
+/* Write the rows of a lane that lie in its present step. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
-static bool take_rows(const Loop *l, bool moved) {
-    const Tally *tally = l->tallies;
-    integer *made = l->rows_made, count = l->row_count, end = *made;
+static bool take_rows(const Loop *l, integer lane, bool moved) {
+    const Tally *tally = l->tallies + lane;
+    integer count = l->row_count, n = l->lanes, in_lane = l->in_lane[lane];
+    bool has_lanes = l->row_phase_count > 0;
+    if (count == 0 || (has_lanes && (!moved || in_lane < 0)))
+        return false;
+    integer top = has_lanes ? in_lane / l->row_phase_count : 0;
+    integer *made = l->rows_made + top, *phases = l->row_phases + top * count, end = *made;
+    real *times = l->row_times + top * count, *states = l->row_states + top * count * l->width;
     bool is_good = tally->status != NON_FINITE;
-    if (count > 0 && l->rows_at_steps && moved && tally->upto == 1 && is_good) {
-        l->row_times[*made] = l->high[0];
-        copy(l->variables, l->state, 1, l->row_states + *made * l->width, 1);
-        l->row_phases[(*made)++] = *l->in_lane;
+    if (l->rows_at_steps && moved && tally->upto == 1 && is_good) {
+        times[*made] = l->high[lane];
+        copy(l->variables, l->state + lane, n, states + *made * l->width, 1);
+        phases[(*made)++] = in_lane;
     }
     if (!l->rows_at_steps && tally->steps > 0 && is_good) {
         bool runs = tally->status == RUNNING;
-        for (const real *time = l->row_times; end < count; end++) {
-            if (runs ? time[end] >= tally->t : time[end] > tally->t)
+        for (; end < count; end++) {
+            if (runs ? times[end] >= tally->t : times[end] > tally->t)
                 break;
-            l->row_phases[end] = *l->in_lane;
+            phases[end] = in_lane;
         }
-        bool fuses = l->fused && l->variables >= TOGETHER;
+        bool fuses = l->fused && n == 1 && l->variables >= TOGETHER;
         for (; fuses && *made + TIMES <= end; *made += TIMES)
             sum_rows(l, *made);
-        for (; *made < end; ++*made) /* a stepper in Python sees which row it makes */
-            state_at(l, 0, l->row_times[*made], l->row_states + *made * l->width);
+        for (; *made < end; ++*made) { /* a stepper in Python sees which row it makes */
+            state_at(l, lane, times[*made], l->out);
+            copy(l->variables, l->out + lane, n, states + *made * l->width, 1);
+        }
     }
-    return count > 0 && *made == count;
+    return *made == count;
 }
 
 /* --- steps --- */
@@ -708,7 +724,9 @@ integer loop_drive(const Loop *l, integer most) {
         runs = runs || l->tallies[lane].status == RUNNING;
     for (integer steps = 0;; steps++) {
         bool stops = !runs || is_full(l) || steps >= most;
-        if (take_rows(l, steps > 0) || stops)
+        for (integer lane = 0; lane < l->lanes; lane++)
+            stops = (take_rows(l, lane, steps > 0) && l->row_phase_count == 0) || stops;
+        if (stops)
             return steps;
         begin_step(l);
         l->step(l->state, l->pars, l->start_high, l->h, l->tc, l->tape);
@@ -943,8 +961,7 @@ static bool change_phase(Phases *p) {
     const Loop *next = p->loops[c->next];
     const real *more = others(c, p->loops), *ranges = more + 2;
     real time = MIN(p->end, when + more[1]);
-    bool has_rows = made_rows < l->row_count && l->row_times[made_rows] < time;
-    if ((time > when && has_rows) || last + c->logged + c->passed > l->log_room)
+    if ((time > when && is_row_before(l, 0, time)) || last + c->logged + c->passed > l->log_room)
         return false;
 
     l->logged[0] = last;
@@ -1101,6 +1118,8 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
         return false;
     const real *out = c->registers + c->out, *more = others(c, p->loops);
     real time = MIN(t->end, t->high + more[1]);
+    if (time > t->high && is_row_before(l, top, time))
+        return false;
     note_change(l, lane, p->events, c, t->high, time, state, more + 2);
     for (integer e = 0; e < events; e++) {
         function(l, e, lane)->sign = out[e];

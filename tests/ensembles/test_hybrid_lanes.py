@@ -18,7 +18,7 @@ from tippetop.scenario import build, reading
 
 VISCOUS, COULOMB = {"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3}
 TOPS = {
-    "hops": ("flying", {}, 3.0),
+    "hops": ("flying", {}, 6.0),
     "bounces": (BOUNCE, {"friction": VISCOUS, "contact": {"e_n": 0.7}}, 0.5),
     "sticks": (BOUNCE, {"friction": COULOMB, "initial": TOSSED}, 0.3),
     "rests": (BOUNCE, {"friction": DRILLING, "initial": TOSSED}, 0.3),

@@ -55,25 +55,6 @@ def test_what_cannot_be_fitted_is_a_sentence(
 
 
 @pytest.mark.parametrize(
-    "changes",
-    [
-        ["friction.law=contensou", "friction.patch=1e-4"],
-        ["friction.law=coulomb"],
-        ['run.on_liftoff="fly"'],
-    ],
-)
-def test_laws_and_contacts_without_fits_are_not_supported_yet(
-    tmp_path: Path, changes: list[str]
-) -> None:
-    scenario = tt.load("inverting", [*changes, "friction.mu=0.3"])
-    with pytest.raises(
-        InputError,
-        match="exact Coulomb friction, stems and hops are not supported yet: give a smooth",
-    ):
-        tt.fit(film(tmp_path, "0,5.7", "0.1,5.6", "0.2,5.8", "0.3,5.6"), scenario, "friction.mu")
-
-
-@pytest.mark.parametrize(
     ("noise", "words"),
     [
         (None, r"3\.17894 rad \(182\.14 deg\) in row 3: noise may explain it \(--noise\)"),

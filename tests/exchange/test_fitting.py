@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nightly import at_night
 from typed import typed
 
 import tippetop as tt
+from tippetop.exchange.misfit import Misfit
 from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.search import Minimum, merge
@@ -161,54 +161,26 @@ def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
     assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # not a line from dot to dot
 
 
-def predicted(
-    observation: Observation, values: dict[str, float]
-) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """What is left of each kind of measurement, and how the prediction moves, for one set of
-    numbers.
-    """
-    return {
-        kind: (off[0], moves[0]) for kind, (off, moves) in observation.predictions([values]).items()
-    }
-
-
-@pytest.mark.parametrize(
-    "kind", ["theta", "omega3", "axis", *map(at_night, ("orientation", "place", "marker"))]
-)
-def test_jacobians_are_those_of_differences(kind: str) -> None:
-    """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
-    free = [
-        "parameters.I1",
-        "parameters.alpha",
-        "friction.mu",
-        "initial.omega3",
-        "time.offset",
-        "time.scale",
-    ]
+def test_jacobians_are_the_exact_derivatives() -> None:
+    """By numbers of the body, the law, the start and the clock, against variational equations."""
+    names = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3"]
     t = np.array([0.02, 0.05, 0.11])
-    n = len(t)
-    q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
-    seen = {"theta": np.full(n, 0.2), "axis": np.tile([0.0, 0.6, 0.8], (n, 1)), "orientation": q}
-    seen |= {"omega3": np.zeros(n)} | dict.fromkeys(("place", "marker"), np.zeros((n, 3)))
-    motion = Motion(t, **{kind: seen[kind]})
-    marker = (0.01, 0.0, 0.005) if kind == "marker" else None
-    observation = Observation(tt.load("inverting"), free, motion, marker)
-    start = observation.start()
-    _, slopes = predicted(observation, start)[kind]
-    for k, name in enumerate(free):
-        size = 1e-5 * (abs(start[name]) or 1e-2)
-        ahead, behind = (
-            predicted(observation, {**start, name: start[name] + s * size})[kind][0]
-            for s in (1, -1)
-        )
-        expected = (behind - ahead) / (
-            2 * size
-        )  # of the prediction: what is left has the other sign
-        if kind == "orientation":  # to first order in what is left
-            continue
-        np.testing.assert_allclose(
-            slopes[:, :, k], expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max()
-        )
+    seen = Motion(t, theta=np.full(3, 0.2), omega3=np.zeros(3), place=np.zeros((3, 3)))
+    observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
+    observation.refine()
+    space = observation.space()
+    _, (slopes,) = Misfit(observation, space, "linear").at(np.zeros((1, 6)), 3)
+    run = tt.load("inverting", [f"run.output_times={t.tolist()}"], 0.11)
+    exact = tt.derivatives.sensitivities(run, names).trajectory
+    rows = tt.run(run).trajectory
+    columns = ["theta", "omega3", "x", "y"]
+    by_name = [np.concatenate([exact[c].sel(parameter=n) for c in columns]) for n in names]
+    moves = np.stack(by_name, axis=1) @ space.slopes(np.zeros(6))[:4, :4]
+    order = np.concatenate([np.arange(6), 6 + np.array([0, 3, 1, 4, 2, 5])])
+    np.testing.assert_allclose(-slopes[np.argsort(order), :4], moves, rtol=1e-6, atol=1e-9)
+    rate = rows.theta_dot.sel(time=t).values
+    np.testing.assert_allclose(-slopes[:3, 4], rate * space.width[4], rtol=1e-6)
+    np.testing.assert_allclose(-slopes[:3, 5], rate * t * space.width[5], rtol=1e-6)
 
 
 def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
@@ -217,7 +189,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
     motion = Motion(t, marker=np.zeros((3, 3)))
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
-    off, _ = predicted(observation, free)["marker"]
+    (off,) = observation.predictions([free])["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}
     run = tt.run("inverting", parameters=body, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)

@@ -23,20 +23,13 @@ def misfit(drift: float) -> Misfit:
     random = np.random.default_rng(3)
     seen = 0.1 * np.cos(RATE * T) + drift * T**2 + 0.01 * random.standard_normal(len(T))
 
-    def predictions(points: list, rows: slice = slice(None), *, slopes: bool = True) -> dict:
+    def predictions(points: list, rows: slice = slice(None)) -> dict:
         t = T[rows]
-        off, moves = [], []
+        off = []
         for values in points:
             o, b = values[OFFSET], values["b"]
             off.append(seen[rows] - (b + 0.1 * np.cos(RATE * (t + o)) + drift * (t + o) ** 2))
-            moves.append(
-                np.stack(
-                    [-0.1 * RATE * np.sin(RATE * (t + o)) + 2 * drift * (t + o), np.ones(len(t))],
-                    axis=1,
-                )
-            )
-        free = slice(None) if slopes else slice(0)
-        return {"theta": (np.array(off)[:, :, None], np.array(moves)[:, :, None, free])}
+        return {"theta": np.array(off)[:, :, None]}
 
     observation = SimpleNamespace(
         t=T, reach=T[-1] / 8, groups={"theta": seen[:, None]}, predictions=predictions

@@ -82,6 +82,7 @@ def fit(
     set_: list[str] | None = None,
     loss: str = "linear",
     starts: Whole = 12,
+    within: float = 0.4,
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quaternion: str | None = None,
     up: str = "z",
@@ -115,7 +116,9 @@ def fit(
         linear, or soft_l1, huber, cauchy, which outliers hardly move.
     starts
         Independent searches at most, until three of them have ended in the best minimum. Each
-        begins at eight points within 40 % of the scenario.
+        begins at eight points about the scenario.
+    within
+        How far the numbers may plausibly be from those of the scenario, relative: 0.01 is faster.
     marker
         Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with
         columns marker_x ...
@@ -159,6 +162,7 @@ def fit(
         free,
         loss=loss,
         starts=starts,
+        within=within,
         marker=marker,
         quaternion=quaternion,
         up=up,

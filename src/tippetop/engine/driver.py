@@ -283,14 +283,6 @@ class Driver:
         self.loop.fill(self.wanted)
         return self.loop.drive(most)
 
-    def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
-        rows = self.wanted
-        made = self.made
-        part = slice(made[0], made[0] + len(times))
-        rows.times[part], rows.phases[part], made[0] = times, self.motion.in_lane, part.stop
-        rows.states[part, : states.shape[1]] = states
-
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
         within a step.

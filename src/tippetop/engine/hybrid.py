@@ -610,14 +610,26 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make(self, most: int) -> int:
-        if not self.wanted.steps:
-            times = self.wanted.times[self.made[0] :]
-            if len(inside := times[: np.searchsorted(times, self.began)]):  # in the jump
-                first = np.tile(self.state, (len(inside), 1))
-                self.add(inside, self.series(*inside) if self.series else first)
+        self.add_in_jump()
         if self.copies is None or self.wanted.steps:
             return super().make(most)
         return self.copies.drive(most, PER_SLICE - self.changes)
+
+    def add_in_jump(self) -> None:
+        """Add the rows at given times in the jump to the present phase."""
+        if not self.wanted.steps:
+            times = self.wanted.times[self.made[0] :]
+            if len(inside := times[: np.searchsorted(times, self.began)]):
+                first = np.tile(self.state, (len(inside), 1))
+                self.add(inside, self.series(*inside) if self.series else first)
+
+    def add(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
+        rows = self.wanted
+        made = self.made
+        part = slice(made[0], made[0] + len(times))
+        rows.times[part], rows.phases[part], made[0] = times, self.track.at, part.stop
+        rows.states[part, : states.shape[1]] = states
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase, given by its number."""

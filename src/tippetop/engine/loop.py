@@ -46,14 +46,24 @@ class Motion(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """States of the first lane that are wanted, at given times or at the ends of its steps."""
+    """States of a run that are wanted, at given times or at the ends of its steps; or those of each
+    top in lanes, along a first dimension.
+    """
 
     times: np.ndarray  # (length,) internal, ascending; those of steps are written here
     states: np.ndarray  # (length, all variables) in the working precision
-    phases: np.ndarray  # (length,) number of the phase of a run
+    phases: np.ndarray  # (length,) number of the phase of a run; of a top in lanes, its `in_lane`
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
     length: int = 0
+    phase_count: int = 0  # with lanes, `in_lane` is this times the top plus the phase
+
+
+def rows_of_tops(times: np.ndarray, width: int, phase_count: int = 1) -> Rows:
+    """Return empty rows of tops in lanes, at internal times (tops, length), from the start on."""
+    states = np.full((*times.shape, width), np.nan)
+    before = (times < 0).sum(axis=1)
+    return Rows(times, states, times.astype(int), before, False, times.shape[1], phase_count)
 
 
 NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)

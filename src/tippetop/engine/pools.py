@@ -23,7 +23,16 @@ from .driver import ENDLESS, STATUSES
 from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, Track
 from .integrator import Compiled
-from .loop import Loop, address_of, count_turnings, filled, library, new_motion
+from .loop import (
+    Loop,
+    Rows,
+    address_of,
+    count_turnings,
+    filled,
+    library,
+    new_motion,
+    rows_of_tops,
+)
 from .settling import SETTLED_FOR
 from .status import Status
 from .stepper import Loaded
@@ -97,19 +106,30 @@ class Pools(HybridDriver):
         Number of slots: tops that may be under way.
     stop
         Set it to give up while equations are being compiled.
+    row_count
+        Number of rows of each top, at times that `begin_top` is given.
 
     Attributes
     ----------
     tops, tallies_of, functions_of, kept_of, states, bodies
         Arrays over slots: the top there, its tallies, its state and the numbers of its body.
+    rows
+        Those of the tops in the slots.
     """
 
     lanes = LANES
 
-    def __init__(self, problem: Problem, room: int, stop: threading.Event | None = None):
+    def __init__(
+        self,
+        problem: Problem,
+        room: int,
+        stop: threading.Event | None = None,
+        row_count: int = 0,
+    ):
         settled_for = SETTLED_FOR if problem.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, ENDLESS, EVERY, 0, settled_every=EVERY)
         self.room = room
+        self.row_count = row_count
         super().__init__(problem, stop)
 
     def begin_run(self) -> None:
@@ -125,6 +145,8 @@ class Pools(HybridDriver):
         no_steps = Loaded(None, 0, 0, False, 0)
         nowhere = new_motion(1, 0, 1, 1)
         self.notes = Loop(nowhere, self.all_events, *found, self.rules, no_steps)
+        times = np.zeros((room, self.row_count))
+        self.rows = rows_of_tops(times, self.width, len(self.phases))
         self.over: list[int] = []  # slots of tops that ended where they began
         self.failures: dict[int, str] = {}  # by slot, of invalid tops
         self.parameters: dict[str, np.ndarray] = {}
@@ -182,6 +204,7 @@ class Pools(HybridDriver):
             self.parameters[name] = mine
             loop = address_of(track.place.loop.structure)
             self.programs.loops[track.at] = loop
+            track.place.loop.fill(self.rows)
             self.pools[track.at] = loop, mine.ctypes.data, bool(track.sampled), 0, 0
         return track
 
@@ -205,8 +228,10 @@ class Pools(HybridDriver):
     # --- one top ---------------------------------------------------------------------------------
 
     @QUIET
-    def begin_top(self, slot: int, problem: Problem) -> bool:
-        """Begin a top in a slot. Return whether it has the same phases as the others."""
+    def begin_top(self, slot: int, problem: Problem, times: np.ndarray) -> bool:
+        """Begin a top in a slot, with rows at these internal times. Return whether it has the same
+        phases as the others.
+        """
         body, phases = self.assembled(problem)
         if phases is not self.own_phases or kinds(body) != self.pattern:
             return False
@@ -220,6 +245,9 @@ class Pools(HybridDriver):
         self.logged[0] = 0
         self.tops[slot] = 0
         self.bodies[slot] = numbers_of(self.world)
+        self.rows.times[slot], self.rows.states[slot] = times, np.nan
+        self.rows.filled[slot] = (times < 0).sum()
+        self._use_rows(slot)
         self._start(tuple(problem.start().tolist()))
         self.tops["end"][slot] = self.end
         self._store(slot)
@@ -237,8 +265,14 @@ class Pools(HybridDriver):
         for track in self.tracks.values():
             track.b = track.phase.parameters(self.world.body)
 
+    def _use_rows(self, slot: int) -> None:
+        """Write the rows of a top."""
+        arrays = (array[slot] for array in self.rows[:3])
+        self.want(Rows(*arrays, self.rows.filled[slot : slot + 1], False))
+
     def _store(self, slot: int) -> None:
         """Store the top that the driver holds in its slot."""
+        self.add_in_jump()
         top = self.tops[slot]
         top["high"], top["low"] = self.at
         top["until"] = min(self.until, self.end)
@@ -275,6 +309,7 @@ class Pools(HybridDriver):
     def _load(self, slot: int) -> None:
         """Take a top from its slot into the driver."""
         self._use_body(slot)
+        self._use_rows(slot)
         top = self.tops[slot]
         self.track = self.tracks[[*self.phases][top["phase"]]]
         names = ["began", "until", "short", "end", "high", "low"]
@@ -338,6 +373,11 @@ class Pools(HybridDriver):
     def rows_in(self, slots: np.ndarray) -> np.ndarray:
         """Return the rows of the present states of the tops in slots (k,)."""
         return self.rows_at(self.tops["phase"][slots], self.states[slots], slots)
+
+    def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+        """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
+        phases = self.rows.phases[slots, numbers] % len(self.phases)
+        return self.rows_at(phases, self.rows.states[slots, numbers], slots)
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
         """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""

@@ -31,8 +31,12 @@ ZERO = hy.expression(0.0)
 COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
 """Entries of 4 q q^t of the orientation q."""
-CHIP = tuple(f"{name}_{c}" for name in ("gyroscope", "turning", "accelerometer") for c in "xyz")
-"""In body axes: angular velocity, its rate, and the specific force at the centre of mass."""
+CHIP = tuple(
+    f"{name}_{c}" for name in ("omega", "gyroscope", "turning", "accelerometer") for c in "xyz"
+)
+"""Angular velocity in space; in body axes: angular velocity, its rate, and the specific force at
+the centre of mass.
+"""
 
 
 class Kind(NamedTuple):
@@ -195,4 +199,5 @@ def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[
     ]  # on a fixed tip, or 0 of a cylinder
     force = Vector(*rates(rates([*flat, known["height"]])))
     force = Vector(force.x, force.y, force.z + body.g)
-    return [*omega, *rates(omega), *(dot(axis, force) for axis in axes)]
+    across = (sum(w * axis[i] for w, axis in zip(omega, axes, strict=True)) for i in range(3))
+    return [*across, *omega, *rates(omega), *(dot(axis, force) for axis in axes)]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.derivatives.growth import growth
+from ..engine.loop import rows_of_tops
 from ..engine.observables import event_functions
 from ..engine.settling import slides
 from ..engine.tallies import EventRows, Tallies, new_tallies
@@ -35,6 +36,7 @@ def measure(
     wanted: Collection[str] | None = None,
     lyapunov: bool = False,
     events: bool = False,
+    times: np.ndarray | None = None,
 ) -> Outcomes:
     """Integrate every valid top to its end; `progress(done, n)` is called now and then.
 
@@ -54,6 +56,8 @@ def measure(
         runs' cost each. That of a top that is invalid, or ends at its start, is NaN.
     events
         Whether the events of each top are logged.
+    times
+        Internal times of rows, ascending (n, k).
 
     Returns
     -------
@@ -62,7 +66,7 @@ def measure(
     """
     clock = time.perf_counter()
     processor = time.process_time()
-    measured = Outcomes(tops, lyapunov)
+    measured = Outcomes(tops, lyapunov, times)
     functions = event_functions(tops)
     lock = threading.Lock()
     counted = itertools.count(1)
@@ -93,13 +97,21 @@ def measure(
         n = min(most, -(-len(numbers) // LANES))
         workers = [Lanes(tops, LANES, wanted, events=events) for _ in range(n)]
         tallies = new_tallies(workers[0].rows, functions.T)
+        rows = rows_of_tops(measured.times, len(workers[0].motion.state))
+        for worker in workers:
+            worker.loop.fill(rows)
         _run_all(
             [partial(worker.run, measured, tallies, queue, ended) for worker in workers],
             [worker.stop for worker in workers],
         )
         _write(measured, numbers, tallies, workers[0].rows)
+        measured.rows[numbers] = rows.states[numbers, :, : len(tops.start)]
         if measured.passages:
             log_events(measured, measured.passages, tallies.lane["lasts_since"])
+    ends = measured.columns["t_end"][:, None]
+    made = np.isfinite(measured.rows[:, :, 0])
+    top, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
+    measured.rows[top, row] = measured.final[:, top].T
     _conclude(measured)
     if lyapunov:
         ends = measured.columns["t_end"]

@@ -18,8 +18,8 @@ from .hybrid_tops import faults_of, problem_of
 from .outcomes import SWINGS, Outcomes
 
 
-ROOM = 512
-"""Tops under way on a thread: enough for full lanes in every phase."""
+ROOM, ROWS = 512, 1 << 18
+"""Tops under way on a thread, enough for full lanes in every phase, and their rows, 50 MB."""
 MOST_DRIVEN = 512
 """Steps between two looks of Python: 10 ms."""
 
@@ -47,17 +47,19 @@ class HybridLanes:
         self.stop = threading.Event()
         self.alone: list[int] = []
         self.pools: Pools | None = None
-        self.top_in = np.full(ROOM, -1)
+        row_count = outcomes.times.shape[1]
+        self.room = min(ROOM, max(ROOM // 8, ROWS // max(1, row_count)))
+        self.top_in = np.full(self.room, -1)
         self.under_way = 0
         self.steps = self.possible = 0  # of lanes: made, and possible
 
     def run(self, queue: Iterator[int]) -> None:
         """Run tops of a queue, which threads may share, to their ends."""
-        free = list(range(ROOM))
+        free = list(range(self.room))
         done = list[int]()  # slots of tops that have ended
         is_more = True
         while not self.stop.is_set():
-            if not self.under_way or (is_more and len(free) + len(done) >= ROOM / 4):
+            if not self.under_way or (is_more and len(free) + len(done) >= self.room / 4):
                 self._look()
                 self._write(np.array(done, int))
                 free += done
@@ -91,8 +93,9 @@ class HybridLanes:
                 if faults := faults_of(problem):
                     raise InputError(faults)
                 if self.pools is None:
-                    self.pools = Pools(problem, ROOM, self.stop)
-                fits = self.pools.begin_top(free[-1], problem)
+                    row_count = self.outcomes.times.shape[1]
+                    self.pools = Pools(problem, self.room, self.stop, row_count)
+                fits = self.pools.begin_top(free[-1], problem, self.outcomes.times[top])
             except InputError as error:
                 self.outcomes.status[top] = Status.INVALID.code
                 self.outcomes.faults.append((top, error.sentences[0]))
@@ -150,6 +153,8 @@ class HybridLanes:
         final = pools.rows_in(slots).T
         outcomes.look(final, tops)
         outcomes.final[:, tops] = final
+        place, row = np.nonzero(np.isfinite(pools.rows.states[slots, :, 0]))
+        outcomes.rows[tops[place], row] = pools.rows_made(slots[place], row)
         theta = values_of(self.tops, final, tops)["theta"]
         for k in np.flatnonzero(pools.tallies_of["waiting"][slots]).tolist():
             lane = pools.tallies_of[slots[k] : slots[k] + 1]

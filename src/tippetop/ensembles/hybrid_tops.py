@@ -8,6 +8,7 @@ import numpy as np
 
 from ..engine.status import Status
 from ..errors import InputError
+from ..mechanics.units import SECOND
 from ..problem import TURN, Problem, Problems
 from ..runs.integration import Integration
 from ..runs.sinks import Memory
@@ -89,10 +90,16 @@ def run_each(
 
 def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     """Run a top and write its row, in internal units."""
-    integration = Integration(problem)
+    internal = outcomes.times[top]
+    wanted = internal >= 0
+    times = internal[wanted] * problem.unit(SECOND)
+    integration = Integration(replace(problem, times=ListedTimes(times)))
     memory = Memory()
-    memory.keeps_rows = False
+    memory.keeps_rows = bool(wanted.any())
     integration.run(memory)
+    if memory.states:
+        made = np.concatenate(memory.states)
+        outcomes.rows[top, np.flatnonzero(wanted)[: len(made)]] = made
     if logs:
         outcomes.events[top] = memory.table()
     end = integration.progress()

@@ -79,9 +79,12 @@ def columns_of(system: System) -> dict[str, Form]:
 class Outcomes:
     """One row per top, as arrays (n,); and the cost of the computation."""
 
-    def __init__(self, tops: Problems, lyapunov: bool = False):
+    def __init__(self, tops: Problems, lyapunov: bool = False, times: np.ndarray | None = None):
         self.tops = tops
         n = tops.n
+        # internal times of rows, ascending (n, k), and their states, NaN where a top has none
+        self.times = np.zeros((n, 0)) if times is None else times
+        self.rows = np.full((*self.times.shape, len(tops.start)), np.nan)
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
         if lyapunov:
             self.forms[LYAPUNOV] = np.nan, PER_SECOND, "finite-time Lyapunov exponent of the run"

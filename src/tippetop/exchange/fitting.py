@@ -8,10 +8,10 @@ import numpy as np
 from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
-from .misfit import ROUNDING, Misfit
+from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
-from .scales import Space, scale_of
+from .scales import FAR, Space
 from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
@@ -78,6 +78,7 @@ def fit(
     observation: Observation,
     loss: str = "linear",
     starts: int = STARTS,
+    within: float = FAR,
     progress: Report = lambda *_: None,
 ) -> Fit:
     """Fit the free numbers of an observation.
@@ -90,6 +91,8 @@ def fit(
         linear, or soft_l1, huber, cauchy, which outliers hardly move.
     starts
         Independent searches at most, until `MET` of them have ended in the best minimum.
+    within
+        Plausible distance of the numbers from those of the scenario, relative.
     progress
         Called with the numbers of windows that are done and that are expected.
 
@@ -103,8 +106,7 @@ def fit(
         If there are fewer measurements than numbers, or a number does nothing.
     """
     refuse_without("scipy")
-    begin = observation.start()
-    space = Space(begin, [scale_of(observation.rule(name), value) for name, value in begin.items()])
+    space = observation.space(within)
     misfit = Misfit(observation, space, loss)
     _refuse(misfit)
     widen(misfit)
@@ -146,22 +148,16 @@ def _refuse(misfit: Misfit) -> None:
         )
     start = np.zeros(len(space.names))
     values = space.values(start)
-    predictions = observation.predictions([values])
+    left, jacobian = misfit.at(start[None], misfit.rows)
     if values.get(CLOCK, 1.0) * observation.t[0] + values.get(OFFSET, 0.0) < 0:
         first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
         raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
-    if not any(np.isfinite(off).any() for off, _ in predictions.values()):
+    if (left == WORST).all():
         raise InputError("the scenario must move over the time of the table, but cannot.")
-    moves = np.concatenate(
-        [moves.reshape(-1, len(space.names)) for _, moves in predictions.values()]
-    )
-    sizes = np.sqrt(np.nansum((moves @ space.slopes(start)) ** 2, axis=0))
-    seen = np.sqrt(sum(np.nansum(rows**2) for rows in observation.groups.values()))
-    idle = [
-        name
-        for name, size in zip(space.names, sizes, strict=True)
-        if size <= ROUNDING * max(sizes.max(), seen)
-    ]
+    sizes = np.array([np.linalg.norm(some, axis=0) for some in misfit.split(jacobian[0])])
+    seen = np.array([np.sqrt(np.nansum(rows**2)) for rows in observation.groups.values()])
+    moves = (sizes > IDLE * seen[:, None]).any(axis=0)
+    idle = [name for name, does in zip(space.names, moves, strict=True) if not does]
     if idle:
         raise InputError(
             [f"`{name}` must change the measurements, but has no effect on them." for name in idle]
@@ -217,9 +213,7 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
             limits = np.clip(limits, scale.low, scale.high)
         low, high = map(scale.outside, limits)
         estimates[name] = Estimate(value, float(s * slope), low, high)
-    parts = {
-        group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()
-    }
+    parts = {group: off[0] for group, off in observation.predictions([values]).items()}
     noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
     reasons = []
     if met < MET:

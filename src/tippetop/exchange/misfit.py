@@ -5,8 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from ..arguments import choice
+from ..columns import Arrays
+from . import residuals
 from .observation import Observation
-from .scales import Space
+from .scales import FAR, Space
 
 
 # Residual of a motion that cannot be computed
@@ -14,6 +16,14 @@ WORST = 10.0
 # Error of data and predictions by rounding, of their root mean square: attitudes after 1500 rad of
 # spin have 1e-12, and after 9000 rad 2e-11
 ROUNDING = 1e-11
+# Steps of differences, in plausible distances of 40 %: the first whose halves agree within a tenth
+# is taken, as a change of contact may happen in one half of a long one only
+STEPS = (1e-6, 1e-7, 1e-8)
+AGREE = 0.1
+# Effect of a plausible distance, of the measurements, that is rounding
+IDLE = 1e-7
+# Change of a residual by a step, in those of WORST, beyond which it jumped: an angle, by a turn
+JUMP = 0.1
 # Medians of the noise beyond which a residual is an outlier
 OUTLIER = 5.0
 WEIGHTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -58,31 +68,75 @@ class Misfit:
         """Return residuals (points, numbers) of the first rows, and their Jacobians.
 
         Without `slopes` the Jacobians have no columns. Gaps are left out; a motion that cannot be
-        computed leaves `WORST`, constant.
+        computed leaves `WORST`, constant. Slopes are central differences.
         """
-        parts = self.observation.predictions(
-            [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
+        middle, worst = self._residuals(points, rows)
+        n, free = points.shape
+        jacobians = np.zeros((*middle.shape, free if slopes else 0))
+        which = np.argwhere(np.full((n, free), slopes))
+        bends = np.full((n, free), np.inf)
+        for step in STEPS:
+            if not len(which):
+                break
+            p, i = which.T
+            found, bend = self._differences(points[p], i, step, rows, middle[p])
+            better = bend < bends[p, i]
+            jacobians[p[better], :, i[better]] = found[better]
+            bends[p[better], i[better]] = bend[better]
+            which = which[bends[p, i] > AGREE]
+        return np.where(np.isfinite(middle), middle, worst), jacobians
+
+    def _differences(
+        self, points: np.ndarray, along: np.ndarray, step: float, rows: int, middle: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return central differences at points, each along one coordinate, and how they bend.
+
+        That is the ratio of the second differences to the first.
+        """
+        low, high = self.space.bounds
+        step *= FAR / self.space.within
+        move = step * np.eye(points.shape[1])[along]
+        ahead, behind = (
+            np.clip(points + side * move, low + step / 2, high - step / 2) for side in (1, -1)
         )
-        chain = np.array([self.space.slopes(p) for p in points]) if slopes else np.eye(0)
-        residuals = []
-        jacobians = []
-        for group, (off, moves) in parts.items():
-            weight = self.weights[group]
-            given = np.isfinite(self.observation.groups[group][:rows])
-            if given.shape != off.shape[1:]:  # of an attitude, whose residuals have fewer parts
-                given = np.broadcast_to(given.all(axis=1, keepdims=True), off.shape[1:])
-            r = off[:, given] * weight
-            j = -moves[:, given] * weight @ chain
-            known = np.isfinite(r) & np.isfinite(j).all(axis=2)
-            residuals.append(np.where(known, r, WORST * weight))
-            jacobians.append(np.where(known[:, :, None], j, 0.0))
-        return np.concatenate(residuals, axis=1), np.concatenate(jacobians, axis=1)
+        found, worst = self._residuals(np.concatenate([ahead, behind]), rows)
+        after, before = np.split(found, 2)
+        change = after - before
+        second = after + before - 2 * middle
+        smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
+        size, bend = (np.linalg.norm(np.where(smooth, d, 0), axis=1) for d in (change, second))
+        distance = (ahead - behind)[np.arange(len(along)), along]
+        slopes = np.where(smooth, change, 0) / distance[:, None]
+        return slopes, bend / np.maximum(size, 1e-300)
+
+    def _residuals(self, points: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals (points, numbers) of the first rows without gaps, and for each what it
+        is where a motion cannot be computed.
+        """
+        parts = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows))
+        given = self.given(rows)
+        found = [off[:, given[group]] * self.weights[group] for group, off in parts.items()]
+        worst = [np.full(given[group].sum(), WORST * self.weights[group]) for group in parts]
+        return np.concatenate(found, axis=1), np.concatenate(worst)
+
+    def given(self, rows: int) -> Arrays:
+        """Return which residuals of each group are numbers, (rows, parts)."""
+        found = {}
+        for group, seen in self.observation.groups.items():
+            given = np.isfinite(seen[:rows])
+            if parts := residuals.PARTS.get(group):
+                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
+            found[group] = given
+        return found
+
+    def split(self, table: np.ndarray) -> list[np.ndarray]:
+        """Return the rows of a table of all residuals, of each group."""
+        ends = np.cumsum([given.sum() for given in self.given(self.rows).values()])
+        return np.split(table, ends[:-1])
 
     def weigh(self, point: np.ndarray) -> None:
         """Weight each kind of measurement by its own noise."""
-        for group, (off, _) in self.observation.predictions(
-            [self.space.values(point)], slopes=False
-        ).items():
+        for group, off in self.observation.predictions([self.space.values(point)]).items():
             self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), self.rounding[group])
 
     def variance(self, residuals: np.ndarray) -> float:

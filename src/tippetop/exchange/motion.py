@@ -212,19 +212,13 @@ def theta_of(q: np.ndarray) -> np.ndarray:
     return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
 
-def picture(name: str) -> np.ndarray:
-    """Return the directions to the right and up in the picture of a camera, (2, 3)."""
+def lean(axis: np.ndarray, name: str) -> np.ndarray:
+    """Return the directions of axes (..., 3) in the picture of a camera [rad], (...)."""
     match = CAMERA.fullmatch(name)
     assert match is not None
     a, e = np.deg2rad([float(angle or 0) for angle in match.groups()])
     up = [-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e)]
-    return np.array([[-np.sin(a), np.cos(a), 0.0], up])
-
-
-def lean(axis: np.ndarray, name: str) -> np.ndarray:
-    """Return the directions of axes (n, 3) in the picture of a camera [rad], (n,)."""
-    across, up = picture(name) @ axis.T
-    return np.arctan2(across, up)
+    return np.arctan2(axis @ [-np.sin(a), np.cos(a), 0.0], axis @ up)
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:

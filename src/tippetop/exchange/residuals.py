@@ -7,13 +7,10 @@ from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion
 
 
-def of_axis(
-    seen: np.ndarray, third: np.ndarray, moves: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
     """Return the chords between unit vectors (rows, 3), across the measured one, (rows, 2).
 
-    Also return their derivatives, less the sign, for the derivatives `moves` of `third`,
-    (rows, 3, free). The noise of an axis has two directions, not three.
+    The noise of an axis has two directions, not three.
     """
     pole = np.where(seen[:, 2:] < 0, -1.0, 1.0) * [[0.0, 0.0, 1.0]]
     swing = rotation.swing(Vector(*pole.T), Vector(*seen.T))
@@ -21,23 +18,14 @@ def of_axis(
         [rotation.rotated(swing, Vector(*e)) for e in np.eye(3)[:2]]
     )  # (2, space, rows)
     apart = np.einsum("ixr,rx->ri", across, third)
-    half = np.sqrt(np.maximum((1 + (seen * third).sum(axis=1)) / 2, 1e-12))[
-        :, None
-    ]  # cos of half the angle
-    along = np.einsum("rx,rxf->rf", seen, moves)[:, None, :]
-    turned = np.einsum("ixr,rxf->rif", across, moves)
-    return -apart / half, turned / half[:, :, None] - apart[:, :, None] * along / (
-        4 * half[:, :, None] ** 3
-    )
+    half = np.sqrt(np.maximum((1 + (seen * third).sum(axis=1)) / 2, 1e-12))
+    return -apart / half[:, None]  # half: cosine of half the angle
 
 
-def of_orientation(seen: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Return the rotation vectors (rows, 3) from predicted axes to measured quaternions.
-
-    The axes are (rows, space, axes), the quaternions (rows, 4).
-    """
-    there = np.array(rotation.axes(Quaternion(*seen.T)))  # (axes, space, rows)
-    between = there.transpose(2, 1, 0) @ axes.transpose(0, 2, 1)
+def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """Return the rotation vectors (rows, 3) from predicted to measured quaternions (rows, 4)."""
+    there, here = (np.array(rotation.axes(Quaternion(*q.T))) for q in (seen, predicted))
+    between = there.transpose(2, 1, 0) @ here.transpose(2, 0, 1)  # (axes, space, rows) each
     pairs = ((2, 1), (0, 2), (1, 0))
     sine = np.stack([between[:, i, j] - between[:, j, i] for i, j in pairs], axis=1) / 2
     size = np.linalg.norm(sine, axis=1)
@@ -45,16 +33,7 @@ def of_orientation(seen: np.ndarray, axes: np.ndarray) -> np.ndarray:
     return sine * np.where(size > 1e-12, angle / np.maximum(size, 1e-12), 1.0)[:, None]
 
 
-def turning(
-    first: np.ndarray, third: np.ndarray, first_moves: np.ndarray, third_moves: np.ndarray
-) -> np.ndarray:
-    """Return the rotation vector of axes (rows, 3) for their derivatives, (rows, 3, free).
-
-    It is half the sum of axis x change.
-    """
-    a = first[:, :, None]
-    c = third[:, :, None]
-    b = np.cross(c, a, axis=1)
-    moved = np.cross(third_moves, a, axis=1) + np.cross(c, first_moves, axis=1)
-    pairs = ((a, first_moves), (b, moved), (c, third_moves))
-    return np.asarray(sum(np.cross(axis, change, axis=1) for axis, change in pairs)) / 2
+OF_ATTITUDES = {"axis": of_axis, "orientation": of_orientation}
+"""Residuals of measured attitudes (rows, parts), by kind of measurement."""
+PARTS = {"axis": 2, "orientation": 3}
+"""Their numbers of parts."""

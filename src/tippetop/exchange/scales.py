@@ -50,15 +50,18 @@ class Scale(NamedTuple):
         return value if self.logarithmic else self.size
 
 
-def scale_of(rule: Number, value: float) -> Scale:
-    """Return the scale of a number, by its interval and where it starts."""
+def scale_of(rule: Number, value: float, unit: float = 1.0) -> Scale:
+    """Return the scale of a number, by its interval and where it starts.
+
+    `unit`: of numbers that start at 0.
+    """
     low = max((b for b in (rule.above, rule.least) if b is not None), default=-np.inf)
     high = min((b for b in (rule.below, rule.most) if b is not None), default=np.inf)
     if rule.nonzero:  # the sign stays that of the start
         low, high = (max(low, 0.0), high) if value > 0 else (low, min(high, 0.0))
     if low == 0 and not np.isfinite(high) and value > 0:
         return Scale(True, 1.0, float(np.log(value)) - WIDEST, float(np.log(value)) + WIDEST)
-    size = abs(value) or 1.0
+    size = abs(value) or unit
     return Scale(False, size, low / size, high / size)
 
 
@@ -74,6 +77,8 @@ class Space:
         Value of each number by name.
     scales
         Of each number.
+    within
+        Plausible distance of a number from where it starts, relative.
 
     Attributes
     ----------
@@ -88,13 +93,14 @@ class Space:
         The distances that are 1, (free,).
     """
 
-    def __init__(self, start: dict[str, float], scales: Sequence[Scale]):
+    def __init__(self, start: dict[str, float], scales: Sequence[Scale], within: float = FAR):
         self.names = tuple(start)
         self.scales = tuple(scales)
         values = np.array(list(start.values()))
         self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
         logarithmic, _, self.low, self.high = np.array(scales, float).T
-        self.far = np.where(logarithmic, FAR, FAR * np.abs(self.origin))
+        self.within = within
+        self.far = np.where(logarithmic, within, within * np.abs(self.origin))
         self.loose = self.far == 0
         self.azimuth = start.get("initial.phi", 0.0)
         self.pairs: list[tuple[int, int, bool]] = []
@@ -109,7 +115,7 @@ class Space:
             vector = (values[i], values[k] * (r if swept else 1)) if self.pairs else (r, 0.0)
             reach = np.inf if self.pairs else np.pi / np.sqrt(2)
             self.origin[[i, k]] = vector
-            self.far[[i, k]] = FAR * np.hypot(*vector)
+            self.far[[i, k]] = within * np.hypot(*vector)
             self.low[[i, k]], self.high[[i, k]] = -reach, reach
             self.loose[[i, k]] = True
             self.pairs.append((i, k, swept))

@@ -15,13 +15,14 @@ import numpy as np
 
 from .misfit import Misfit
 from .observation import OFFSET
+from .scales import FAR, Space
 
 
 # Measurements of the first window per free number
 FEWEST = 3
 # Growth of a window to the next
 GROWTH = 1.5
-# Starts of a search
+# Starts of a search; fewer in proportion, as points that are tried, where numbers are known better
 BATCH = 8
 # Different points that continue to the next window
 BEAM = 4
@@ -192,7 +193,9 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
     slow = (after - before) / np.diag(ahead - behind)[:, None]
     spread = np.linalg.inv(slow @ slow.T / best.variance + one)
     points = space.clipped(
-        random.multivariate_normal(best.point, WIDER**2 * spread, CLOUD, method="eigh")
+        random.multivariate_normal(
+            best.point, WIDER**2 * spread, _share(CLOUD, space, CHILDREN), method="eigh"
+        )
     )
     residuals, _ = misfit.at(points, rows, slopes=False)
     return points[np.argsort(misfit.costs(residuals, best.residual), kind="stable")[:CHILDREN]]
@@ -203,7 +206,13 @@ def starts_of(misfit: Misfit, searches: int) -> np.ndarray:
     from scipy.stats import qmc
 
     free = len(misfit.space.names)
-    count = searches * BATCH
+    batch = _share(BATCH, misfit.space)
+    count = searches * batch
     sobol = qmc.Sobol(free, seed=0).random_base2(int(np.ceil(np.log2(count))))
     points = np.vstack([np.zeros(free), 2 * sobol - 1])[:count]
-    return misfit.space.clipped(points).reshape(BATCH, searches, free).swapaxes(0, 1)
+    return misfit.space.clipped(points).reshape(batch, searches, free).swapaxes(0, 1)
+
+
+def _share(count: int, space: Space, least: int = 1) -> int:
+    """Return how many of `count` points are needed in a space, at least `least`."""
+    return max(least, round(count * min(1.0, space.within / FAR)))

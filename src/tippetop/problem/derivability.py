@@ -39,9 +39,14 @@ def derivative_faults(problem: "Problem") -> list[str]:
     return []
 
 
-def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
-    """Return sentences on the names of the numbers by which there are derivatives."""
-    faults = key_faults(problem, wrt, without=EXCLUDED)
+def name_faults(
+    problem: "Problem", wrt: Sequence[str], without: tuple[str, ...] = EXCLUDED
+) -> list[str]:
+    """Return sentences on the names of the numbers by which there are derivatives.
+
+    `without`: the tables whose numbers are not among them.
+    """
+    faults = key_faults(problem, wrt, without=without)
     added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
     return faults or problem.system.clashes({**problem.initial, **added})
 

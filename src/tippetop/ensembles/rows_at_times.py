@@ -1,0 +1,60 @@
+"""Columns of many tops at given times, of systems of one phase and of several."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from ..columns import Arrays
+from ..engine.observables import orientations_of, sources, values_of
+from ..mechanics.units import SECOND
+from ..problem import Problems
+from .ensemble import measure
+from .outcomes import QUIET
+
+
+@QUIET
+def rows_at_times(
+    tops: Problems, times: np.ndarray, names: Collection[str], *, threads: int | None = None
+) -> tuple[Arrays, np.ndarray]:
+    """Return columns of tops at given times, and how each top ended.
+
+    Parameters
+    ----------
+    tops
+        As `vary` gives them, with orientation if `psi` or `orientation` is wanted.
+    times
+        [s], ascending, common to all tops (k,) or those of each (n, k). A top runs until the last
+        of them; if none is positive, as long as its scenario says.
+    names
+        Of columns of runs, such as `theta` and `axis`.
+    threads
+        As for `measure`.
+
+    Returns
+    -------
+    columns
+        name -> (n, k) or (n, k, parts), SI; NaN before the start, after the end of a top that ended
+        earlier, and of an invalid top.
+    status
+        (n,) codes of `Status`.
+    """
+    times = np.broadcast_to(np.asarray(times, float), (tops.n, np.shape(times)[-1]))
+    last = times[:, -1]
+    until = np.where(last > 0, last, tops.given("run")["until"])
+    tops = replace(tops, columns={**tops.columns, "run.until": until})
+    internal = times / tops.unit(SECOND)[:, None]
+    measured = measure(tops, threads=threads, wanted=(), times=internal)
+
+    top, row = np.nonzero(np.isfinite(measured.rows).all(axis=2))
+    states = measured.rows[top, row].T
+    values = values_of(tops, states, top)
+    if tops.orientation:
+        values |= orientations_of(tops, states, top)
+    columns = {}
+    for name, source in sources(replace(tops.base, columns=tuple(names))).items():
+        parts = np.stack([values[part] for part in source.parts], axis=1)
+        whole = np.full((*times.shape, len(source.parts)), np.nan)
+        whole[top, row] = parts * tops.unit(source.unit)[top, None]
+        columns[name] = whole if source.dims else whole[..., 0]
+    return columns, measured.status
