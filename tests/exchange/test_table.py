@@ -185,6 +185,7 @@ def test_dialects_of_other_programs_are_the_same_table(tmp_path: Path, content: 
     [
         (b"PK\x03\x04\x00\x00", r"it is not a text \(save it as CSV in UTF-8\)"),
         (b"t [s],x [m]\n0,\x81\n", "is not UTF-8"),
+        (b"t [s],theta [deg]\n0,1,\n1,2,\n", "must have 2 cells, as the header has, but has 3"),
         (b"mass A\nt,theta\n0,1\n", r"`t` must have a unit, such as `t \[s\]`, but has none\.\n"),
         ("t [s],θ [deg]\n0,1\n".encode(), "columns `θ` are not known: rename them"),
     ],
@@ -212,9 +213,12 @@ def test_one_of_several_objects_is_chosen_by_its_name(tmp_path: Path, text: str)
         read = motion_table.read(path, track=track)
         np.testing.assert_array_equal(read.columns["x"], x)
         np.testing.assert_array_equal(read.columns["y"], np.array(x) + 1)
-    for track in (None, "C"):
-        with pytest.raises(InputError, match="`track` must name an object of the table, of A, B"):
-            motion_table.read(path, track=track)
+    with pytest.raises(InputError, match=r"`track` must be an object of the table \(A, B\), but"):
+        motion_table.read(path, track="C")
+    with pytest.raises(
+        InputError, match=r"`x` must occur once, .* one of several objects \(`track"
+    ):
+        motion_table.read(path)
 
 
 def test_a_file_of_phyphox_is_read_as_it_is(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..mechanics.contact.body import Touch, by_scalars, height
 from ..mechanics.moment import moment
-from ..mechanics.operand import Vector, cos, cross, dot, leaves, refill, sin
+from ..mechanics.operand import Vector, cos, cross, dot, leaves, plus, refill, sin, times
 from ..mechanics.rotation import outer
 from ..mechanics.system import System
 from ..mechanics.units import Scales
@@ -193,11 +193,11 @@ def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[
     first, third = (Vector(*(known[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
     axes = first, cross(third, first), third
     moves = [Vector(*rates(axis)) for axis in axes]
-    omega = [dot(moves[i - 2], axes[i - 1]) for i in range(3)]
-    flat = [
-        known[c] if c in known else -body.c * getattr(third, c) for c in "xy"
-    ]  # on a fixed tip, or 0 of a cylinder
-    force = Vector(*rates(rates([*flat, known["height"]])))
-    force = Vector(force.x, force.y, force.z + body.g)
-    across = (sum(w * axis[i] for w, axis in zip(omega, axes, strict=True)) for i in range(3))
-    return [*across, *omega, *rates(omega), *(dot(axis, force) for axis in axes)]
+    own = [dot(moves[i - 2], axes[i - 1]) for i in range(3)]
+    omega = plus(cross(third, moves[2]), times(own[2], third))
+    if "x" in known:
+        place = known["x"], known.get("y", 0.0), known["height"]
+    else:  # on a fixed tip
+        place = times(-body.c, third)
+    force = plus(Vector(*rates(rates(place))), Vector(0.0, 0.0, body.g))
+    return [*omega, *own, *rates(own), *(dot(axis, force) for axis in axes)]

@@ -25,7 +25,7 @@ from .observation import Observation
 from .simulators import motion_of
 
 
-MAIN = ("attitude", "axis", "theta", "place", "omega3")
+MAIN = ("attitude", "axis", "theta", "place", "omega3", "gyroscope", "accelerometer")
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
 ROUNDING = 1e-13  # smaller differences have no order of convergence
@@ -121,8 +121,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     curves = differences(theirs, columns)
     if not set(MAIN) & curves.keys():
         raise InputError(
-            f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
-            "but has none."
+            f"`{path}` must have theta, an axis, a quaternion, a place, a spin or an accelerometer "
+            "to be compared, but has none."
         )
     body = problem.body()
     kept = {}
@@ -195,7 +195,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
         seen = Motion(run.times, accelerometer=np.zeros((len(run.times), 3)))
         observation = Observation(problem, (), seen, chip=chip)
         observation.refine()
-        return observation.curves({}, run.times)[1]["accelerometer"]
+        return -observation.predictions([{}])["accelerometer"][0]
     if any(chip):
         raise InputError(
             f"`chip` must be 0,0,0 to be compared where the contact may open, but is {chip}."

@@ -133,6 +133,8 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
     for place, text in enumerate(header):
         name, given = parsed(text)
         unit = RADIAN if CAMERA.fullmatch(name) else COLUMNS.get(name)
+        if not text.strip():
+            continue
         if not name:
             faults.append(
                 "a header must be names with units, separated by commas, semicolons or tabs, such "
@@ -143,7 +145,10 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
         elif unit is None:
             unknown.append(name)
         elif name in found:
-            faults.append(f"the column `{name}` must occur once, but occurs more often.")
+            faults.append(
+                f"the column `{name}` must occur once, but occurs more often: choose one "
+                "of several objects (`track`)."
+            )
         elif not (given or own or unit == ONE):
             faults.append(
                 f"the column `{text.strip()}` must have a unit, such as `{text.strip()} "

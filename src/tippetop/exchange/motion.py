@@ -132,7 +132,6 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
         axis = _filled(axis, np.stack(parts, axis=1))
     own = found["gyroscope"]
     if own is not None:
-        omega3 = _filled(omega3, own[:, 2])
         omega = _filled(omega, None if q is None else turned(q, own))
     if axis is not None:
         theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))

@@ -102,7 +102,6 @@ def read(
                     f"{len(row)}: decimal commas must be separated by semicolons or tabs."
                 )
         kept = _track(above, header, track)
-        kept = [n for n in kept if header[n].strip() or any(str(row[n]).strip() for _, row in rows)]
         header = [header[n] for n in kept]
         rows = [(place, [row[n] for n in kept]) for place, row in rows]
         time = _time(header)
@@ -198,19 +197,15 @@ def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
     """Return the places of the columns of an object, named in the row before the header.
 
     A name is valid for the columns after it too. Raises InputError."""
+    if track is None:
+        return [*range(len(header))]
     names = [name.strip() for name in above if name.strip() != MULTI]
     names += [""] * (len(header) - len(names))
     for n in range(1, len(names)):
         names[n] = names[n] or names[n - 1]
-    objects = dict.fromkeys(filter(None, names))
-    known = [parsed(text)[0] for text in header if text.strip()]
-    if track is None and (len(set(known)) == len(known) or not objects):
-        return [*range(len(header))]
-    if track not in objects:
-        raise InputError(
-            f"`track` must name an object of the table, of {', '.join(objects) or 'none'}, but is "
-            f"{track or 'not given'}."
-        )
+    if track not in names:
+        known = ", ".join(dict.fromkeys(filter(None, names)))
+        raise InputError(f"`track` must be an object of the table ({known}), but is {track}.")
     return [n for n in range(len(header)) if names[n] in ("", track)]
 
 

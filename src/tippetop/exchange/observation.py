@@ -159,13 +159,9 @@ class Observation:
             rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
-    def curves(
-        self, values: dict[str, float], t: np.ndarray | None = None
-    ) -> tuple[np.ndarray, Arrays]:
-        """Return the predictions of `dots` at times [s], by default also between them, and curves
-        by group.
-        """
-        t = np.linspace(self.t[0], self.t[-1], DRAWN) if t is None else t
+    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
+        """Return the predictions of `dots`, also between them: times [s], and curves by group."""
+        t = np.linspace(self.t[0], self.t[-1], DRAWN)
         read = self._read([values], t)
         curves = {group: self._model(group, read)[0] for group in self.groups}
         if "orientation" in curves:
@@ -218,8 +214,7 @@ def _groups(problem: Problem, seen: Motion) -> Arrays:
         attitudes["phi"] = seen.phi
     spins = {"gyroscope": seen.gyroscope, "omega": seen.omega}
     if "omega3" in problem.system.angles._fields and seen.omega3 is not None:
-        own = np.nan if seen.gyroscope is None else seen.gyroscope[:, 2]
-        spins["omega3"] = np.where(np.isfinite(own), np.nan, seen.omega3)
+        spins["omega3"] = seen.omega3
     for kinds in (attitudes, spins):
         left = np.ones(len(seen.t), bool)
         for kind, values in kinds.items():  # the first that a row has contains the others
