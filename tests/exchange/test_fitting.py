@@ -164,10 +164,10 @@ def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
 def test_jacobians_are_the_exact_derivatives() -> None:
     """By numbers of the body, the law, the start and the clock, against variational equations."""
     names = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3"]
-    t = np.array([0.02, 0.05, 0.11])
+    t = np.array([0.01, 0.05, 0.11])
     seen = Motion(t, theta=np.full(3, 0.2), omega3=np.zeros(3), place=np.zeros((3, 3)))
     observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
-    observation.refine()
+    observation.predicted.refine()
     space = observation.space()
     _, (slopes,) = Misfit(observation, space, "linear").at(np.zeros((1, 6)), 3)
     run = tt.load("inverting", [f"run.output_times={t.tolist()}"], 0.11)
@@ -176,11 +176,13 @@ def test_jacobians_are_the_exact_derivatives() -> None:
     columns = ["theta", "omega3", "x", "y"]
     by_name = [np.concatenate([exact[c].sel(parameter=n) for c in columns]) for n in names]
     moves = np.stack(by_name, axis=1) @ space.slopes(np.zeros(6))[:4, :4]
-    order = np.concatenate([np.arange(6), 6 + np.array([0, 3, 1, 4, 2, 5])])
-    np.testing.assert_allclose(-slopes[np.argsort(order), :4], moves, rtol=1e-6, atol=1e-9)
+    order = np.concatenate([np.arange(6), 6 + np.array([0, 2, 4, 1, 3, 5])])
+    np.testing.assert_allclose(-slopes[order, :4], moves, rtol=1e-5, atol=1e-6)
     rate = rows.theta_dot.sel(time=t).values
-    np.testing.assert_allclose(-slopes[:3, 4], rate * space.width[4], rtol=1e-6)
-    np.testing.assert_allclose(-slopes[:3, 5], rate * t * space.width[5], rtol=1e-6)
+    np.testing.assert_allclose(
+        -slopes[:3, 4], rate * space.width[4] * space.scales[4].size, rtol=1e-5
+    )
+    np.testing.assert_allclose(-slopes[:3, 5], rate * t * space.width[5], rtol=1e-5)
 
 
 def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:

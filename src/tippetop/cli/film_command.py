@@ -63,6 +63,7 @@ def film(
 
     from ..errors import InputError
     from ..figures.film import frames
+    from ..mechanics.contact.surroundings import dotted_numbers
     from ..runs.shape import rotation, shape
     from ..store import chunks, files, root
     from ..views import run_page, samples, spacing
@@ -84,6 +85,9 @@ def film(
     run_page.refuse(attrs, str(store))
     pieces = chunks.pieces(store, "trajectory", samples.needed(attrs))
     times, kept, _, notes = run_page.read(pieces, attrs, from_, until)
+    around = dotted_numbers(attrs)
+    if tilt := around.get("plane.tilt"):
+        notes.append(run_page.tilted(tilt, around["plane.azimuth"]))
     for note in notes:
         report(note)
     count = (times[-1] - times[0]) * fps / speed

@@ -226,9 +226,11 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
     from ..landscape.run_landscape import spinning_system
+    from ..mechanics.contact.surroundings import require_still
     from ..runs.starting import load
 
     problem = load(scenario)
+    require_still(problem.tables, "a top in a landscape")
     spinning_system(problem.system.name)  # the sphere on the plane, whatever its contact does
     return dict(problem.parameters), problem.system.name
 

@@ -43,7 +43,7 @@ def info(store: Place, *, as_json: bool = False) -> int:
     print(visible(attrs["title"]))
     rows = lines(summary)
     units = attrs["units"] | units_of(attrs)
-    for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
+    for name in ("parameters", "friction", "contact", "stem", "air", "plane", "initial", "run"):
         if name in summary:
             rows.append((name, entries(summary[name], units)))
     rows += [

@@ -73,7 +73,8 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         return [event.formula(state, b) for event in system.events]
 
     template = system.body_of(
-        dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields)
+        dict.fromkeys((*system.parameters, *system.surroundings), 1.0),
+        friction._make(1.0 for _ in friction._fields),
     )
 
     def body(values: Iterator) -> Any:

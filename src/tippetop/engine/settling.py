@@ -35,6 +35,8 @@ def stays(problem: Problem, values: Arrays) -> bool:
         pole that it could leave.
     """
     body = problem.body()
+    if getattr(body, "around", ()):
+        return False
     if not isinstance(body, Touch) or "omega3" not in values:
         return True
     theta = float(values["theta"][0])
@@ -95,7 +97,7 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
     motion ends nowhere: it nutates, unless it is that of a pole, or impacts have taken energy.
     Under rolling resistance or friction that drills no spin lasts, and every top is under way until
-    it is at rest or rolls.
+    it is at rest or rolls. So it is in air and on a tilted plane, where none is known to rest.
 
     Parameters
     ----------
@@ -119,7 +121,8 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
     gliding = system.frictional
     law: Any = body.friction if known else None
     free = False
-    parts = known and (has_parts(law) or (bool(law.regions) and np.any(law.mu)))
+    around = bool(getattr(body, "around", ()))
+    parts = around or (known and (has_parts(law) or (bool(law.regions) and np.any(law.mu))))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
     if known:
         omega3 = values.get("omega3", 0 * theta).astype(float) / second  # a planar motion has none
@@ -135,7 +138,7 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
     rolls = (phase == PHASES.index("roll")) | (phase == PHASES.index("rest"))
     rules = [
         ("bouncing", phase == PHASES.index("flight")),
-        ("at-rest", still & parts),
+        ("at-rest", still & (parts and not around)),
         ("on-stem", ball == BALLS.index("stem")),
         ("rolling", rolls & away),
         ("nutating", free & swings & (values.get("work", 0.0) <= LOST)),

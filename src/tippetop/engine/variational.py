@@ -15,8 +15,9 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.contact.body import Touch, by_scalars, height
+from ..mechanics.contact.surroundings import dotted_numbers, tables_of
 from ..mechanics.moment import moment
-from ..mechanics.operand import Vector, cos, cross, dot, leaves, plus, refill, sin, times
+from ..mechanics.operand import Vector, cos, cross, dot, leaves, minus, plus, refill, sin, times
 from ..mechanics.rotation import outer
 from ..mechanics.system import System
 from ..mechanics.units import Scales
@@ -71,12 +72,14 @@ class Kind(NamedTuple):
     def numbers(self) -> tuple[Any, dict[str, Any]]:
         """Return the body and the initial data of the user's numbers, as symbols."""
         tables: dict[str, dict[str, Any]] = {"parameters": {}, "friction": {}, "initial": {}}
+        tables |= {name: {} for name in tables_of(self.system.surroundings)}
         values = {name: hy.par[i] for i, name in enumerate(self.names)}
         for name, value in (values | dict.fromkeys(self.flags, True)).items():
             table, _, key = name.partition(".")
             tables[table][key] = value
         friction = self.friction(**tables["friction"])
-        return self.system.body_of(tables["parameters"], friction), tables["initial"]
+        given = tables["parameters"] | dotted_numbers(tables)
+        return self.system.body_of(given, friction), tables["initial"]
 
     def motion(self) -> tuple[list[Any], Any, list[Any]]:
         """Return the variables, the body and the rates of the variables, as expressions."""
@@ -188,7 +191,7 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
 def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[Any]:
     """Return the functions CHIP of a state, of its axes and place by name and of time derivatives.
 
-    The specific force is the acceleration of the centre of mass + g zhat.
+    The specific force is the acceleration of the centre of mass less that of gravity.
     """
     first, third = (Vector(*(known[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
     axes = first, cross(third, first), third
@@ -199,5 +202,6 @@ def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[
         place = known["x"], known.get("y", 0.0), known["height"]
     else:  # on a fixed tip
         place = times(-body.c, third)
-    force = plus(Vector(*rates(rates(place))), Vector(0.0, 0.0, body.g))
+    slope = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+    force = minus(Vector(*rates(rates(place))), Vector(*slope, -body.g))
     return [*omega, *own, *rates(own), *(dot(axis, force) for axis in axes)]

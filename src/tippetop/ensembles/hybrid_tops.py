@@ -8,6 +8,7 @@ import numpy as np
 
 from ..engine.status import Status
 from ..errors import InputError
+from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.units import SECOND
 from ..problem import TURN, Problem, Problems
 from ..runs.integration import Integration
@@ -46,6 +47,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
         parameters=parameters,
         friction=base.friction._replace(**tables["friction"]),
         initial=initial,
+        surroundings=dotted_numbers(tables),
         contact=rules,
         until=until,
         times=ListedTimes(np.array([until])),

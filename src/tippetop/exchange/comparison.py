@@ -1,5 +1,6 @@
 """Comparison of the motion of another program with the exact reference at its own times."""
 
+import dataclasses
 import itertools
 import math
 import re
@@ -21,7 +22,7 @@ from ..runs.shape import frames, moments
 from .headers import CAMERA, KIND
 from .motion import Convention, Motion, angle_between, lean, motion
 from .motion_table import read
-from .observation import Observation
+from .predictions import ACCELEROMETER, Predictions, at_chip
 from .simulators import motion_of
 
 
@@ -192,10 +193,9 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
     Raises InputError for a place that is not the centre of mass if the contact may open."""
     problem = run.problem
     if problem.contact is None:
-        seen = Motion(run.times, accelerometer=np.zeros((len(run.times), 3)))
-        observation = Observation(problem, (), seen, chip=chip)
-        observation.refine()
-        return -observation.predictions([{}])["accelerometer"][0]
+        predicted = Predictions(dataclasses.replace(problem, orientation=True), (), most=0)
+        predicted.refine()
+        return at_chip(predicted.read({}, run.times[None], ACCELEROMETER), chip)[0]
     if any(chip):
         raise InputError(
             f"`chip` must be 0,0,0 to be compared where the contact may open, but is {chip}."
@@ -232,7 +232,7 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
     if w is None:
         return {}
     values = {}
-    if problem.system.name.endswith("tippe-top"):
+    if problem.system.name.endswith("tippe-top") and "air" not in problem.tables:
         spin = (w * u).sum(axis=1)
         Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
         values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)
@@ -245,7 +245,9 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
             spin = (w * u).sum(axis=1)
             turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
         moving = (body.m * (there.velocity**2).sum(axis=1) + turning) / 2
-        values["energy"] = moving + body.m * body.g * there.place[:, 2]
+        slope = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+        height = body.g * there.place[:, 2] - there.place[:, :2] @ slope
+        values["energy"] = moving + body.m * height
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 

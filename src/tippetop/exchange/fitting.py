@@ -125,7 +125,7 @@ def fit(
         ends = merge([*ends, *minima])
         if ends[0].searches >= MET:
             break
-    observation.refine()
+    misfit.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
     again = [

@@ -41,8 +41,8 @@ KINDS = {
         "accelerometer_x accelerometer_y accelerometer_z",
         METRE_PER_SECOND2,
         "specific force at a chip in the body (`--chip`; by default at the centre of mass), along "
-        "body axes: acceleration of the place in space + g zhat; +g along an axis at rest that "
-        "points up",
+        "body axes: acceleration of the place in space less that of gravity; +g along an axis at "
+        "rest that points up",
     ),
     "force": ("force_x force_y force_z", NEWTON, "force of the contact on the body"),
     "marker": ("marker_x marker_y marker_z", METRE, "place of a marker on the body (`--marker`)"),

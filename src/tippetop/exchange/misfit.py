@@ -1,6 +1,7 @@
 """Weighted residuals of sets of numbers, and their Jacobians."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,7 @@ class Misfit:
             for group, seen in observation.groups.items()
         }
         self.rows = len(observation.t)
+        self.last: Any = (None,)  # the points that were read last, and what was found
 
     def at(
         self, points: np.ndarray, rows: int, *, slopes: bool = True
@@ -70,44 +72,45 @@ class Misfit:
         Without `slopes` the Jacobians have no columns. Gaps are left out; a motion that cannot be
         computed leaves `WORST`, constant. Slopes are central differences.
         """
-        middle, worst = self._residuals(points, rows)
+        key = points.tobytes(), rows
+        if self.last[0] != key:  # a minimiser wants values first, then slopes
+            self.last = key, *self._residuals(points, rows)
+        _, middle, worst = self.last
         n, free = points.shape
         jacobians = np.zeros((*middle.shape, free if slopes else 0))
-        which = np.argwhere(np.full((n, free), slopes))
         bends = np.full((n, free), np.inf)
+        which = np.argwhere(np.full((n, free), slopes))
         for step in STEPS:
             if not len(which):
                 break
+            sides = self._sides(points, which, step)
             p, i = which.T
-            found, bend = self._differences(points[p], i, step, rows, middle[p])
+            after, before = np.split(self._residuals(np.concatenate(sides), rows)[0], 2)
+            change = after - before
+            second = after + before - 2 * middle[p]
+            smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
+            size, bend = (np.linalg.norm(np.where(smooth, d, 0), axis=1) for d in (change, second))
+            bend /= np.maximum(size, 1e-300)
+            distance = (sides[0] - sides[1])[np.arange(len(which)), i]
             better = bend < bends[p, i]
-            jacobians[p[better], :, i[better]] = found[better]
+            slope = np.where(smooth, change, 0) / distance[:, None]
+            jacobians[p[better], :, i[better]] = slope[better]
             bends[p[better], i[better]] = bend[better]
             which = which[bends[p, i] > AGREE]
         return np.where(np.isfinite(middle), middle, worst), jacobians
 
-    def _differences(
-        self, points: np.ndarray, along: np.ndarray, step: float, rows: int, middle: np.ndarray
+    def _sides(
+        self, points: np.ndarray, which: np.ndarray, step: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return central differences at points, each along one coordinate, and how they bend.
-
-        That is the ratio of the second differences to the first.
-        """
-        low, high = self.space.bounds
+        """Return points ahead of and behind those `which`, pairs of a point and a coordinate."""
+        p, i = which.T
         step *= FAR / self.space.within
-        move = step * np.eye(points.shape[1])[along]
+        low, high = self.space.bounds
+        move = step * np.eye(points.shape[1])[i]
         ahead, behind = (
-            np.clip(points + side * move, low + step / 2, high - step / 2) for side in (1, -1)
+            np.clip(points[p] + side * move, low + step / 2, high - step / 2) for side in (1, -1)
         )
-        found, worst = self._residuals(np.concatenate([ahead, behind]), rows)
-        after, before = np.split(found, 2)
-        change = after - before
-        second = after + before - 2 * middle
-        smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
-        size, bend = (np.linalg.norm(np.where(smooth, d, 0), axis=1) for d in (change, second))
-        distance = (ahead - behind)[np.arange(len(along)), along]
-        slopes = np.where(smooth, change, 0) / distance[:, None]
-        return slopes, bend / np.maximum(size, 1e-300)
+        return ahead, behind
 
     def _residuals(self, points: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals (points, numbers) of the first rows without gaps, and for each what it
@@ -134,8 +137,14 @@ class Misfit:
         ends = np.cumsum([given.sum() for given in self.given(self.rows).values()])
         return np.split(table, ends[:-1])
 
+    def refine(self) -> None:
+        """Predict with the tolerance of the scenario from now on."""
+        self.last = (None,)
+        self.observation.predicted.refine()
+
     def weigh(self, point: np.ndarray) -> None:
         """Weight each kind of measurement by its own noise."""
+        self.last = (None,)
         for group, off in self.observation.predictions([self.space.values(point)]).items():
             self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), self.rounding[group])
 

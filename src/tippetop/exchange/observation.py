@@ -15,7 +15,7 @@ from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
 from .motion import Motion, lean, theta_of
-from .predictions import IN_BODY, Predictions
+from .predictions import ACCELEROMETER, IN_BODY, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
 
@@ -35,7 +35,7 @@ LONGEST = 3e4
 NAMES = {
     "place": ("x", "y"),
     "marker": ("x", "y", "z", "orientation"),
-    "accelerometer": ("accelerometer", "gyroscope", "turning"),
+    "accelerometer": ACCELEROMETER,
 }
 """Columns of a motion for each kind of measurement, unless they have its name."""
 
@@ -120,10 +120,6 @@ class Observation:
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
 
-    def refine(self) -> None:
-        """Predict with the tolerance of the scenario from now on."""
-        self.predicted.refine()
-
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
         return TIMES.get(name) or self.problem.rules[name]
@@ -190,9 +186,7 @@ class Observation:
         if CAMERA.fullmatch(group):
             return lean(read["axis"], group)[..., None]
         if group == "accelerometer":
-            w = read["gyroscope"]
-            bent = np.cross(read["turning"], self.chip) + np.cross(w, np.cross(w, self.chip))
-            return read[group] + bent
+            return at_chip(read, self.chip)
         names = _names(group)
         if names in (("axis",), ("orientation",), ("omega",), ("gyroscope",)):
             return read[group]

@@ -8,15 +8,14 @@ import numpy as np
 from ..columns import Arrays
 from ..engine.expressions import AXES, component
 from ..engine.orientation import quaternion
-from ..engine.status import Status
 from ..engine.tangent import Tangents
-from ..ensembles.hybrid_tops import faults_of, problem_of
+from ..ensembles import ensemble
+from ..ensembles.rows_at_times import rows_at_times
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import outer
 from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
-from ..problem import Problem, Problems, name_faults
-from ..runs.run import solve, with_rows_at
+from ..problem import Problem, name_faults
 
 
 # Tolerance of the integrator while numbers are searched: three fifths of the time
@@ -30,6 +29,7 @@ IN_BODY = {
     "accelerometer": METRE_PER_SECOND2,
 }
 """Units of the values of `engine.variational.CHIP`."""
+ACCELEROMETER = ("accelerometer", "gyroscope", "turning")
 VALUES = {
     "axis": tuple(component(f"u{c}") for c in "xyz"),
     "orientation": AXES,
@@ -48,6 +48,8 @@ class Predictions:
         The scenario.
     free
         Dotted names of the free numbers; an initial number that is not given is 0.
+    most
+        Steps per internal unit of time beyond which a motion is given up; 0: any number.
 
     Raises
     ------
@@ -55,12 +57,12 @@ class Predictions:
         If the problem has no number of a name, or its motion is not one of doubles from a start.
     """
 
-    def __init__(self, problem: Problem, free: Sequence[str]):
+    def __init__(self, problem: Problem, free: Sequence[str], most: float = MOST_STEPS):
         self.problem = problem
         self.tangents = None
         if not problem.system.is_hybrid:
             coarse = dataclasses.replace(problem, tolerance=TOLERANCE)
-            self.tangents = Tangents(coarse, free, MOST_STEPS)
+            self.tangents = Tangents(coarse, free, most)
         elif faults := name_faults(problem, free, without=("run.",)):
             raise InputError(faults)
 
@@ -89,8 +91,8 @@ class Predictions:
             return self._read_smooth(self.tangents, points, times, names)
         if not points:
             points = {"run.until": times[:, -1]}
-        turns = "orientation" in names
-        return rows_at_times(Problems.vary(self.problem, points, turns), times, names)[0]
+        tops = ensemble.vary(self.problem, points, orientation="orientation" in names)
+        return rows_at_times(tops, times, names)[0]
 
     def _read_smooth(
         self,
@@ -117,40 +119,11 @@ class Predictions:
         return found
 
 
-def rows_at_times(
-    tops: Problems, times: np.ndarray, names: Sequence[str]
-) -> tuple[Arrays, np.ndarray]:
-    """Return columns of tops at given times, and the codes of their `Status`, (tops,).
+def at_chip(read: Arrays, chip: Sequence[float]) -> np.ndarray:
+    """Return the specific force at a place in the body, (..., 3) [m/s^2].
 
-    Parameters
-    ----------
-    tops
-        The runs; each ends with its last time.
-    times
-        (tops, rows) [s], ascending.
-    names
-        Of columns of runs.
+    `read`: the values `ACCELEROMETER` of a motion.
     """
-    found: Arrays = {}
-    status = np.full(tops.n, Status.INVALID.code)
-    for top in np.flatnonzero(tops.valid).tolist():
-        later = times[top] >= 0
-        try:
-            problem = problem_of(tops, top)
-            if faults := faults_of(problem):
-                raise InputError(faults)
-            run = solve(with_rows_at(problem, times[top, later]))
-        except InputError:
-            continue
-        status[top] = run.status.code
-        columns = run.columns()
-        after = times[top, later] > run.progress.t_end
-        for name in names:
-            values = columns[name].values
-            values[after] = np.nan
-            every = found.setdefault(name, np.full((*times.shape, *values.shape[1:]), np.nan))
-            every[top, later] = values
-    widths = {"axis": (3,), "orientation": (4,)}
-    for name in names:
-        found.setdefault(name, np.full((*times.shape, *widths.get(name, ())), np.nan))
-    return found, status
+    w = read["gyroscope"]
+    bent = np.cross(read["turning"], chip) + np.cross(w, np.cross(w, chip))
+    return np.asarray(read["accelerometer"] + bent)

@@ -116,6 +116,8 @@ def text_of(problem: Problem, to: str) -> str:
             f"the surface of `{problem.system.name}` must be one that `{to}` can express: MJCF and "
             "SDF have spheres and ellipsoids, URDF has spheres."
         )
+    if "air" in problem.tables:
+        raise InputError("a body for a simulator must be in still air, but has [air].")
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))
@@ -192,6 +194,12 @@ class Model(NamedTuple):
         moments = dict(zip(("ixx", "iyy", "izz"), map(_numbers, self.moments), strict=True))
         return moments | {"ixy": "0", "ixz": "0", "iyz": "0"}
 
+    @property
+    def gravity(self) -> str:
+        """Gravity in the axes of the plane, which is level in a simulator."""
+        slope = (self.body.around and self.body.around.slope) or (0.0, 0.0)
+        return _numbers(*slope, -self.body.g)
+
     def comment(self, *sentences: str) -> str:
         """Return the differences of a simulator, and further ones, as a comment."""
         sentences = (*self.differences, *sentences)
@@ -207,7 +215,7 @@ class Model(NamedTuple):
         """Return what a simulator must be told: gravity, friction, start, in sentences."""
         start = self.start
         return (
-            f"gravity 0 0 {_numbers(-self.body.g)}; friction {_numbers(self.friction[0])}; "
+            f"gravity {self.gravity}; friction {_numbers(self.friction[0])}; "
             f"restitution {_numbers(self.bounce)}",
             f"place of the centre of mass {_numbers(start.place)}; quaternion w x y z "
             f"{_numbers(start.quaternion)}",
@@ -325,7 +333,7 @@ def _mjcf(model: Model) -> str:
         qpos = _numbers(start.place + arm, start.quaternion)
         qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
     return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system}">
-  <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic"
+  <option timestep="{_numbers(STEP)}" gravity="{model.gravity}" cone="elliptic"
           integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
   {default}<worldbody>
@@ -437,7 +445,7 @@ def _sdf(model: Model) -> str:
     return f"""<?xml version="1.0"?>
 {model.comment(sentence, *model.settings())}<sdf version="{version}">
   <world name="default">
-    <gravity>0 0 {_numbers(-body.g)}</gravity>{"" if fixed else floor}
+    <gravity>{model.gravity}</gravity>{"" if fixed else floor}
     <model name="top">
       <pose>{pose}</pose>
       <link name="top">

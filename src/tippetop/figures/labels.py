@@ -9,7 +9,7 @@ from .style import heading
 Attributes = dict[str, Any]
 """The root attributes of the store of a run."""
 
-TABLES = ("parameters", "friction", "contact", "stem", "initial", "run")
+TABLES = ("parameters", "friction", "contact", "stem", "air", "plane", "initial", "run")
 RUN_KEYS = ("precision", "tolerance")
 MOST_NUMBERS = 2  # bodies that differ in more are named
 

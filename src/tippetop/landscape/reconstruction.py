@@ -8,6 +8,7 @@ import xarray as xr
 
 from ..columns import require, significant_turnings
 from ..errors import InputError
+from ..mechanics.contact.surroundings import require_still
 from ..mechanics.theory import main_equation
 from ..problem import Problem
 
@@ -31,6 +32,7 @@ def reconstruction(
         A guess of the period of nutation [s]; by default twice the first turning time.
     """
     system = problem.system
+    require_still(problem.tables, "the run")
     if problem.contact is not None:
         raise InputError(
             "the run must be one whose contact keeps its phase, but its contact may change it."

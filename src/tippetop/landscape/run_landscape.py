@@ -9,6 +9,7 @@ import xarray as xr
 from ..arguments import PlainData
 from ..columns import capitalised, on_sphere, significant_turnings
 from ..errors import InputError
+from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import PARTS, Frictionless
 from ..mechanics.system import System
 from ..mechanics.systems.tippe_top import is_peg
@@ -37,6 +38,7 @@ def band(
     """
     from scipy.interpolate import CubicSpline
 
+    require_still(attrs, "a run in a landscape")
     parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
     angles = band_along(parameters, trajectory, system)
     turning = significant_turnings(events)
@@ -62,6 +64,7 @@ def band(
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tuple[Any, ...]:
     """Return the surface around a run, the marked lines, the run on its sphere, and a title."""
+    require_still(attrs, "a run in a landscape")
     refuse_parts(attrs.get("friction", {}))
     parameters = attrs["parameters"]
     lam = float(trajectory["jellett"][0])
@@ -81,6 +84,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> t
     The times are evenly spread in theta, hence all through an inversion.
     Where D, lambda and E~ are constant, there is one time.
     """
+    require_still(attrs, "a run in a landscape")
     parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
     trajectory = trajectory.isel(time=on_sphere(trajectory))
     theta = trajectory["theta"].values
@@ -113,6 +117,7 @@ def states(
 
     Further a title, and the run as cos(theta) with its lambda [kg m^3/s] while it is on its sphere.
     """
+    require_still(attrs, "a run in a landscape")
     refuse_parts(attrs.get("friction", {}))
     seen = _on_sphere(trajectory)
     lam = seen["jellett"].values

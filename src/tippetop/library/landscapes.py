@@ -12,6 +12,7 @@ from ..landscape import potential as potential_of
 from ..landscape import surface, turning
 from ..landscape.landscape_body import landscape_of
 from ..mechanics.contact.body import Top
+from ..mechanics.contact.surroundings import require_still
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.units import JELLETT, JOULE, ONE, RADIAN
@@ -221,6 +222,7 @@ def _body(top: Body) -> tuple[Mapping[str, float], System]:
         return top._asdict(), SYSTEMS[top.gliding]
     problem = problem_behind(top)
     assert problem is not None  # a body was looked for above
+    require_still(problem.tables, "a top in a landscape")
     return problem.parameters, problem.system
 
 

@@ -68,6 +68,12 @@ def run(
     stem : mapping, optional
         Stem of a tippe top, `dict(r=0.004, h=0.022)`: radius of its ball [m], and distance of
         its centre from that of the sphere along 3hat [m].
+    air : mapping, optional
+        Air that brakes the rotation, `dict(c1=1e-9, c2=2e-11)`: its torque about the centre of
+        mass is -(c1 + c2 |omega|) omega [N m].
+    plane : mapping, optional
+        A plane that is not level, `dict(tilt="0.3 deg", azimuth=0)`: its inclination, and the
+        direction along it in which it falls, from x towards y. Space axes are those of the plane.
     {options}
     out : path, optional
         A store that is written during the run, for runs that exceed memory. The result is then a

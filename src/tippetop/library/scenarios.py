@@ -33,10 +33,13 @@ def problem_of(
     form: str | None = None,
     contact: Mapping[str, Any] | None = None,
     stem: Mapping[str, float] | None = None,
+    air: Mapping[str, Any] | None = None,
+    plane: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Problem:
     """Return the checked Problem of the arguments of `run`. Raises InputError."""
     about: dict[str, Any] = {"parameters": parameters, "contact": contact, "stem": stem}
+    about |= {"air": air, "plane": plane}
     others = {"friction": friction, "start": start, "system": system, "form": form}
     given = [name for name, value in (others | about | options).items() if value is not None]
     if isinstance(source, Problem):

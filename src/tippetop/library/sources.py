@@ -5,6 +5,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..mechanics.contact.body import Top
+from ..mechanics.contact.surroundings import require_still
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.cylinder import Cylinder
 from ..mechanics.systems.ellipsoid import Ellipsoid
@@ -44,6 +45,7 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
     if problem is None and isinstance(source, kinds):
         return source
     if problem is not None:
+        require_still(problem.tables, "a top of this theory")
         system = problem.system
         found = f"that of the system {problem.system.name}"
         for kind in kinds:

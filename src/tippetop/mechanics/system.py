@@ -127,6 +127,9 @@ class System:
         The name in TOML, a description, and the publication.
     parameters, initial : dict of Number
         The numbers of the body and of the start, by name.
+    surroundings : dict of Number
+        The numbers of the air and of the plane, by dotted key such as `air.c1`; empty: the air is
+        still and the plane level. `body` finds them among its parameters.
     body, body_units : callable
         body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units;
         body_units(units of the friction record) -> the same, filled with units.
@@ -204,6 +207,7 @@ class System:
     scales: Callable = lambda b: (1.0, 1.0)
     normalised_to: dict[str, float] = field(default_factory=dict)
     initial: Any = None
+    surroundings: Mapping[str, Number] = field(default_factory=dict)
     start: Any = None
     angles: Any = None
     integrals: tuple[str, ...] = ()
@@ -298,7 +302,7 @@ class System:
         Parameters
         ----------
         parameters
-            Numbers or arrays (n,) by name, SI.
+            Numbers or arrays (n,) by name, SI; those of surroundings by dotted key.
         friction
             The record of a friction law, numbers or arrays (n,), SI.
         number
@@ -318,7 +322,7 @@ class System:
         -----
         `number` is applied to each of them: a type, or what makes arrays of one shape.
         """
-        given = {name: number(parameters[name]) for name in self.parameters}
+        given = {name: number(parameters[name]) for name in (*self.parameters, *self.surroundings)}
         return self.body(given, friction._make(map(number, friction)))
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:

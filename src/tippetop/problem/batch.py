@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.caching import cached_property
+from ..mechanics.contact.surroundings import tables_of
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit
@@ -98,7 +99,10 @@ class Problems:
     def body(self, number: Callable) -> Any:
         """Return the bodies in SI units, with numbers passed through `number`."""
         friction = self.base.friction._replace(**self.given("friction"))
-        return self.base.system.body_of(self.given("parameters"), friction, number)
+        given = self.given("parameters")
+        for table in tables_of(self.base.surroundings):
+            given |= {f"{table}.{name}": value for name, value in self.given(table).items()}
+        return self.base.system.body_of(given, friction, number)
 
     @cached_property
     def _body(self) -> Any:

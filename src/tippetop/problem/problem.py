@@ -11,6 +11,7 @@ import numpy as np
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.body import touching_ball
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
+from ..mechanics.contact.surroundings import SURROUNDINGS
 from ..mechanics.contact.uniqueness import COSINE, SINE
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
@@ -49,6 +50,8 @@ class Problem(RunOptions):
         The times [s] of the rows, which decide `output_step` or `output_times`.
     contact
         Where the contact may change its phase: how it opens and closes.
+    surroundings
+        Numbers of the air and of the plane by dotted key, such as `air.c1`; see `System`.
     origin
         The end of another run, where this one starts exactly; `initial` contains it rounded.
     """
@@ -66,6 +69,7 @@ class Problem(RunOptions):
     keyframe_steps: int = KEYFRAME_STEPS
     orientation: bool = True
     contact: ContactLaw | None = None
+    surroundings: dict[str, float] = field(default_factory=dict)
     origin: dict[str, Any] | None = None
     checked: ClassVar[bool] = False  # a copy by dataclasses.replace is not checked
 
@@ -75,7 +79,7 @@ class Problem(RunOptions):
         step, listed = (getattr(self.times, name, None) for name in ("step", "times"))
         object.__setattr__(self, "output_step", step)
         object.__setattr__(self, "output_times", None if listed is None else tuple(listed.tolist()))
-        freeze(self, "parameters", "initial", "origin")
+        freeze(self, "parameters", "initial", "surroundings", "origin")
 
     def __reduce__(self) -> Any:
         given = {
@@ -116,6 +120,9 @@ class Problem(RunOptions):
             tables["contact"] = {"e_n": contact.e_n}
             if contact.stem:
                 tables["stem"] = {"r": contact.r, "h": contact.h}
+        for key, value in self.surroundings.items():
+            table, _, name = key.partition(".")
+            tables.setdefault(table, {})[name] = value
         return tables | {"initial": dict(self.initial), "run": {"until": self.until}}
 
     @cached_property
@@ -172,7 +179,8 @@ class Problem(RunOptions):
 
     def body(self, number: Any = float) -> Any:
         """Return the record that formulas take, in SI units."""
-        return self.system.body_of(self.parameters, self.friction, number)
+        given = {**self.parameters, **self.surroundings}
+        return self.system.body_of(given, self.friction, number)
 
     @property
     def balls(self) -> dict[str, tuple[Any, Any]]:
@@ -234,6 +242,7 @@ def numbers_of(system: System, law: Mapping[str, Number]) -> dict[str, Mapping[s
         "initial": system.initial,
         "contact": CONTACT,
         "stem": STEM,
+        **SURROUNDINGS,
     }
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import InputError
 from ..mechanics.contact.body import Touch, arm, by_axis, shape_of, touching_ball
 from ..mechanics.contact.outline import Ball, Spheroid
+from ..mechanics.contact.surroundings import dotted_numbers, surrounded_body
 from ..mechanics.friction import Frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, axes
@@ -36,7 +37,11 @@ def body_of(attrs: dict[str, Any]) -> Any:
         )
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = system.laws.get(friction.get("law"), Frictionless)
-    body = system.body_of(attrs["parameters"], law._make(friction[name] for name in law._fields))
+    make = system.body_of
+    if around := dotted_numbers(attrs):
+        make = surrounded_body(make)
+    numbers = attrs["parameters"] | around
+    body = make(numbers, law._make(friction[name] for name in law._fields))
     if hasattr(body, "outline"):
         return body
     needed = [name for name in Touch._fields if name not in Touch._field_defaults]

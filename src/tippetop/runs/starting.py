@@ -12,6 +12,7 @@ from ..arguments import PlainData, path_of
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError, StoreError
+from ..mechanics.contact.surroundings import SURROUNDINGS
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
@@ -20,7 +21,7 @@ from ..store import hexfloat, ledger, root
 
 SAME = ("system", "form", "parameters")
 """Tables that a run shares with the one where it starts."""
-TAKEN = (*SAME, "friction", "contact", "stem")
+TAKEN = (*SAME, "friction", "contact", "stem", *SURROUNDINGS)
 """Tables that are those of the other run where none are given."""
 
 

@@ -10,6 +10,7 @@ from ..arguments import PlainData, measured, not_among, plain
 from ..errors import InputError
 from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
+from ..mechanics.contact.surroundings import SURROUNDINGS, dotted_numbers
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.number import completed, omission_faults
 from ..mechanics.quantity import worked_out
@@ -38,7 +39,17 @@ from .sentences import scenario_sentence
 # rad, after 1e4 s
 NEAREST_POLE = 1e-3
 
-TABLES = ("system", "form", "parameters", "friction", "contact", "stem", "initial", "run")
+TABLES = (
+    "system",
+    "form",
+    "parameters",
+    "friction",
+    "contact",
+    "stem",
+    *SURROUNDINGS,
+    "initial",
+    "run",
+)
 
 
 def problem(
@@ -84,6 +95,7 @@ def problem(
     if columns is not None or known not in (None, find(system.name)):  # the store names them
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules = rules_of(scenario, system)
+    around = [name for name in SURROUNDINGS if name in type(scenario).model_fields]
     kinds = tuple(event.name for event in system.events)
     parameters = dict(scenario.parameters)
     initial = {k: v for k, v in scenario.initial if v is not None}
@@ -104,6 +116,7 @@ def problem(
         initial=on_stem(initial, parameters, rules),
         times=run.rows(),
         contact=rules,
+        surroundings=dotted_numbers({name: dict(getattr(scenario, name)) for name in around}),
         origin=origin,
         **given,
     )

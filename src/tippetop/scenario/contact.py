@@ -11,6 +11,8 @@ from ..mechanics.contact.contact_phases import LEAST_PATCH
 from ..mechanics.contact.frame import Asymmetric
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
+from ..mechanics.contact.surrounded import surrounded_rolling
+from ..mechanics.contact.surroundings import SURROUNDINGS
 from ..mechanics.contact.uniqueness import (
     most_rolling,
     painleve_bound,
@@ -18,7 +20,7 @@ from ..mechanics.contact.uniqueness import (
 )
 from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
-from ..mechanics.systems import opening_systems
+from ..mechanics.systems import opening_systems, surroundable_systems
 from ..problem import Problem
 from .identity import user_records
 from .reading import law_name
@@ -42,9 +44,18 @@ def system_with_contact(system: System, tables: PlainData) -> System:
     name = law_name(tables)
     law = system.laws.get(name, LAWS.get(name, LAWS["none"])).given(friction)
     opening = system.opening
+    around = tuple(name for name in SURROUNDINGS if name in tables)
+    takes = surroundable_systems()
+    if around and system.name not in takes:
+        raise InputError(
+            f"`{around[0]}` must be of a {' or '.join(takes)}, but the system is {system.name}."
+        )
+    if around and not opening:
+        return surrounded_rolling(takes[system.name], around).with_records(*user_records(system))
     features = (  # the requirement, whether it is given, and the Opening that has it; "": any
         ("`contact`", "contact" in tables, ""),
         ("`stem`", "stem" in tables, "sphere"),
+        *((f"`{name}`", True, "") for name in around),
         ('`run.on_liftoff = "fly"`', run.get("on_liftoff") == "fly", ""),
         (f'`friction.law = "{name}"`', bool(law.regions), "rounded"),
         *((f"`friction.{part}`", law.torque and part in friction, "rounded") for part in PARTS),
@@ -71,7 +82,7 @@ def system_with_contact(system: System, tables: PlainData) -> System:
             f'`friction.law` must not be "{name}" where the contact may open, by {asked[0][0]}.'
         )
     own = user_records(system)
-    contact = opened(bodies[system.name], law, 2 if "stem" in tables else 1)
+    contact = opened(bodies[system.name], law, 2 if "stem" in tables else 1, around)
     clash = [r.name for records in own for r in records if r.name in contact.record_names]
     if clash:
         raise InputError(
@@ -114,6 +125,14 @@ def contact_faults(problem: Problem) -> list[str]:
     faults = [
         sentence
         for broken, sentence in (
+            (
+                problem.stop_when == "settled" and problem.surroundings,
+                '`run.stop_when` must be "until" in air or on a tilted plane, but is "settled".',
+            ),
+            (
+                "axis" not in problem.system.vectors and problem.surroundings.get("plane.azimuth"),
+                "`plane.azimuth` must be 0 for a cylinder, which moves along x.",
+            ),
             (
                 problem.stop_when == "settled" and has_parts(friction),
                 f'`run.stop_when` must be "until" with {parts}, but is "settled".',

@@ -8,9 +8,15 @@ from pydantic import BaseModel
 from ..mechanics.contact.opening import ABOVE, opened
 from ..mechanics.friction import LAWS, PARTS, FrictionLaw
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS, load_entry_points, opening_systems, systems_of_laws
+from ..mechanics.systems import (
+    SYSTEMS,
+    load_entry_points,
+    opening_systems,
+    surroundable_systems,
+    systems_of_laws,
+)
 from ..problem import ORIENTATION, PSI
-from .schema import ContactTable, RunTable, StemTable, number_table, tables_of
+from .schema import AROUND, ContactTable, RunTable, StemTable, number_table, tables_of
 
 
 class Section(NamedTuple):
@@ -94,6 +100,8 @@ def scenario() -> list[Section]:
         ("[initial]", 'the start; `from = "RUN.zarr"` instead: the end of another run'),
         ("[contact]", f"a contact that may open; of {', '.join(opening_systems())}"),
         ("[stem]", "the ball at the end of a stem; of tippe-top"),
+        ("[air]", f"a torque that brakes the rotation; of {', '.join(surroundable_systems())}"),
+        ("[plane]", "a plane that is not level; of the same"),
         ("[run]", "end and accuracy of the run, and the rows and columns that are kept"),
     ]
     head = (
@@ -125,6 +133,13 @@ def scenario() -> list[Section]:
         ),
         Section("[contact]", "", KEYS, keys_of(ContactTable)),
         Section("[stem]", "", KEYS, keys_of(StemTable)),
+        Section(
+            "[air]",
+            "The torque about the centre of mass is -(c1 + c2 |omega|) omega.",
+            KEYS,
+            keys_of(AROUND["air"]),
+        ),
+        Section("[plane]", "Space axes are those of the plane.", KEYS, keys_of(AROUND["plane"])),
         Section("[run]", "", KEYS, keys_of(RunTable)),
     ]
 

@@ -9,13 +9,14 @@ import numpy as np
 
 from ..columns import capitalised, flag_names, flag_words, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
+from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, columns_of, shape
 from ..store import chunks
 from . import pages, spacing
 from .encoding import encode
-from .phase_formulas import potential
+from .phase_formulas import NO_POTENTIAL, potential
 from .samples import NEEDED, needed, samples
 
 
@@ -78,6 +79,9 @@ def page(
         The part that is shown [s]; by default as much from the start as a page can contain.
     """
     times, kept, rough, notes = read(pieces, attrs, start, until)
+    around = dotted_numbers(attrs)
+    if tilt := around.get("plane.tilt"):
+        notes.append(tilted(tilt, around["plane.azimuth"]))
     if rough > TOO_FAR:
         notes.append(
             "The rows are far apart: between two of them the drawn attitude may be off by "
@@ -100,8 +104,16 @@ def page(
         "phases": phases,
     }
     system: Any = find(attrs["system"])
-    scripts = potential(system, body_of(attrs))
+    scripts = NO_POTENTIAL if around else potential(system, body_of(attrs))
     return pages.page(f"{attrs['title']} · tippetop", "page_run.js", data, scripts)
+
+
+def tilted(tilt: float, azimuth: float) -> str:
+    """Return a note on a picture whose plane is tilted."""
+    return (
+        f"The picture is in the axes of the plane, which falls by {tilt / DEGREE:.4g}° towards the "
+        f"azimuth {azimuth / DEGREE:.4g}°."
+    )
 
 
 def read(

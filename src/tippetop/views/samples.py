@@ -130,6 +130,8 @@ def _force(
         k = slip_coefficient(np.maximum((slip**2).sum(axis=0), 1e-300), z, b.friction)
         return np.stack([*(-k * normal * slip), normal], axis=1)
     push = b.m * np.gradient(velocity, columns["time"], axis=1) if n > 1 else np.zeros((2, n))
+    if b.around and b.around.slope:
+        push = push - b.m * np.reshape(b.around.slope, (2, 1))
     if "phase" in columns:
         change = np.flatnonzero(np.diff(columns["phase"]) | np.diff(columns["ball"]))
         push[:, np.unique(np.clip([change, change + 1], 0, n - 1))] = 0.0

@@ -91,6 +91,7 @@ def is_movable(base: Problem) -> bool:
     contact = base.contact
     return (
         base.system.name == TOP.name
+        and not base.surroundings
         and law.with_parts is not None
         and (contact is None or contact.restitution == "energetic")
     )

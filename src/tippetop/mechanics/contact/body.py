@@ -42,6 +42,7 @@ class Touch(NamedTuple):
     clearance: Operand = ()  # the other ball touches where this + lever cos(theta) = 0; (): none
     lever: Operand = ()
     outline: Any = Ball()
+    around: Any = ()  # record of `surroundings`
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
@@ -111,7 +112,7 @@ def or_of_frame(of_frame: Callable) -> Callable:
 def as_ball(b: Any) -> Any:
     """Return a body in an impact, alone: the ball by which it touches the plane, if it has one."""
     if isinstance(b, Asymmetric):
-        return b._replace(clearance=(), lever=())
+        return b._replace(clearance=(), lever=(), around=())
     return Touch(b.m, b.R, b.c, b.I1, b.I3, b.g, b.friction)
 
 

@@ -47,6 +47,7 @@ from .response import (
     sliding,
 )
 from .rolling import spin
+from .surroundings import braking, downhill, taken
 
 
 def phase_name(label: str, ball: int, *regions: str) -> str:
@@ -114,6 +115,8 @@ def on_ball(
     def rates(q, b):
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
+        if b.around:
+            turn = plus(turn, braking(by.omega, b))
         G = contact_acceleration(turning(q), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
@@ -130,13 +133,19 @@ def on_ball(
 
     def power(q, carried, b):
         by = acts(q, b)
-        return by.drilled - dot(by.force, by.velocity)
+        power = by.drilled - dot(by.force, by.velocity)
+        return power + taken(by.omega, leave(q, b).velocity, b) if b.around else power
+
+    def jellett_lost(q, carried, b):
+        by = acts(q, b)
+        torque = plus(by.torque, braking(by.omega, b)) if b.around else by.torque
+        return dot(torque, arm(axis(q), b))
 
     integrals = (
         *place(lambda q, carried, b: leave(q, b).velocity),
         integral("work", power),
         integral("impulse", lambda q, carried, b: acts(q, b).force.z),
-        integral("jellett_lost", lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b))),
+        integral("jellett_lost", jellett_lost),
     )
     turns = orientation_of(units)
     form = Form("vector", units, rates, scalars, integrals=integrals, orientation=turns)
@@ -177,21 +186,44 @@ Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
+    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings. [contact 3.1]"""
     still = 0 * q.uz
-    return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
+    if not b.around:
+        return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
+    along = downhill(still, b)
+    air = braking(angular_velocity(turning(q), b), b)
+    return type(q)(*axis_rate(q, b), *air, along.x, along.y, still - b.g, q.rz_dot)
+
+
+def free_velocity(q):
+    """Return the velocity of the centre of mass of a body in flight."""
+    return Vector(q.rx_dot, q.ry_dot, q.rz_dot)
+
+
+def free_power(q, carried, b):
+    """Return the power that is taken from a body in flight."""
+    return taken(angular_velocity(turning(q), b), free_velocity(q), b)
+
+
+def free_jellett_loss(q, carried, b):
+    """Return the rate at which a body in flight loses Jellett's integral."""
+    return dot(braking(angular_velocity(turning(q), b), b), arm(axis(q), b))
 
 
 @cache
-def flight(lies: tuple[str, ...] = AXIS) -> Phase:
+def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     """Return free flight of a body whose state has these variables of how it lies."""
     units = state(lies, **VELOCITY, height=METRE)
+    losses = integral("work", free_power), integral("jellett_lost", free_jellett_loss)
     form = Form(
         "vector",
         units,
         free_rates,
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height_of(axis(q), b)),
-        integrals=place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
+        integrals=(
+            *place(lambda q, carried, b: free_velocity(q)),
+            *(losses if surrounded else ()),
+        ),
         orientation=orientation_of(units),
     )
     events = (
@@ -204,7 +236,7 @@ def flight(lies: tuple[str, ...] = AXIS) -> Phase:
 
     def leave(q: Any, b: Any) -> Moving:
         x = turning(q)
-        return Moving(x.u, x.L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height)
+        return Moving(x.u, x.L, free_velocity(q), q.height)
 
     return Phase(form, (), events, (), enter, leave, lambda q, b: Reaction(none(q)))
 
@@ -269,7 +301,9 @@ STICK = ending(
 
 
 @cache
-def under_coulomb(lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
+def under_coulomb(
+    lies: tuple[str, ...] = AXIS, surrounded: bool = False
+) -> dict[tuple[str, ...], Phase]:
     """Return the phases under Coulomb's law itself.
 
     Where it slides, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and
@@ -284,7 +318,7 @@ def under_coulomb(lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
         directed_changes,
     )
     roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
-    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies)}
+    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies, surrounded)}
 
 
 # --- sliding of a disc, under a law with regions ------------------------------------------------
@@ -485,6 +519,8 @@ def slide_on_both(law: Any, *names: str) -> Phase:
 
     def pushed(x, v, b):
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
+        if b.around:
+            swing = swing - cross(braking(angular_velocity(x, b), b), x.u).z
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
     return replace(with_slip((*LEAVES, *ends_of(law, names)), pushed), axis_stays=True)
@@ -509,18 +545,37 @@ def rolled(x, b):
     share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
     rolls = rolling(omega, b.friction)
     slows = b.m * b.g * dot(rolls, omega) * share
+    if b.around:
+        air = braking(omega, b)
+        slows = slows + dot(air, omega) * share
 
     def rate(a):
         return plus(times(slows, a), cross(turn, a))
 
-    L_dot = rate(x.L)
+    L_dot = pushed = rate(x.L)
     V_dot = rate(velocity)
+    if b.around:
+        L_dot, V_dot = rolled_downhill(x, L_dot, V_dot, b)
+        pushed = minus(L_dot, air)
     acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
     frictions = [lambda *of: acts] * 2
-    swing = cross(L_dot, u).z
+    swing = cross(pushed, u).z
     _, _, *sides = shared(x, still, frictions, b.m * b.g, swing, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
-    return force, minus(L_dot, cross(arm(u, b), force)), *sides
+    return force, minus(pushed, cross(arm(u, b), force)), *sides
+
+
+def rolled_downhill(x, L_dot, V_dot, b):
+    """Return L' of a body that rolls on both, and the part of s'' by its contacts, where gravity
+    along the plane acts too: L_dot, V_dot are those without it.
+    """
+    along = downhill(0 * x.u.z, b)
+    level = x.u._replace(z=0 * x.u.z)
+    n = times(1 / sqrt(horizontal2(level)), level)
+    one = Turning(x.u, momentum_of(n, x.u, b))
+    velocity = centre_velocity(one, times(0, n), b)
+    rate = b.m * dot(along, velocity) / (dot(n, one.L) + b.m * dot(velocity, velocity))
+    return plus(L_dot, times(rate, one.L)), minus(plus(V_dot, times(rate, velocity)), along)
 
 
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
@@ -533,18 +588,21 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 
-def phases_under(law: Any, lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...], Phase]:
+def phases_under(
+    law: Any, lies: tuple[str, ...] = AXIS, surrounded: bool = False
+) -> dict[tuple[str, ...], Phase]:
     """Return the phases under a law, by label and its regions on each ball in contact."""
     if law.set_valued:
-        return under_coulomb(lies)
+        return under_coulomb(lies, surrounded)
+    flies = flight(lies, surrounded)
     if lies is not AXIS:  # with one contact, a point
-        return {("slip",): slip_under(law, lies=lies), ("flight",): flight(lies)}
+        return {("slip",): slip_under(law, lies=lies), ("flight",): flies}
     if not law.regions:
-        slip = slip_under(law) if law.torque else SLIP
-        return {("slip",): slip, ("flight",): FLIGHT, ("both",): slide_on_both(law)}
+        slip = slip_under(law) if law.torque or surrounded else SLIP
+        return {("slip",): slip, ("flight",): flies, ("both",): slide_on_both(law)}
     return {
         **{("slip", name): slip_under(law, name) for name in law.regions},
-        ("flight",): FLIGHT,
+        ("flight",): flies,
         ("both", "roll"): ROLLS_ON_BOTH,
         **{
             ("both", *names): slide_on_both(law, *names) for names in product(law.regions, repeat=2)
@@ -556,11 +614,16 @@ def phases_under(law: Any, lies: tuple[str, ...] = AXIS) -> dict[tuple[str, ...]
 # --- what brings a body onto both ---------------------------------------------------------------
 
 
+def momentum_of(omega: Vector, u: Vector, b: Touch) -> Vector:
+    """Return L of a body that turns with omega."""
+    return plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, u), u))
+
+
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
     along = x.u._replace(z=0 * x.u.z)
     omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
-    L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
+    L = momentum_of(omega, x.u, b)
     velocity = centre_velocity(Turning(x.u, L), times(0, L), b)
     p = times(b.m, minus(velocity, x.velocity))
     return kicked(x, b, p, minus(minus(L, x.L), cross(arm(x.u, b), p)))

@@ -35,6 +35,7 @@ from .first_slip import first_directions, first_slip
 from .frame import Asymmetric
 from .outline import Ball
 from .response import (
+    air,
     bias_vector,
     cone,
     direction,
@@ -191,7 +192,7 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
-    if isinstance(b, Asymmetric):
+    if b.around or isinstance(b, Asymmetric):
         return bias_rate(x, b)
     u_dot = contact.axis_rate(x, b)
     third = -(b.c * dot(x.L, x.L) / b.I1**2 * u_dot.z)
@@ -202,11 +203,16 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
     return third
 
 
-def bias_rate(x: Moving, b: Asymmetric) -> Any:
+def bias_rate(x: Moving, b: Any) -> Any:
     """Return the rate of the second derivative of the gap in flight, by a difference."""
-    sides = (moved(x.u, contact.axis_rate(x, b), side * DIFFERENCE) for side in (1, -1))
-    one, other = (bias_vector(x._replace(u=u), b).z for u in sides)
-    return (one - other) / (2 * DIFFERENCE)
+
+    def bias(time: float) -> Any:
+        u = moved(x.u, contact.axis_rate(x, b), time)
+        L = moved(x.L, air(x, b), time) if b.around else x.L
+        body = b if isinstance(b, Asymmetric) else contact.by_axis(u, b)
+        return bias_vector(x._replace(u=u, L=L), body).z
+
+    return (bias(DIFFERENCE) - bias(-DIFFERENCE)) / (2 * DIFFERENCE)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:

@@ -22,6 +22,7 @@ class Asymmetric(NamedTuple):
     outline: Any
     clearance: Operand = ()  # as of a `body.Touch`
     lever: Operand = ()
+    around: Any = ()
 
 
 class Frame(NamedTuple):

@@ -33,6 +33,7 @@ from .rows import (
     planar_theta_dot,
     row,
 )
+from .surrounded import LOSSES, disturbed, in_surroundings
 
 
 ABOVE = {
@@ -103,13 +104,16 @@ def in_plane(form: Form) -> Form:
 # --- phases and exits ---------------------------------------------------------------------------
 
 
-def phases_of(opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...]) -> dict[str, Phase]:
+def phases_of(
+    opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...], surrounded: bool
+) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
+    known = phases_under(law, FRAME if opening.framed else AXIS, surrounded)
     same = lambda one: one  # noqa: E731
     seen, jumping = (outlined_phase, outlined_jump) if opening.outlined else (same, same)
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
-        for (label, *regions), phase in phases_under(law, FRAME if opening.framed else AXIS).items()
+        for (label, *regions), phase in known.items()
         for ball in range(balls - (label == "both"))
     }
     phases = {}
@@ -156,7 +160,7 @@ def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, C
 
 
 @cache
-def opened(system: System, law: Any, balls: int) -> System:
+def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -> System:
     """Return a system whose contact may open, of one that slides; the same one for a law's record.
 
     Parameters
@@ -167,10 +171,13 @@ def opened(system: System, law: Any, balls: int) -> System:
         The friction law.
     balls
         1, or 2 of a body with a stem.
+    around
+        The tables of its surroundings; see `surroundings`.
     """
     opening: Any = system.opening
-    angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
-    form = PLANAR_ROW if opening.planar else DISC_ROW if law.torque else ROW
+    torques = law.torque or around
+    angles: Any = PLANAR_ANGLES if opening.planar else DISC_ANGLES if torques else ANGLES
+    form = PLANAR_ROW if opening.planar else DISC_ROW if torques else ROW
     read = row
     if opening.framed:
         angles, form, read = opening.framed
@@ -184,7 +191,7 @@ def opened(system: System, law: Any, balls: int) -> System:
     quantities += tuple(one for one in system.quantities if one.name not in known)
     # events of the axis by the few scalars of a phase, if these are enough
     apart = opening.planar or opening.framed
-    phases = phases_of(opening, law, balls, () if apart else of_axis)
+    phases = phases_of(opening, law, balls, () if apart else of_axis, bool(around))
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -200,13 +207,13 @@ def opened(system: System, law: Any, balls: int) -> System:
         friction = b.friction
         if (law.set_valued or law.regions) and friction.mu == 0:
             none = LAWS["none"].given(PARTS if has_parts(friction) else ())
-            known = opened(system, none, balls).phases
+            known = opened(system, none, balls, around).phases
             numbers = (getattr(friction, name, 0 * b.m) for name in none.parameters)
             b = b._replace(friction=none._make(numbers))
         return seen_from_balls(b, stem), known
 
     return replace(
-        system,
+        in_surroundings(system, around) if around else system,
         title=f"{system.title}, which may slip, roll and fly",
         phases=phases,
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
@@ -218,12 +225,12 @@ def opened(system: System, law: Any, balls: int) -> System:
         initial=system.initial | ABOVE,
         start=system.start if opening.framed else start,
         angles=angles,
-        long_names=system.long_names | LONG_NAMES,
+        long_names=system.long_names | LONG_NAMES | (LOSSES if around else {}),
         integrals=("jellett",) if jellett else (),
         landscape=None,
         potential=None,
-        outlook=opening.outlook,
+        outlook=disturbed if around else opening.outlook,
         borders=None,
         motion=None,
-        contact=(law, balls),
+        contact=(law, balls, around),
     )

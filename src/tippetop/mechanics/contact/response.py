@@ -32,6 +32,7 @@ from .body import (
     velocities,
 )
 from .frame import Asymmetric
+from .surroundings import braking, downhill
 
 
 @formula
@@ -97,13 +98,27 @@ chosen_bias = of_outline(bias_of_ball, bent_bias)
 
 
 @or_of_frame(frame.bias_vector)
+def own_bias(x, b):
+    """Return `bias_vector` of a body on a level plane in still air."""
+    return chosen_bias(x, b, b.outline)
+
+
 def bias_vector(x, b):
     """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
 
     It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1, and more if
-    the ball changes.
+    the ball changes; with that by the torque of the air, and by gravity along the plane.
     """
-    return chosen_bias(x, b, b.outline)
+    bias = own_bias(x, b)
+    if not b.around:
+        return bias
+    by_air, _ = gains(x.u, times(0, bias), air(x, b), b)
+    return plus(plus(bias, by_air), downhill(0 * bias.z, b))
+
+
+def air(x, b):
+    """Return the torque of the air, (3,) [N m]."""
+    return braking(angular_velocity(x, b), b)
 
 
 @formula
@@ -189,10 +204,24 @@ def stopping(x, b):
 
 
 @or_of_frame(frame.resting)
+def own_resting(x, b):
+    """Return `resting` of a body on a level plane in still air."""
+    return held(x.u, own_bias(x, b), own_turn(x, b), angular_velocity(x, b), b)
+
+
+def own_turn(x, b):
+    """Return Omega_z' of a body with an axis that no torque acts on."""
+    return (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z
+
+
 def resting(x, b):
     """Return the force and torque (3,) on a body whose contact stays at rest."""
-    free = (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z  # Omega_z' without them
-    return held(x.u, bias_vector(x, b), free, angular_velocity(x, b), b)
+    if not b.around:
+        return own_resting(x, b)
+    bias = bias_vector(x, b)
+    _, turns = gains(x.u, times(0, bias), air(x, b), b)
+    free = turns.z if isinstance(b, Asymmetric) else own_turn(x, b) + turns.z
+    return held(x.u, bias, free, angular_velocity(x, b), b)
 
 
 def held(u, bias, free, omega, b):

@@ -15,6 +15,8 @@ from typing import Any
 from ...errors import InputError
 from .. import friction
 from ..contact.opening import kind_of, opened
+from ..contact.surrounded import rolls, surrounded_rolling
+from ..contact.surroundings import tables_of
 from ..friction import FrictionLaw
 from ..number import RecordType
 from ..system import System
@@ -112,7 +114,7 @@ def opening_systems() -> dict[str, System]:
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
 
-def opened_by_name(name: str, record: Any, balls: int) -> System:
+def opened_by_name(name: str, record: Any, balls: int, around: tuple[str, ...] = ()) -> System:
     """Return a system whose contact opens, as a pickle has it.
 
     Raises InputError if this process does not know it.
@@ -122,7 +124,17 @@ def opened_by_name(name: str, record: Any, balls: int) -> System:
         raise InputError(
             [f"the law of `{record.__name__}` is not known in this process: register it first."]
         )
-    return opened(system, record, balls)
+    return opened(system, record, balls, around)
+
+
+def rolling_by_name(name: str, around: tuple[str, ...]) -> System:
+    """Return a rolling system in surroundings, as a pickle has it. Raises InputError."""
+    return surrounded_rolling(by_name(name), around)
+
+
+def surroundable_systems() -> dict[str, System]:
+    """Return the systems that may be in surroundings, by name."""
+    return {n: s for n, s in SYSTEMS.items() if s.opening is not None or rolls(s)}
 
 
 def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
@@ -149,8 +161,10 @@ def by_name(name: str) -> System:
 def _pickled(system: System) -> tuple:
     """Reduce a system to its name: a pickle contains no formulas."""
     if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
-        law, balls = system.contact
-        return opened_by_name, (system.name, law, balls)
+        return opened_by_name, (system.name, *system.contact)
+    around = tables_of(system.surroundings)
+    if around and surrounded_rolling(SYSTEMS[system.name], around) is system:
+        return rolling_by_name, (system.name, around)
     if SYSTEMS.get(system.name) is not system:
         raise pickle.PicklingError(
             f"a `{system.name}` that is not registered, or has events or columns of your own, "

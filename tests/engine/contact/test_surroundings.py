@@ -1,0 +1,296 @@
+"""Air and a tilted plane: against an own code by Newton and Euler, and closed forms."""
+
+from collections import namedtuple
+from typing import Any
+
+import numpy as np
+import pytest
+import tilted
+
+import tippetop as tt
+from tippetop import TippeTop
+from tippetop.friction import Contensou
+from tippetop.mechanics.contact import contact_phases as phases
+from tippetop.mechanics.contact.body import (
+    Moving,
+    angular_velocity,
+    arm,
+    axis_rate,
+    contact_velocity,
+    seen_from_balls,
+)
+from tippetop.mechanics.contact.contact_phases import momentum_of
+from tippetop.mechanics.contact.response import air
+from tippetop.mechanics.contact.surroundings import downhill, rules_of, surrounded_body
+from tippetop.mechanics.disc_friction import rolling
+from tippetop.mechanics.operand import Vector, cross, dot, plus, times
+
+
+QUIET = {"progress": False}
+RULES = rules_of(("air", "plane"))
+NOTHING = namedtuple("Nothing", ())()
+
+
+def random_top(seed: int) -> tuple[dict[str, Any], tilted.Body, Any]:
+    """A top in the air on a tilted plane: its tables, the same for the own code, and its force."""
+    rng = np.random.default_rng(seed)
+    system = ("tippe-top", "gliding-heavy-top", "spheroid", "ellipsoid")[seed % 4]
+    rolls = seed % 8 >= 4 and system != "gliding-heavy-top"
+    m, R, g = 0.02, rng.uniform(0.01, 0.03), 9.81
+    I3 = m * R**2 * rng.uniform(0.3, 0.6)
+    I1 = I3 * rng.uniform(0.7, 1.3)
+    inertia: Any = (I1, I1, I3)
+    offset = R * rng.uniform(0.1, 0.3)
+    centre, half, turn = [0, 0, offset], np.full(3, R), 0.0
+    if system == "gliding-heavy-top":
+        body = {"l": R}
+        centre, half = [0, 0, -R], np.zeros(3)
+    elif system == "tippe-top":
+        body = {"alpha": offset / R, "R": R}
+    elif system == "spheroid":
+        body = {"a": 1.3 * R, "b": R, "c": offset}
+        half = np.array([R, R, 1.3 * R])
+    else:
+        turn = 0.3
+        inertia = (I1, 1.2 * I1, I3)
+        body = dict(a=1.4 * R, b=1.2 * R, c=R, delta=turn, x=0.1 * R, y=-0.1 * R, h=offset)
+        body["I2"] = inertia[1]
+        centre, half = [0.1 * R, -0.1 * R, offset], R * np.array([1.4, 1.2, 1.0])
+    body |= {"m": m, "I1": I1, "I3": I3, "g": g}
+    air = {"c1": m * R**2 * rng.uniform(0, 1), "c2": m * R**2 * rng.uniform(0, 0.01)}
+    plane = {"tilt": rng.uniform(-0.2, 0.2), "azimuth": rng.uniform(0, 6)}
+    initial = {
+        "theta": rng.uniform(0.3, 0.8),
+        "theta_dot": rng.uniform(-2, 2),
+        "phi": rng.uniform(-3, 3),
+        "phi_dot": rng.uniform(-5, 5),
+        "omega3": rng.uniform(40, 90) * rng.choice([-1, 1]),
+        "psi": rng.uniform(-3, 3),
+    }
+    if system == "ellipsoid":  # slow enough to stay on the plane
+        initial |= {"phi_dot": 0.0, "omega3": rng.uniform(2, 8)}
+    tables: dict[str, Any] = {
+        "system": f"rolling-{system}" if rolls else system,
+        "parameters": body,
+        "air": air,
+        "plane": plane,
+        "initial": initial,
+        "run": {"until": 0.2, "output_step": 0.1},
+    }
+    force = tilted.rolling
+    if not rolls:
+        initial |= {"nu_x": rng.uniform(-0.2, 0.2), "nu_y": rng.uniform(-0.2, 0.2)}
+        tables["friction"] = {"law": "coulomb", "mu": 0.3, "eps": 0.05}
+        force = tilted.sliding(lambda v: 0.3 / np.sqrt(v * v + 0.05**2))
+    own = tilted.Body(m, inertia, centre, half, g, **plane, **air, turn=turn)
+    return tables, own, force
+
+
+def differences(one: np.ndarray, other: np.ndarray) -> float:
+    """The largest difference of two states: of place [m], velocity, momentum, axes."""
+    parts = zip(map(np.ravel, tilted.split(one)), map(np.ravel, tilted.split(other)), strict=True)
+    place, velocity, momentum, axes = (abs(a - b).max() for a, b in parts)
+    return max(place, velocity, momentum / abs(other[6:9]).max(), axes)
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        1,
+        3,
+        4,
+        6,
+        *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2, 5, *range(7, 24))),
+    ],
+)
+def test_a_top_in_air_on_a_tilted_plane_moves_as_an_own_code_says(seed: int) -> None:
+    tables, b, force = random_top(seed)
+    run = tt.run(tables, **QUIET)
+    rows = run.trajectory
+    last = float(rows.time[-1])  # a heavy top may have fallen before
+    assert last >= 0.1
+    _, end = tilted.follow(force, b, tilted.state_of(rows.isel(time=0), b), last)
+    assert differences(tilted.state_of(rows.isel(time=-1), b), end) < 1e-10
+    drift = run.attributes["report"]["drift"]
+    assert drift["energy_balance"] < 1e-13
+    if "tippe-top" in tables["system"]:
+        assert drift["jellett"] < 1e-13
+
+
+TOP = dict(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+OWN = dict(
+    m=0.02, inertia=(2.994e-6, 2.994e-6, 3.2e-6), centre=[0, 0, 0.006], half=[0.02] * 3, g=9.82
+)
+AROUND: dict[str, Any] = {
+    "air": {"c1": 2e-8, "c2": 1e-10},
+    "plane": {"tilt": 0.1, "azimuth": 0.7},
+}
+
+
+def test_a_top_flies_and_bounces_in_air_on_a_tilted_plane_as_an_own_code_says() -> None:
+    tables = {
+        "system": "tippe-top",
+        "parameters": TOP,
+        "friction": {"law": "viscous", "mu": 0.8},
+        "contact": {"restitution": "newton", "e_n": 0.4},
+        "initial": dict(theta=0.6, theta_dot=3.0, omega3=60.0, gap=0.004, nu_x=0.1, phi_dot=4.0),
+        "run": {"until": 0.06, "output_step": 0.06},
+        **AROUND,
+    }
+    run = tt.run(tables, **QUIET)
+    assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
+    assert run.attributes["report"]["drift"]["jellett"] < 1e-13
+    b = tilted.Body(**OWN, **AROUND["air"], **AROUND["plane"])
+    s = tilted.state_of(run.trajectory.isel(time=0), b)
+    now, landings = 0.0, []
+    while True:
+        lasts, s = tilted.follow(
+            tilted.flying, b, s, 0.06 - now, lambda s, b: tilted.lowest(s, b).gap
+        )
+        now += lasts
+        if now >= 0.06:
+            break
+        landings.append(now)
+        s = tilted.struck(s, b, lambda v: 0.8, 0.4)
+    assert len(landings) > 2
+    assert np.allclose(run.datasets()["impacts"].time, landings, atol=1e-10)
+    assert differences(tilted.state_of(run.trajectory.isel(time=-1), b), s) < 1e-8
+
+
+def test_a_top_slides_and_sticks_in_air_on_a_tilted_plane_as_an_own_code_says() -> None:
+    tables = {
+        "system": "tippe-top",
+        "parameters": TOP,
+        "friction": {"law": "coulomb", "mu": 0.3},
+        "initial": dict(theta=0.4, omega3=20.0, nu_x=0.04, nu_y=0.02),
+        "run": {"until": 0.1, "output_step": 0.1},
+        **AROUND,
+    }
+    run = tt.run(tables, **QUIET)
+    assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
+    b = tilted.Body(**OWN, **AROUND["air"], **AROUND["plane"])
+    s = tilted.state_of(run.trajectory.isel(time=0), b)
+    slides = tilted.sliding(lambda v: 0.3 / v)
+    least = 1e-9
+    stick, s = tilted.follow(
+        slides, b, s, 0.1, lambda s, b: np.linalg.norm(tilted.lowest(s, b).v) - least
+    )
+    _, s = tilted.follow(tilted.rolling, b, s, 0.1 - stick)
+    phase = run.attributes["report"]["contact_phases"]["first"][1]
+    assert phase["phase"] == "roll"
+    assert abs(phase["start"] - stick) < 1e-8
+    assert differences(tilted.state_of(run.trajectory.isel(time=-1), b), s) < 1e-8
+
+
+# --- closed forms -------------------------------------------------------------------------------
+
+
+def test_a_uniform_ball_rolls_down_with_five_sevenths_of_gravity_along_the_plane() -> None:
+    tilt, azimuth, until = 0.2, 0.5, 0.4
+    ball = tt.Spheroid(m=0.05, a=0.02, b=0.02)
+    plane = {"tilt": tilt, "azimuth": azimuth}
+    start = {"theta": 0.4, "omega3": 0.0}
+    run = tt.run(ball, system="rolling-spheroid", plane=plane, start=start, until=until, **QUIET)
+    distance = 5 / 14 * 9.81 * np.sin(tilt) * until**2
+    end = run.trajectory.isel(time=-1)
+    assert np.allclose([end.x, end.y], distance * np.array([np.cos(0.5), np.sin(0.5)]), rtol=1e-12)
+    assert np.isclose(end.normal_force, 0.05 * 9.81 * np.cos(tilt), rtol=1e-12)
+    assert np.isclose(end.friction_needed, 2 / 7 * np.tan(tilt), rtol=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore:`parameters.I")  # which are large
+@pytest.mark.parametrize(("factor", "stops"), [(0.9, True), (1.1, False)])
+def test_a_slider_stops_where_the_tilt_is_less_than_the_angle_of_friction(
+    factor: float, stops: bool
+) -> None:
+    mu, speed = 0.3, 0.2
+    tilt = float(np.arctan(factor * mu))
+    inertia = 1e6  # of m R^2: it hardly turns
+    body = dict(m=1.0, R=1.0, alpha=0.5, I1=inertia, I3=inertia, g=9.81)
+    run = tt.run(
+        {"system": "tippe-top", "parameters": body, "friction": {"law": "coulomb", "mu": mu}},
+        plane={"tilt": tilt},
+        start={"theta": 0.5, "nu_x": speed, "omega3": 0.0},
+        until=0.5 if not stops else 1.0,
+        **QUIET,
+    )
+    slows = 9.81 * (mu * np.cos(tilt) - np.sin(tilt))
+    phases = run.attributes["report"]["contact_phases"]
+    if stops:
+        assert phases["counts"] == {"slip": 1, "roll": 1}
+        assert np.isclose(phases["last"]["start"], speed / slows, rtol=1e-4)
+        assert np.isclose(run.trajectory.x[-1], speed**2 / (2 * slows), rtol=1e-4)
+    else:
+        assert phases["counts"] == {"slip": 1}
+        assert np.isclose(run.trajectory.nu_x[-1], speed - slows * 0.5, rtol=1e-4)
+
+
+def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
+    c1, c2, omega, until = 3e-7, 5e-9, 120.0, 3.0
+    start = {"theta": 0.0, "omega3": omega}
+    run = tt.run("inverting", start=start, air={"c1": c1, "c2": c2}, until=until, **QUIET)
+    left = np.exp(-c1 * until / run.problem.parameters["I3"])
+    expected = c1 * omega * left / (c1 + c2 * omega * (1 - left))
+    assert np.isclose(run.trajectory.omega3[-1], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", ["viscous", "coulomb", "contensou"])
+def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
+    friction = {"law": law, "mu": 0.3}
+    if law == "contensou":
+        friction |= {"patch": 5e-4, "mu_r": 1e-5, "mu_d": 1e-5}
+    run = tt.run(
+        {
+            "system": "tippe-top",
+            "parameters": dict(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81),
+            "friction": friction,
+            "stem": {"r": 0.005, "h": 0.013},
+            "contact": {"e_n": 0.02},
+            "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0, "nu_x": 0.0},
+            "run": {"until": 0.05},
+            **AROUND,
+        },
+        **QUIET,
+    )
+    report = run.attributes["report"]
+    assert report["drift"]["energy_balance"] < 1e-12  # as without: impacts
+    if law != "coulomb":
+        assert "both" in report["contact_phases"]["counts"]
+
+
+def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest() -> None:
+    body = TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
+    law = Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)
+    numbers = body._asdict() | dict(zip(RULES, (1e-8, 1e-11, 0.1, 0.3), strict=True))
+    b, other = seen_from_balls(surrounded_body(TippeTop.body_of)(numbers, law), (0.005, 0.013))
+    z = -b.clearance / b.lever
+    u = Vector(np.sqrt(1 - z * z), 0.0, z)
+
+    def moves(spin: float) -> tuple[Any, float]:
+        omega = times(spin, Vector(1.0, 0.0, 0.0))
+        x = phases.without_slip_on_both(
+            Moving(u, momentum_of(omega, u, b), Vector(0.0, 0.0, 0.0), 0.0, NOTHING), b
+        )
+        force, torque, *_ = phases.rolled(x, b)
+        turn = plus(plus(cross(arm(u, b), force), torque), air(x, b))
+        push = plus(times(1 / b.m, force), downhill(0.0, b))._replace(z=0.0)
+
+        def later(time: float) -> list:
+            state = Moving(
+                plus(u, times(time, axis_rate(x, b))),
+                plus(x.L, times(time, turn)),
+                plus(x.velocity, times(time, push)),
+                0.0,
+            )
+            return [[*contact_velocity(state, ball)] for ball in (b, other)]
+
+        slips = (np.array(later(1e-6)) - np.array(later(-1e-6))) / 2e-6
+        assert abs(slips).max() < 1e-6 * b.g
+        power = dot(torque, angular_velocity(x, b))
+        assert np.isclose(power, b.m * b.g * dot(rolling(angular_velocity(x, b), law), omega))
+        return push, power
+
+    push, power = moves(0.0)
+    assert power == 0
+    assert abs(push.x) + abs(push.y) > 0.1  # it starts to roll
+    assert moves(3.0)[1] < 0

@@ -1,0 +1,101 @@
+"""The tables [air] and [plane]: what is read, refused, and withheld."""
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.errors import InputError
+
+
+AIR = {"c1": "1e-8 N m s", "c2": 1e-10}
+PLANE = {"tilt": "1 deg", "azimuth": 0.3}
+AROUND: dict[str, Any] = {"air": AIR, "plane": PLANE}
+
+
+@pytest.mark.parametrize("preset", ["flying", "rolling"])
+def test_surroundings_pass_through_pickles_stores_and_resumes(preset: str, tmp_path: Path) -> None:
+    whole = tt.run(preset, **AROUND, until=0.3)
+    problem = whole.problem
+    again = pickle.loads(pickle.dumps(problem))
+    assert again.surroundings == problem.surroundings
+    assert again.system is problem.system
+    assert problem.surroundings["plane.tilt"] == np.pi / 180
+    stored = tt.run(preset, **AROUND, until=0.2, out=tmp_path / "r.zarr")
+    assert stored.problem.surroundings == problem.surroundings
+    again = tt.resume(tmp_path / "r.zarr", until=0.3)
+    assert again.attributes["report"]["theta_end"] == whole.attributes["report"]["theta_end"]
+    assert tt.run(problem).trajectory.equals(whole.trajectory)
+
+
+@pytest.mark.parametrize("preset", ["inverting", "rolling"])
+def test_tops_of_an_ensemble_have_surroundings_of_their_own(preset: str) -> None:
+    tilts = np.array([0.0, 0.05])
+    found = tt.ensemble(preset, {"plane.tilt": tilts}, plane={}, air=AIR, until=0.3)
+    for tilt, theta in zip(tilts, found.theta_end.values, strict=True):
+        alone = tt.run(preset, plane={"tilt": float(tilt)}, air=AIR, until=0.3)
+        assert np.isclose(alone.attributes["report"]["theta_end"], theta, rtol=1e-12)
+    assert {*found["class"].values} == {found["class"].flag_meanings.split().index("under-way")}
+
+
+def test_a_rolling_top_has_derivatives_by_its_surroundings() -> None:
+    names = ["plane.tilt", "air.c1", "initial.omega3"]
+    slopes = tt.derivatives.sensitivities("rolling", names, **AROUND, until=0.5).trajectory
+    step = 1e-5
+    ends = [
+        tt.run("rolling", air=AIR, plane=PLANE | {"tilt": np.pi / 180 + side * step}, until=0.5)
+        for side in (1, -1)
+    ]
+    one, other = (run.trajectory.theta.values[-1] for run in ends)
+    found = float(slopes.theta.sel(parameter="plane.tilt")[-1])
+    assert np.isclose(found, (one - other) / (2 * step), rtol=1e-7)
+
+
+REFUSED = {
+    "fixed tip": ("heavy-top", {"air": AIR}, "`air` must be of a tippe-top"),
+    "name": ("inverting", {"air": {"c3": 1.0}}, "The keys of `air` are c1, c2"),
+    "interval": ("inverting", {"plane": {"tilt": 1.6}}, "must be less than 1.5"),
+    "sign": ("inverting", {"air": {"c1": -1.0}}, "must be at least 0"),
+    "form": ("rolling", {"air": AIR, "form": "reduced"}, "`form` must be 'auto' or 'vector'"),
+    "settled": ("inverting", {"air": AIR, "stop_when": "settled"}, 'must be "until" in air'),
+}
+
+
+@pytest.mark.parametrize(("preset", "given", "words"), REFUSED.values(), ids=REFUSED)
+def test_wrong_surroundings_are_refused_in_a_sentence(
+    preset: str, given: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        tt.run(preset, until=0.1, **given)
+
+
+def test_theory_of_a_level_plane_in_still_air_is_withheld() -> None:
+    run = tt.run("inverting", **AROUND, until=0.1)
+    rolled = tt.run("rolling", **AROUND, until=0.1)
+    assert run.attributes["report"]["outcome"] == "under-way"
+    for ask in (
+        lambda: tt.theory.thresholds(run),
+        lambda: tt.theory.linear_modes(run, omega3=100.0),
+        lambda: tt.theory.reconstruct(rolled),
+        lambda: tt.landscapes.minimal_surface(run, D=0.0, lam=1e-6),
+        lambda: run.plot("band"),
+        lambda: run.plot("states"),
+    ):
+        with pytest.raises(InputError, match="on a level plane in still air"):
+            ask()
+
+
+def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
+    from tippetop.exchange.simulators import text_of
+
+    problem = tt.run("inverting", plane=PLANE, until=0.1).problem
+    tilt, g = np.pi / 180, problem.parameters["g"]
+    expected = g * np.array([np.sin(tilt) * np.cos(0.3), np.sin(tilt) * np.sin(0.3), -np.cos(tilt)])
+    text = text_of(problem, "mjcf")
+    found = text.partition('gravity="')[2].partition('"')[0].split()
+    assert np.allclose([float(part) for part in found], expected, rtol=1e-11)
+    with pytest.raises(InputError, match="in still air"):
+        text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")
