@@ -190,7 +190,7 @@ def reference(run: Solution) -> Arrays:
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
     """Return what an accelerometer at a place in the body measures, (rows, 3) [m/s^2].
 
-    Raises InputError for a place that is not the centre of mass if the contact may open."""
+    Raises InputError for a place that is not the centre of mass if the contact may change."""
     problem = run.problem
     if problem.contact is None:
         predicted = Predictions(dataclasses.replace(problem, orientation=True), (), most=0)
@@ -198,7 +198,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
         return at_chip(predicted.read({}, run.times[None], ACCELEROMETER), chip)[0]
     if any(chip):
         raise InputError(
-            f"`chip` must be 0,0,0 to be compared where the contact may open, but is {chip}."
+            f"`chip` must be 0,0,0 to be compared where the contact may change, but is {chip}."
         )
     return _in_body_axes(columns["force"], columns) / problem.body().m
 

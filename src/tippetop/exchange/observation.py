@@ -104,10 +104,10 @@ class Observation:
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
         in_body = not IN_BODY.keys().isdisjoint(columns)
-        if in_body and problem.system.is_hybrid:
+        if "accelerometer" in columns and problem.system.is_hybrid:
             raise InputError(
-                "a gyroscope, an accelerometer and omega are fitted only where the contact never "
-                "changes: leave them out, or give a smooth law without [contact] and [stem]."
+                "an accelerometer is fitted only where the contact never changes: leave it out, or "
+                "give a smooth law without [contact], [stem], [air] and [plane]."
             )
         turning = in_body or "orientation" in columns
         self.problem = dataclasses.replace(problem, orientation=turning)

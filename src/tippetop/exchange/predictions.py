@@ -13,9 +13,10 @@ from ..ensembles import ensemble
 from ..ensembles.rows_at_times import rows_at_times
 from ..errors import InputError
 from ..mechanics.operand import Vector
-from ..mechanics.rotation import outer
+from ..mechanics.rotation import Quaternion, axes, outer
 from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
 from ..problem import Problem, name_faults
+from ..runs.shape import moments
 
 
 # Tolerance of the integrator while numbers are searched: three fifths of the time
@@ -91,8 +92,16 @@ class Predictions:
             return self._read_smooth(self.tangents, points, times, names)
         if not points:
             points = {"run.until": times[:, -1]}
-        tops = ensemble.vary(self.problem, points, orientation="orientation" in names)
-        return rows_at_times(tops, times, names)[0]
+        turned = {"orientation", "L"} if IN_BODY.keys() & names else set()
+        known = turned | ({*names} - IN_BODY.keys())
+        tops = ensemble.vary(self.problem, points, orientation="orientation" in known)
+        read = rows_at_times(tops, times, known)[0]
+        if turned:
+            frame = np.array(axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0))))
+            inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))
+            read["gyroscope"] = np.einsum("axpr,prx,ap->pra", frame, read["L"], 1 / inertia)
+            read["omega"] = np.einsum("axpr,pra->prx", frame, read["gyroscope"])
+        return read
 
     def _read_smooth(
         self,
