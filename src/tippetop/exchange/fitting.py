@@ -8,6 +8,8 @@ import numpy as np
 from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
+from . import influences
+from .headers import UNITS
 from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
@@ -28,19 +30,24 @@ CORRELATED = 0.99
 # Standard error of one of them, in its coordinate, beyond which that is reported
 ROUGH = 0.05
 QUANTILE = 0.975
+# Standard errors beyond which a systematic error is named
+LARGE = 3.0
 # Standard errors from a bound, and at most this coordinate, within which a number is at it
 AT_BOUND = 0.01
-# Measurements whose noise is an angle
-ANGLES = ("theta", "phi", "axis", "orientation")
 
 
 class Estimate(NamedTuple):
-    """A number that was fitted: its value, standard error and 95 % interval, SI."""
+    """A number that was fitted: its value, standard error and 95 % interval, SI.
+
+    The interval is NaN where the residuals are not noise. `systematic` is how far the number would
+    move under all of `Fit.influences` together, as the root of the sum of their squares.
+    """
 
     value: float
     sigma: float
     low: float
     high: float
+    systematic: float = 0.0
 
 
 class Fit(NamedTuple):
@@ -63,6 +70,11 @@ class Fit(NamedTuple):
         two parts, across it.
     noise
         Name -> its standard deviation.
+    influences
+        By how much each number would move, SI, under what the scenario lacks, by its name.
+    likelihood
+        Logarithm of the likelihood of independent noise of these standard deviations, divided by
+        the time in rows over which residuals are correlated.
     """
 
     estimates: dict[str, Estimate]
@@ -72,6 +84,8 @@ class Fit(NamedTuple):
     reason: list[str]
     residuals: Arrays
     noise: dict[str, float]
+    influences: dict[str, dict[str, float]]
+    likelihood: float
 
 
 def fit(
@@ -79,6 +93,7 @@ def fit(
     loss: str = "linear",
     starts: int = STARTS,
     within: float = FAR,
+    systematic: bool = True,
     progress: Report = lambda *_: None,
 ) -> Fit:
     """Fit the free numbers of an observation.
@@ -93,6 +108,8 @@ def fit(
         Independent searches at most, until `MET` of them have ended in the best minimum.
     within
         Plausible distance of the numbers from those of the scenario, relative.
+    systematic
+        Whether influences that the scenario lacks are estimated.
     progress
         Called with the numbers of windows that are done and that are expected.
 
@@ -133,7 +150,7 @@ def fit(
         for end in ends
     ]
     ends = merge(again)  # a search along a long valley may have ended early
-    return judged(misfit, ends, ends[0].searches, n + 1)
+    return judged(misfit, ends, ends[0].searches, n + 1, systematic=systematic)
 
 
 def _refuse(misfit: Misfit) -> None:
@@ -180,8 +197,39 @@ def _excess(parts: Arrays) -> float:
     return worst
 
 
-def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> Fit:
-    """Return the result of searches that ended in these minima, best first, `met` in the first."""
+def correlation_time(parts: Arrays) -> float:
+    """Return over how many rows residuals are correlated: 1 + 2 sum of their autocorrelations.
+
+    The sum ends with the first lag whose autocorrelation is not significant; the largest time of
+    all parts counts.
+    """
+    longest = 1.0
+    for off in parts.values():
+        for part in off.T:
+            r = part[np.isfinite(part)]
+            power = (r**2).sum()
+            total = 1.0
+            for k in range(1, len(r) // 4):
+                rho = (r[k:] * r[:-k]).sum() / power if power > 0 else 0.0
+                if rho < 2 / np.sqrt(len(r)):
+                    break
+                total += 2 * rho
+            longest = max(longest, total)
+    return longest
+
+
+def judged(
+    misfit: Misfit,
+    ends: Sequence[Minimum],
+    met: int,
+    searches: int,
+    *,
+    systematic: bool = False,
+) -> Fit:
+    """Return the result of searches that ended in these minima, best first, `met` in the first.
+
+    Variances are multiplied by the time over which residuals are correlated.
+    """
     from scipy.stats import t as student
 
     observation = misfit.observation
@@ -189,32 +237,40 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     point = ends[0].point
     (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
-    freedom = max(float(weight.sum()) - len(point), 1.0)
-    variance = misfit.variance(residual)
+    values = space.values(point)
+    parts = {group: off[0] for group, off in observation.predictions([values]).items()}
+    rows = correlation_time(parts)
+    freedom = max(float(weight.sum()) / rows - len(point), 1.0)
+    variance = misfit.variance(residual) * rows
     sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
     scaled = jacobian * np.sqrt(weight)[:, None] / np.where(sizes > 0, sizes, 1)
     _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
-    inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways * variance / np.outer(sizes, sizes)
-    values = space.values(point)
+    inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways / np.outer(sizes, sizes)
     slopes = np.array(
         [scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)]
     )
     moves = space.slopes(point) / slopes[:, None]
-    covariance = moves @ inner @ moves.T
+    covariance = variance * moves @ inner @ moves.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
-    quantile = float(student.ppf(QUANTILE, freedom))
+    noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
+    doubts = _not_noise(misfit, parts, noise)
+    shifts = {}
+    if systematic:
+        gain = moves @ inner @ jacobian.T * weight
+        found = influences.moves(misfit, values, lambda change: gain @ change)
+        shifts = {name: np.linalg.norm(some, axis=0) for name, some in found.items()}
+    beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
+    quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
     estimates = {}
-    for (name, value), scale, s, slope in zip(
-        values.items(), space.scales, sigma, slopes, strict=True
+    for (name, value), scale, s, slope, shift in zip(
+        values.items(), space.scales, sigma, slopes, beside, strict=True
     ):
         limits = scale.inside(value) + quantile * s * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
         low, high = map(scale.outside, limits)
-        estimates[name] = Estimate(value, float(s * slope), low, high)
-    parts = {group: off[0] for group, off in observation.predictions([values]).items()}
-    noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
+        estimates[name] = Estimate(value, float(s * slope), low, high, float(shift * slope))
     reasons = []
     if met < MET:
         reasons.append(
@@ -223,7 +279,14 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
             "and other numbers may fit better: more `starts` may decide."
         )
     reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
-    reasons += _not_noise(misfit, parts, noise)
+    reasons += doubts
+    for name, shift in shifts.items():
+        worst = int(np.argmax(shift / sigma))
+        if shift[worst] > LARGE * sigma[worst]:
+            reasons.append(
+                f"{name} would move `{space.names[worst]}` by {shift[worst] / sigma[worst]:.2g} "
+                "standard errors."
+            )
     trustworthy = not reasons
     reasons.insert(
         0,
@@ -239,6 +302,19 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
         reasons,
         parts,
         noise,
+        {
+            name: dict(zip(values, (shift * slopes).tolist(), strict=True))
+            for name, shift in shifts.items()
+        },
+        _likelihood(parts, noise) / rows,
+    )
+
+
+def _likelihood(parts: Arrays, noise: dict[str, float]) -> float:
+    """Return the logarithm of the likelihood of residuals, up to a constant of the measurements."""
+    return -sum(
+        float(np.isfinite(off).sum()) * float(np.log(max(noise[group], 1e-300)))
+        for group, off in parts.items()
     )
 
 
@@ -263,7 +339,7 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
         most = (observation.noise or np.inf) * np.sqrt(
             1 + NOISY * np.sqrt(2 / np.isfinite(off).sum())
         )
-        if group in ANGLES and noise[group] > most:
+        if group not in UNITS and noise[group] > most:  # an angle
             reasons.append(
                 f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} "
                 "rad, not "

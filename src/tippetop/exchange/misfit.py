@@ -1,6 +1,6 @@
 """Weighted residuals of sets of numbers, and their Jacobians."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -116,7 +116,13 @@ class Misfit:
         """Return residuals (points, numbers) of the first rows without gaps, and for each what it
         is where a motion cannot be computed.
         """
-        parts = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows))
+        return self.read(self.observation, [self.space.values(p) for p in points], rows)
+
+    def read(
+        self, observation: Observation, points: Sequence[dict[str, float]], rows: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the same under the scenario of another observation of these measurements."""
+        parts = observation.predictions(points, slice(0, rows))
         given = self.given(rows)
         found = [off[:, given[group]] * self.weights[group] for group, off in parts.items()]
         worst = [np.full(given[group].sum(), WORST * self.weights[group]) for group in parts]

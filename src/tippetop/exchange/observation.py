@@ -103,14 +103,7 @@ class Observation:
             )
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
-        in_body = not IN_BODY.keys().isdisjoint(columns)
-        if "accelerometer" in columns and problem.system.is_hybrid:
-            raise InputError(
-                "an accelerometer is fitted only where the contact never changes: leave it out, or "
-                "give a smooth law without [contact], [stem], [air] and [plane]."
-            )
-        turning = in_body or "orientation" in columns
-        self.problem = dataclasses.replace(problem, orientation=turning)
+        self.problem = self.replaced(problem)
         self.predicted = Predictions(self.problem, self.own)
 
     @property
@@ -119,6 +112,19 @@ class Observation:
         return {
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
+
+    def replaced(self, problem: Problem) -> Problem:
+        """Return a problem whose orientation is integrated only if it is measured.
+
+        Raises InputError for an accelerometer where the contact may change.
+        """
+        if "accelerometer" in self.columns and problem.system.is_hybrid:
+            raise InputError(
+                "an accelerometer is fitted only where the contact never changes: leave it out, or "
+                "give a smooth law without [contact], [stem], [air] and [plane]."
+            )
+        turning = not {"orientation", *IN_BODY}.isdisjoint(self.columns)
+        return dataclasses.replace(problem, orientation=turning)
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
