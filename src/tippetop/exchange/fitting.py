@@ -130,7 +130,7 @@ def fit(
     count = len(windows(misfit))
     ends: list[Minimum] = []
     for n, points in enumerate(starts_of(misfit, starts)):
-        expected = n + MET - (ends[0].searches if ends else 0)
+        expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
         def report(done: int, before: int = n * count, total: int = expected * count) -> None:
             progress(before + done, total)

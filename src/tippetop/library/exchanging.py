@@ -246,7 +246,8 @@ def fit(
     if not 0 < within <= 1:
         raise InputError(f"`within` must be greater than 0, and at most 1, but is {within}.")
     with reporting(progress, "windows") as report:
-        return Fitted(problem, observation, fitting.fit(observation, loss, starts, within, report))
+        found = fitting.fit(observation, loss, starts, within, progress=report)
+        return Fitted(problem, observation, found)
 
 
 def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
