@@ -102,7 +102,7 @@ IGNORED = ("phase", "absolute", "absolute acceleration")
 SUFFIXES = "s|ms|deg|rad|m|cm|mm|rpm"
 HEADER = re.compile(
     r"\s*([^\W\d][\w.-]*?(?: \w+)*)\s*"
-    rf"(?:\[([^\]]*)\]|\(([^)]*)\)|/\s*(\S.*)|_({SUFFIXES}))?\s*"
+    rf"(?:\[([^\]]*)\]|\(([^)]*)\)|/\s*([^,;\t]+)|_({SUFFIXES}))?\s*"
 )
 # Parts of units: others of pint's are traps, such as px (of printers) and Grad (giga-radian)
 PARTS = (
