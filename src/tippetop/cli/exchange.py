@@ -83,6 +83,8 @@ def fit(
     loss: str = "linear",
     starts: Whole = 12,
     within: float = 0.4,
+    systematic: bool = True,
+    laws: str = "",
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quaternion: str | None = None,
     up: str = "z",
@@ -119,6 +121,12 @@ def fit(
         begins at eight points about the scenario.
     within
         How far the numbers may plausibly be from those of the scenario, relative: 0.01 is faster.
+    systematic
+        Estimate by how much the numbers would move if the table were tilted by 0.1 degrees, by the
+        air on a sphere of its size, and for a contact disc of 0.1 mm.
+    laws
+        Friction laws separated by commas, such as viscous,coulomb,contensou: the film is fitted
+        under each; the one that explains it best is printed, and which do equally well.
     marker
         Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with
         columns marker_x ...
@@ -163,6 +171,8 @@ def fit(
         loss=loss,
         starts=starts,
         within=within,
+        systematic=systematic,
+        laws=laws,
         marker=marker,
         quaternion=quaternion,
         up=up,

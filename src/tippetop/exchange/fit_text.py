@@ -30,6 +30,8 @@ def plain(fit: Fit, observation: Observation) -> PlainData:
         "trustworthy": fit.trustworthy,
         "reason": " ".join(fit.reason),
         "noise": fit.noise,
+        "influences": fit.influences,
+        "rows_correlated": fit.rows_correlated,
         "rows": len(observation.t),
         "rows_used": observation.used,
     }
@@ -43,8 +45,13 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
         unit = observation.rule(name).unit.symbol
         digits = _digits(e)
         suffix = "" if unit == "1" else f" {unit}"
-        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{suffix}"
+        shift = f" +- {e.systematic:.2g} (systematic)" if e.systematic else ""
+        if math.isnan(e.low):
+            interval = "no interval: the residuals are not noise"
+            rows.append(f"{name:{width}}  {e.value:.{digits}g}{suffix}   ({interval})")
+            continue
         interval = f"{e.low:.{digits}g} to {e.high:.{digits}g}"
+        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{shift}{suffix}"
         rows.append(f"{text}   (95 %: {'undecided' if 0 < WIDEST * e.low < e.high else interval})")
     noise = ", ".join(
         f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()

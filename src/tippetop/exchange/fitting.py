@@ -73,8 +73,10 @@ class Fit(NamedTuple):
     influences
         By how much each number would move, SI, under what the scenario lacks, by its name.
     likelihood
-        Logarithm of the likelihood of independent noise of these standard deviations, divided by
-        the time in rows over which residuals are correlated.
+        Logarithm of the likelihood of independent noise of these standard deviations, up to a
+        constant of the measurements.
+    rows_correlated
+        Over how many rows the residuals are correlated; 1: noise.
     """
 
     estimates: dict[str, Estimate]
@@ -86,6 +88,7 @@ class Fit(NamedTuple):
     noise: dict[str, float]
     influences: dict[str, dict[str, float]]
     likelihood: float
+    rows_correlated: float
 
 
 def fit(
@@ -306,7 +309,8 @@ def judged(
             name: dict(zip(values, (shift * slopes).tolist(), strict=True))
             for name, shift in shifts.items()
         },
-        _likelihood(parts, noise) / rows,
+        _likelihood(parts, noise),
+        rows,
     )
 
 

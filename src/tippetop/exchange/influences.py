@@ -20,7 +20,7 @@ from .predictions import Predictions
 
 TILTED = "a table tilted by 0.1 degrees"
 TILT = math.radians(0.1)
-AIR = "air"
+AIR = "the drag of still air on a sphere of its size"
 DISC = "a contact disc of 0.1 mm"
 PATCH = 1e-4
 # Fraction of a change that is computed, where the effect is proportional to it

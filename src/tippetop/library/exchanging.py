@@ -5,10 +5,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, in_python, instance, names_of, path_of, whole
+from ..arguments import finite, flag, in_python, instance, names_of, path_of, whole
 from ..errors import InputError, refuse_without
-from ..exchange import fit_text, fitting, measurements
+from ..exchange import fit_text, fitting, law_choice, measurements
 from ..exchange.motion import convention_of, place_of
+from ..exchange.motion_table import read
 from ..exchange.scales import FAR
 from ..exchange.verdict import Verdict
 from ..problem import Problem
@@ -116,12 +117,23 @@ class Fitted:
         The warnings of the report, in sentences.
     problem : Problem
         The scenario with the fitted numbers: `tippetop.run` takes it.
+    influences : dict
+        By what the scenario lacks: how far each number would move [SI], of whose squares
+        `systematic` of an estimate is the root of the sum.
+    laws : dict of Fitted
+        The fit under each law, where several were given.
     residuals : dict of ndarray
         Measurements less predictions, by kind of measurement, (rows, parts), SI; of an
         axis two parts, across it.
     """
 
-    def __init__(self, before: Problem, observation: Any, result: Any):
+    def __init__(
+        self,
+        before: Problem,
+        observation: Any,
+        result: Any,
+        laws: "Mapping[str, Fitted] | None" = None,
+    ):
         self._before = before
         self._observation = observation
         self._fit = result
@@ -131,6 +143,8 @@ class Fitted:
         self.trustworthy = result.trustworthy
         self.reason = " ".join(result.reason)
         self.residuals = result.residuals
+        self.influences = result.influences
+        self.laws = dict(laws or {})
 
     @property
     def problem(self) -> Problem:
@@ -177,6 +191,8 @@ def fit(
     loss: str = "linear",
     starts: int = fitting.STARTS,
     within: float = FAR,
+    systematic: bool = True,
+    laws: Sequence[str | Mapping[str, Any]] | str = (),
     marker: Sequence[float] | str | None = None,
     quaternion: str | None = None,
     up: str = "z",
@@ -205,6 +221,14 @@ def fit(
     within : float
         How far the numbers may plausibly be from those of the scenario, relative. A motion that
         hops, or is long, is fitted faster where the scenario is better: 0.01 takes one start.
+    systematic : bool
+        Whether to estimate by how much the numbers would move if the table were tilted by 0.1
+        degrees, by the air on a sphere of its size, and for a contact disc of 0.1 mm, unless the
+        scenario has tables [plane], [air], or a law with a disc. False: of a computed motion.
+    laws : list of str or mappings, optional
+        Friction laws under which the film is fitted, by name, or as tables `friction`: the one that
+        explains it best is returned, and `laws` has all of them. Free numbers that a law lacks are
+        left out.
     marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
         axes [m].
@@ -233,21 +257,43 @@ def fit(
     >>> print(tt.fit("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
     problem = _reference("scenario", scenario)
-    observation = measurements.observation_of(
-        problem,
-        path_of("data", data),
-        names_of("free", free),
-        convention_of(quaternion, up, track, chip),
-        place_of("marker", marker),
-        noise,
-    )
+    names = names_of("free", free)
+    convention = convention_of(quaternion, up, track, chip)
+    place = place_of("marker", marker)
     starts = whole("starts", starts)
     within = finite("within", within)
     if not 0 < within <= 1:
         raise InputError(f"`within` must be greater than 0, and at most 1, but is {within}.")
-    with reporting(progress, "windows") as report:
-        found = fitting.fit(observation, loss, starts, within, progress=report)
-        return Fitted(problem, observation, found)
+    flag("systematic", systematic)
+
+    def fitted(problem: Problem, names: Sequence[str], within: float) -> Fitted:
+        observation = measurements.observation_of(
+            problem, path_of("data", data), names, convention, place, noise
+        )
+        with reporting(progress, "windows") as report:
+            result = fitting.fit(
+                observation, loss, starts, within, systematic=systematic, progress=report
+            )
+        return Fitted(problem, observation, result)
+
+    if not laws:
+        return fitted(problem, names, within)
+    until = float(read(path_of("data", data), wrapped=False, track=track).t[-1])
+    fits: dict[str, Fitted] = {}
+    for law in sorted(
+        laws.split(",") if isinstance(laws, str) else laws, key=problem.law.key.__ne__
+    ):
+        one = law_choice.under(problem, law, until)
+        lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
+        found = fitted(one, [n for n in names if n not in lacking], within)
+        if not fits:  # the others begin where this one ended
+            problem = found.problem
+            within = min(within, law_choice.NEAR)
+        fits[one.law.key] = found
+    best, sentence = law_choice.verdict({name: one._fit for name, one in fits.items()})
+    chosen = fits[best]
+    result = chosen._fit._replace(reason=[*chosen._fit.reason, sentence])
+    return Fitted(chosen._before, chosen._observation, result, fits)
 
 
 def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:

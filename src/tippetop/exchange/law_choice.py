@@ -1,0 +1,79 @@
+"""Fits of one film under several friction laws, and which of them the film decides for."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..problem import Problem
+from ..runs.run import solve, with_rows_at
+from ..scenario import build
+from .fitting import Fit
+from .influences import PATCH, USUAL_MU
+from .periods import RIVAL
+
+
+# Plausible distance of the numbers under a further law from those under the first
+NEAR = 0.1
+# Rows of the motion by whose sliding the coefficients of laws are compared
+ROWS = 200
+
+
+def under(problem: Problem, law: str | Mapping[str, Any], until: float) -> Problem:
+    """Return the scenario under another friction law.
+
+    Parameters
+    ----------
+    problem
+        The scenario.
+    law
+        A name, or a table `friction`. Under a law that is named, mu is such that friction takes the
+        same energy up to `until` [s]; a disc has a radius of 0.1 mm; of exact Coulomb friction
+        nothing else is needed.
+
+    Raises
+    ------
+    InputError
+        If a law is not one of the system, or needs other numbers.
+    """
+    tables = build.resolved(problem)
+    if "friction" not in tables:
+        raise InputError(f"`laws` need a body that slides, but {problem.system.name} does not.")
+    if law == problem.law.key:
+        return problem
+    friction = law if isinstance(law, Mapping) else _friction(problem, law, until)
+    tables |= {"friction": dict(friction), "run": {"until": problem.until}}
+    del tables["form"]
+    return build.problem(tables)
+
+
+def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
+    """Return the numbers of a law under which a motion slides about as far."""
+    rows = solve(with_rows_at(problem, np.linspace(0, until, ROWS))).columns()
+    power, force, *slip = (
+        rows[column].values for column in ("friction_power", "normal_force", "nu_x", "nu_y")
+    )
+    speed = np.hypot(*slip)
+    order = 2 if name in ("viscous", "latitude") else 1
+    pressed = np.nansum(force * speed**order)
+    mu = abs(float(np.nansum(power))) / pressed if pressed > 0 else USUAL_MU
+    disc = {"patch": PATCH, "mu_r": 0.0} if name == "contensou" else {}
+    return {"law": name, "mu": mu, **disc}
+
+
+def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
+    """Return the law that explains a film best, and a sentence on the others."""
+    scores = {name: fit.likelihood - len(fit.estimates) for name, fit in fits.items()}
+    best = max(scores, key=lambda name: scores[name])
+    behind = {
+        name: (scores[best] - score) / fits[best].rows_correlated for name, score in scores.items()
+    }
+    equal = [name for name, less in behind.items() if less < RIVAL / 2]
+    worse = ", ".join(f"{name} by {less:.3g}" for name, less in behind.items() if name != best)
+    if len(equal) > 1:
+        names = f"{', '.join(equal[:-1])} and {equal[-1]}"
+        sentence = f"the film cannot decide between {names}, which explain it equally well"
+    else:
+        sentence = f"of these laws the film decides for {best}"
+    return best, f"{sentence} (logarithms of the likelihood are less: {worse})."
