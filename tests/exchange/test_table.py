@@ -62,6 +62,7 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
             "t [s], theta [rad]\n0,1\n0.2,1\n0.1,1\n",
             r"times must ascend, but that of row 3, 0\.1 s, follows 0\.2 s",
         ),
+        ("t [s], theta [rad]\n0,1\n0,1\n", "sort the rows, and keep one of each time"),
         ("t [s], theta [rad]\n0,1\nnan,1\n", "that of row 2, nan s, follows 0 s"),
         ("t [s], theta [rad]\n0,1\n", "two rows must have a time and another number, but 1 has"),
         ("t [s], theta [rad]\n0,nan\n1,nan\n", "`theta` must have finite numbers"),
@@ -74,8 +75,14 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
             r"in 0 to pi, but is -0\.0872665 rad \(-5 deg\) in row 2\.$",
         ),
         ("time [s],theta [rad],K,L\n0,1,1,1\n1,1,1,1\n", "the columns `K`, `L` are not known"),
-        ("t [s]; theta [deg]\n0;10\n", "separated by commas"),
-        ("t [s]\ttheta [deg]\n0\t10\n", "separated by commas"),
+        ("t [s] theta [deg]\n0 10\n", "separated by commas, semicolons or tabs"),
+        ("frame,theta [deg]\n0,10\n", r"a column `t \[s\]`, but .* divide numbers of frames by"),
+        ("t [s],theta [Grad]\n0,1\n1,1\n", "unit of `theta` must be made of .*, but has `Grad`"),
+        ("t [s],x [px]\n0,1\n1,1\n", "unit of `x` must be made of .*, but has `px`"),
+        ("t [s],linear acceleration x (m/s^2)\n0,1\n1,1\n", "are not known: rename them or leave"),
+        ("t [s];x [m]\n0;1.5\n1;2,5\n", "line 3, .* but is '2,5': write a decimal point"),
+        ("t [s];x [m]\n0;1,234\n1;2,345\n", "line 2, .* but is '1,234': write a decimal point"),
+        ("t [s],theta [deg]\n0,0,28,7\n", "has 4: decimal commas must be separated by semicolons"),
         ("t [s], theta [rad], theta [deg]\n0,1,1\n1,1,1\n", "`theta` must occur once"),
         (
             "t [s], theta [rad]\n0,1\n1,1,1\n",
@@ -127,13 +134,62 @@ def test_numbers_are_read_to_their_last_bit(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read.columns["x"], values)
 
 
+ANGLES = ["28.70", "28.10", "", "-1.2E-2"]
+DECIMAL = [
+    f"{t},{angle}" for t, angle in zip(("0.000", "0.033", "0.067", "0.1"), ANGLES, strict=True)
+]
+
+
+def dialect(header: str, separator: str = ",", decimal: str = ".", gap: str = "") -> str:
+    """A table of times and angles as another program writes it."""
+    rows = [",".join(cell or gap for cell in row.split(",")) for row in DECIMAL]
+    rows = [row.translate({ord(","): separator, ord("."): decimal}) for row in rows]
+    return "\n".join([header, *rows])
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        dialect("t [s];theta [deg]", ";", ",").encode(),
+        dialect("Masse_A\t\nt (s)\ttheta (°)", "\t", ",").encode(),
+        dialect("mass A\nt (s),theta (deg)").encode(),
+        dialect("t [s],theta [°]").encode(),
+        dialect("t_s,theta_deg").encode(),
+        dialect("t/s,theta/deg").encode(),
+        dialect("t/s;theta/deg", ";", ",").encode(),
+        dialect("t [s],theta [deg]").encode("utf-8-sig"),
+        dialect("t [s];theta [deg]", ";", ",").replace("\n", "\r\n").encode("utf-8-sig"),
+        dialect("t [s]\ttheta [deg]", "\t").replace("\n", "\r\n").encode("utf-16"),
+        b"\xfe\xff" + dialect("t [s]\ttheta [deg]", "\t").encode("utf-16-be"),
+        dialect("t [s];theta [°]", ";").encode("latin-1"),
+        dialect("# Tracker 6.1\n# video: top.mp4\nt [s],theta [deg]").encode(),
+        dialect("t [s],theta [deg]", gap="NaN").encode(),
+        dialect("t [s],theta [deg]", gap="-").encode(),
+        dialect("Time (s),Theta (deg)").encode(),
+        dialect('"Time (s)";"Theta (deg)"', ";", ",").encode(),
+        dialect("t,theta\ns,deg").encode(),
+        dialect("time\ttheta\n(s)\t(°)", "\t").encode(),
+        dialect("sep=;\nt [s];theta [deg]", ";", ",").encode(),
+        (dialect("t [s];theta [deg]", ";").replace("\n", ";\n") + ";\n;;\n").encode(),
+        b't [s],theta [deg]\n"0,000","28,70"\n"0,033","28,10"\n"0,067",\n"0,1","-1,2E-2"\n',
+    ],
+)
+def test_dialects_of_other_programs_are_the_same_table(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "other.csv"
+    path.write_bytes(content)
+    read = motion_table.read(path, noise=1.0)
+    np.testing.assert_allclose(read.t, [0, 0.033, 0.1])
+    np.testing.assert_allclose(np.rad2deg(read.columns["theta"]), [28.7, 28.1, -0.012])
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("t [s],theta [°]\n0,1\n1,2\n".encode("latin-1"), "byte 14 is not UTF-8"),
-        ("t [s]\ttheta [deg]\n0\t1\n".encode("utf-16"), "byte 1 is not UTF-8"),
-        (b"t [s];theta [deg]\n0,0;28,7\n", "separated by commas"),
-        (b"mass A\nt,theta\n0,1\n", "but has 'mass A'"),
+        (b"PK\x03\x04\x00\x00", r"it is not a text \(save it as CSV in UTF-8\)"),
+        (b"t [s],x [m]\n0,\x81\n", "is not UTF-8"),
+        (b"t [s],theta [deg]\n0,1,\n1,2,\n", "must have 2 cells, as the header has, but has 3"),
+        (b"mass A\nt,theta\n0,1\n", r"`t` must have a unit, such as `t \[s\]`, but has none\.\n"),
+        ("t [s],θ [deg]\n0,1\n".encode(), "columns `θ` are not known: rename them"),
     ],
 )
 def test_other_dialects_are_refused_in_our_words(
@@ -143,6 +199,40 @@ def test_other_dialects_are_refused_in_our_words(
     path.write_bytes(content)
     with pytest.raises(InputError, match=words):
         motion_table.read(path)
+
+
+TRACKS = (
+    "#multi:\tA\tA\tA\tB\tB\tB\nt [s]\tx [m]\ty [m]\tt [s]\tx [m]\ty [m]\n"
+    "0\t1\t2\t0\t3\t4\n1\t5\t6\t1\t7\t8\n",
+    "#multi:\n,A,,B,\nt (s),x (m),y (m),x (m),y (m)\n0,1,2,3,4\n1,5,6,7,8\n",
+)
+
+
+@pytest.mark.parametrize("text", TRACKS)
+def test_one_of_several_objects_is_chosen_by_its_name(tmp_path: Path, text: str) -> None:
+    path = written(tmp_path, text)
+    for track, x in (("A", [1, 5]), ("B", [3, 7])):
+        read = motion_table.read(path, track=track)
+        np.testing.assert_array_equal(read.columns["x"], x)
+        np.testing.assert_array_equal(read.columns["y"], np.array(x) + 1)
+    with pytest.raises(InputError, match=r"`track` must be an object of the table \(A, B\), but"):
+        motion_table.read(path, track="C")
+    with pytest.raises(
+        InputError, match=r"`x` must occur once, .* one of several objects \(`track"
+    ):
+        motion_table.read(path)
+
+
+def test_a_file_of_phyphox_is_read_as_it_is(tmp_path: Path) -> None:
+    header = [f'"Gyroscope {c} (rad/s)"' for c in "xyz"]
+    text = f'"Time (s)",{",".join(header)},"Absolute (rad/s)"\n0,1,2,3,4\n1,1,2,3,4\n'
+    read = motion(motion_table.read(written(tmp_path, text)), Convention())
+    np.testing.assert_array_equal(read.gyroscope[0], [1, 2, 3])
+    header = [f"Acceleration {c} (m/s^2)" for c in "xyz"]
+    tabs = "\t".join(header)
+    text = f"Time (s)\t{tabs}\n0,0\t1,5\t2,0\t3,0\n1,0\t1,5\t2,0\t3,0\n"
+    read = motion(motion_table.read(written(tmp_path, text)), Convention())
+    np.testing.assert_array_equal(read.accelerometer[0], [1.5, 2, 3])
 
 
 @pytest.mark.parametrize("cells", [[True, False], [1.0, np.inf], ["1", "1.#QNAN"]])

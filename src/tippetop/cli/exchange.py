@@ -17,6 +17,8 @@ def compare(
     set_: list[str] | None = None,
     quaternion: str | None = None,
     up: str = "z",
+    track: str | None = None,
+    chip: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     figure: Place | None = None,
     overwrite: bool = False,
     as_json: bool = False,
@@ -29,9 +31,8 @@ def compare(
     ----------
     files
         CSV or Parquet files of the other program, then the reference: a scenario, a preset, or the
-        store of a run. Headers name columns and units: t [s], theta [deg], axis_x, axis_y, axis_z,
-        q_w, q_x, q_y, q_z (body to space), x [m], vx [m/s], omega_x [rad/s] (space frame),
-        omega_body_x [rad/s]. Every column is compared; one that the reference lacks is refused. A
+        store of a run. Headers name columns and units, such as t [s], theta [deg]: see tippetop
+        help measurements. Every column is compared; one that the reference lacks is refused. A
         name such as dt=1e-3.csv contains the time step: of several steps
         the order of convergence is printed.
     set_
@@ -41,6 +42,11 @@ def compare(
     up
         The letter of the vertical in its frames, and of the body's axis of symmetry: z or
         y. With y their z, x, y are x, y, z here.
+    track
+        The object whose columns are read, where a file has several: its name in the line before
+        the header.
+    chip
+        Where the accelerometer is in the body: x,y,z [m] in body axes from the centre of mass.
     figure
         Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
     overwrite
@@ -57,7 +63,14 @@ def compare(
             "a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."
         )
     check_picture(figure, overwrite)
-    result = compared([*files[:-1]], load_any(files[-1], set_), quaternion=quaternion, up=up)
+    result = compared(
+        [*files[:-1]],
+        load_any(files[-1], set_),
+        quaternion=quaternion,
+        up=up,
+        track=track,
+        chip=chip,
+    )
     return _print(result, figure, overwrite, as_json)
 
 
@@ -75,6 +88,8 @@ def fit(
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quaternion: str | None = None,
     up: str = "z",
+    track: str | None = None,
+    chip: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     noise: str | None = None,
     figure: Place | None = None,
     out: Place | None = None,
@@ -88,8 +103,8 @@ def fit(
     Parameters
     ----------
     data
-        CSV or Parquet. The header names columns and units: t [s], theta [deg], axis_x, axis_y,
-        axis_z, q_w ... q_z, omega3 [rpm], x [mm], marker_x [mm] ... Empty cells are gaps.
+        CSV or Parquet. The header names columns and units, such as t [s], theta [deg], omega3
+        [rpm]: see tippetop help measurements. Empty cells are gaps.
     scenario
         TOML file, preset, or the store of a run: its numbers are kept, or are the first guess of
         those that are free.
@@ -120,6 +135,11 @@ def fit(
     up
         The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y
         are x, y, z here.
+    track
+        The object whose columns are read, where the table has several: its name in the line before
+        the header.
+    chip
+        Where the accelerometer is in the body: x,y,z [m] in body axes from the centre of mass.
     noise
         Standard deviation of measured angles and directions, such as "1.5 deg": theta may lie
         beyond 0 and 180 degrees by five of these, and larger residuals are reported.
@@ -156,6 +176,8 @@ def fit(
         marker=marker,
         quaternion=quaternion,
         up=up,
+        track=track,
+        chip=chip,
         noise=noise,
     )
     if out is not None:

@@ -31,9 +31,17 @@ def topics() -> dict[str, Any]:
     from ..scenario.scenario_reference import TOPICS, Section
     from ..sweeps.plan_reference import plan
 
+    def measurements() -> list[Section]:
+        from ..exchange.headers import KINDS, LEAN, SCALARS
+
+        columns = [(name, unit.symbol, text) for name, (unit, text) in SCALARS.items()]
+        columns += [(", ".join(n.split()), unit.symbol, text) for n, unit, text in KINDS.values()]
+        head = "The header of a table names columns and units; any unit of the same kind is read."
+        return [Section("Measurements", head, ("column", "unit", "meaning"), [*columns, LEAN])]
+
     rows = [(str(code), text) for code, text in EXIT_CODES.items()]
     codes = Section("Exit codes", "", ("code", "meaning"), rows)
-    return {**TOPICS, "plan": plan, "exit-codes": lambda: [codes]}
+    return {**TOPICS, "measurements": measurements, "plan": plan, "exit-codes": lambda: [codes]}
 
 
 def help(topic: str | None = None, *, markdown: bool = False) -> int:
@@ -42,7 +50,8 @@ def help(topic: str | None = None, *, markdown: bool = False) -> int:
     Parameters
     ----------
     topic
-        scenario, friction, systems, events, columns, plan or exit-codes; by default a list of them.
+        scenario, friction, systems, events, columns, measurements, plan or exit-codes; by default a
+        list of them.
     markdown
         Print it as Markdown.
     """

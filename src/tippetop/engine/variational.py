@@ -7,7 +7,7 @@ functions, so that one integrator serves every direction, each in a SIMD lane. U
 the problem.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -17,7 +17,7 @@ import numpy as np
 from ..mechanics.contact.body import Touch, by_scalars, height
 from ..mechanics.contact.surroundings import by_table, dotted_numbers
 from ..mechanics.moment import moment
-from ..mechanics.operand import Vector, cos, leaves, refill, sin
+from ..mechanics.operand import Vector, cos, cross, dot, leaves, minus, plus, refill, sin, times
 from ..mechanics.rotation import outer
 from ..mechanics.system import System
 from ..mechanics.units import Scales
@@ -32,6 +32,12 @@ ZERO = hy.expression(0.0)
 COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
 """Entries of 4 q q^t of the orientation q."""
+CHIP = tuple(
+    f"{name}_{c}" for name in ("omega", "gyroscope", "turning", "accelerometer") for c in "xyz"
+)
+"""Angular velocity in space; in body axes: angular velocity, its rate, and the specific force at
+the centre of mass.
+"""
 
 
 class Kind(NamedTuple):
@@ -132,9 +138,11 @@ def expressions_of(kind: Kind, state: list[Any], body: Any) -> dict[str, Any]:
     """
     form, (q, carried) = kind.variables.form, kind.variables.split(state)
     values = observed(kind.system, form, q, carried, body)
+    scalars = form.scalars(q, body)
     if isinstance(body, Touch):
-        scalars = form.scalars(q, body)
         values |= {"height": height(scalars.z, by_scalars(scalars, body))}
+    elif hasattr(scalars, "height"):
+        values |= {"height": scalars.height}
     if kind.variables.orientation and form.orientation:
         values |= orientation_of(kind.system, form, q, carried, body)
         first, third = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
@@ -165,10 +173,35 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
 
     `names`: None for all.
     """
-    state, body, rates = kind.motion()
+    state, body, moving = kind.motion()
     known = expressions_of(kind, state, body)
+
+    def rates(values: Iterable) -> list[Any]:
+        return _derivatives([ZERO + v for v in values], dict(zip(state, moving, strict=True)))
+
+    if names and not set(CHIP).isdisjoint(names):
+        known |= zip(CHIP, _in_body_axes(known, rates, body), strict=True)
     names = tuple(known) if names is None else names
     values = [ZERO + known[name] for name in names]
-    by_time = _derivatives(values, dict(zip(state, rates, strict=True)))
+    by_time = rates(values)
     outputs = kind.with_derivatives(values) + by_time
     return names, compiled_once(hy.cfunc, outputs, vars=kind.symbols, compact_mode=True)
+
+
+def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[Any]:
+    """Return the functions CHIP of a state, of its axes and place by name and of time derivatives.
+
+    The specific force is the acceleration of the centre of mass less that of gravity.
+    """
+    first, third = (Vector(*(known[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
+    axes = first, cross(third, first), third
+    moves = [Vector(*rates(axis)) for axis in axes]
+    own = [dot(moves[i - 2], axes[i - 1]) for i in range(3)]
+    omega = plus(cross(third, moves[2]), times(own[2], third))
+    if "x" in known:
+        place = known["x"], known.get("y", 0.0), known["height"]
+    else:  # on a fixed tip
+        place = times(-body.c, third)
+    slope: Any = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+    force = minus(Vector(*rates(rates(place))), Vector(*slope, -body.g))
+    return [*omega, *own, *rates(own), *(dot(axis, force) for axis in axes)]

@@ -1,5 +1,6 @@
 """Comparison of the motion of another program with the exact reference at its own times."""
 
+import dataclasses
 import itertools
 import math
 import re
@@ -19,13 +20,14 @@ from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 from ..runs.shape import angular_velocity, frames, lowest, moments
-from .headers import KIND
-from .motion import Convention, Motion, angle_between, motion
+from .headers import CAMERA, KIND
+from .motion import Convention, Motion, angle_between, lean, motion
 from .motion_table import read
+from .predictions import ACCELEROMETER, Predictions, at_chip
 from .simulators import motion_of
 
 
-MAIN = ("attitude", "axis", "theta", "place", "omega3")
+MAIN = ("attitude", "axis", "theta", "place", "omega3", "gyroscope", "accelerometer")
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
 ROUNDING = 1e-13  # smaller differences have no order of convergence
@@ -88,7 +90,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     InputError
         If the table is wrong, or has no quantity that can be compared.
     """
-    table = read(path, wrapped=bool(problem.system.vectors))
+    table = read(path, wrapped=bool(problem.system.vectors), track=convention.track)
     given = motion(table, convention)
     t = table.t
     if t[0] < 0 or t[-1] <= 0:
@@ -103,19 +105,26 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
     columns = reference(run)
-    theirs = {name: part[:rows] for name, part in given._asdict().items() if part is not None}
+    if {"omega", "orientation"} <= columns.keys():
+        columns["gyroscope"] = _in_body_axes(columns["omega"], columns)
+    parts = {**given._asdict(), **given.leans, "leans": None}
+    theirs = {name: part[:rows] for name, part in parts.items() if part is not None}
+    if "axis" in columns:
+        columns |= {name: lean(columns["axis"], name) for name in given.leans}
+    if "accelerometer" in theirs:
+        columns["accelerometer"] = specific_force(run, columns, convention.chip)
     known = {"t"} | theirs.keys() & columns
     if lost := [f"`{name}`" for name in table.columns if KIND.get(name, name) not in known]:
         raise InputError(
             f"`{path}`: every column must be comparable with the reference, but "
             f"{', '.join(lost)} cannot be: leave them out."
         )
-    there = Motion(**theirs)
+    there = Motion(**{name: theirs[name] for name in theirs if name in Motion._fields})
     curves = differences(theirs, columns)
     if not set(MAIN) & curves.keys():
         raise InputError(
-            f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
-            "but has none."
+            f"`{path}` must have theta, an axis, a quaternion, a place, a spin or an accelerometer "
+            "to be compared, but has none."
         )
     body = problem.body()
     kept = {}
@@ -186,12 +195,32 @@ def reference(run: Solution) -> Arrays:
     return columns
 
 
+def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
+    """Return what an accelerometer at a place in the body measures, (rows, 3) [m/s^2].
+
+    Raises InputError for a place that is not the centre of mass if the contact may change."""
+    problem = run.problem
+    if problem.contact is None:
+        predicted = Predictions(dataclasses.replace(problem, orientation=True), (), most=0)
+        predicted.refine()
+        return at_chip(predicted.read({}, run.times[None], ACCELEROMETER), chip)[0]
+    if any(chip):
+        raise InputError(
+            f"`chip` must be 0,0,0 to be compared where the contact may change, but is {chip}."
+        )
+    return _in_body_axes(columns["force"], columns) / problem.body().m
+
+
+def _in_body_axes(vectors: np.ndarray, columns: Arrays) -> np.ndarray:
+    return np.einsum("nij,nj->ni", frames(columns["orientation"]), vectors)
+
+
 def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
     result: Arrays = {}
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
-        if name in ("phi", "psi"):
+        if name in ("phi", "psi") or CAMERA.fullmatch(name):
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))

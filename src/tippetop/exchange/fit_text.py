@@ -2,12 +2,11 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
 from ..arguments import PlainData
-from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
 from .fitting import Estimate, Fit
@@ -111,16 +110,3 @@ def _value(value: Any) -> str:
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_value, value))}]"
     return repr(float(value)) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
-
-
-def marker_of(given: str | Sequence[float] | None) -> tuple[float, float, float] | None:
-    """Return three numbers [m], which may be a text with commas. Raises InputError."""
-    if given is None:
-        return None
-    try:
-        x, y, z = (float(part) for part in (given.split(",") if isinstance(given, str) else given))
-    except (TypeError, ValueError):
-        raise InputError(
-            f"`marker` must be three lengths x,y,z [m], but is {given!r:.40}."
-        ) from None
-    return x, y, z

@@ -9,6 +9,7 @@ from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from . import influences
+from .headers import UNITS
 from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
@@ -33,8 +34,6 @@ QUANTILE = 0.975
 LARGE = 3.0
 # Standard errors from a bound, and at most this coordinate, within which a number is at it
 AT_BOUND = 0.01
-# Measurements whose noise is an angle
-ANGLES = ("theta", "phi", "axis", "orientation")
 
 
 class Estimate(NamedTuple):
@@ -134,7 +133,7 @@ def fit(
     count = len(windows(misfit))
     ends: list[Minimum] = []
     for n, points in enumerate(starts_of(misfit, starts)):
-        expected = n + MET - (ends[0].searches if ends else 0)
+        expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
         def report(done: int, before: int = n * count, total: int = expected * count) -> None:
             progress(before + done, total)
@@ -344,7 +343,7 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
         most = (observation.noise or np.inf) * np.sqrt(
             1 + NOISY * np.sqrt(2 / np.isfinite(off).sum())
         )
-        if group in ANGLES and noise[group] > most:
+        if group not in UNITS and noise[group] > most:  # an angle
             reasons.append(
                 f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} "
                 "rad, not "

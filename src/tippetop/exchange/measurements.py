@@ -37,7 +37,12 @@ def observation_of(
     noise = None if noise is None else measured("noise", noise, RADIAN)
     if noise is not None and not 0 < noise < np.pi:
         raise InputError(f"`noise` must be an angle between 0 and pi, but is {noise} rad.")
-    table = read(data, wrapped=bool(problem.system.vectors), noise=noise or 0.0)
+    table = read(
+        data,
+        wrapped=bool(problem.system.vectors),
+        noise=noise or 0.0,
+        track=convention.track,
+    )
     if len(table.t) > MOST_ROWS:
         raise InputError(
             f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."
@@ -49,4 +54,5 @@ def observation_of(
             "the body (--marker x,y,z, metres in body axes), but one of them is missing."
         )
     names = dotted_keys(free, problem.rules)
-    return Observation(problem, names, motion(table, convention), marker, noise)
+    seen = motion(table, convention)
+    return Observation(problem, names, seen, marker, noise, convention.chip)

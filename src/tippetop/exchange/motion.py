@@ -1,5 +1,7 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,7 +10,7 @@ from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
-from .headers import KINDS, SCALARS
+from .headers import CAMERA, KINDS, SCALARS
 from .motion_table import Table
 
 
@@ -29,18 +31,42 @@ class Convention(NamedTuple):
     up
         The letter of the vertical, and of the body's axis of symmetry: "z" or "y". With "y" their
         z, x, y are our x, y, z.
+    track
+        The name of the object whose columns are read, where a table has several.
+    chip
+        The place of the accelerometer in body axes, from the centre of mass [m].
     """
 
     quaternion: str | None = None
     up: str = "z"
+    track: str | None = None
+    chip: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-def convention_of(quaternion: str | None, up: str) -> Convention:
+Place = str | Sequence[float] | None
+
+
+def convention_of(
+    quaternion: str | None, up: str, track: str | None = None, chip: Place = None
+) -> Convention:
     """Return the conventions of these arguments. Raises InputError."""
     choice("up", up, UPS)
     if quaternion is not None:
         choice("quaternion", quaternion, ORDERS)
-    return Convention(quaternion, up)
+    return Convention(quaternion, up, track, place_of("chip", chip) or (0.0, 0.0, 0.0))
+
+
+def place_of(name: str, given: Place) -> tuple[float, float, float] | None:
+    """Return three lengths [m], which may be a text with commas. Raises InputError."""
+    if given is None:
+        return None
+    try:
+        x, y, z = (float(part) for part in (given.split(",") if isinstance(given, str) else given))
+    except (TypeError, ValueError):
+        x = y = z = np.nan
+    if not np.isfinite([x, y, z]).all():
+        raise InputError(f"`{name}` must be three lengths x,y,z [m], but is {given!r:.40}.")
+    return x, y, z
 
 
 class Motion(NamedTuple):
@@ -58,10 +84,14 @@ class Motion(NamedTuple):
         Of the centre of mass, space frame, (rows, 3), NaN where a component is not given.
     omega
         Angular velocity, space frame, (rows, 3).
+    gyroscope, accelerometer
+        Angular velocity and specific force in body axes, (rows, 3).
     force
         Of the contact on the body, space frame, (rows, 3).
     marker
         Places of a marker on the body, space frame, (rows, 3).
+    leans
+        Directions of the axis in the pictures of cameras, (rows,) each, by column.
     """
 
     t: np.ndarray
@@ -76,8 +106,11 @@ class Motion(NamedTuple):
     place: Rows = None
     velocity: Rows = None
     omega: Rows = None
+    gyroscope: Rows = None
+    accelerometer: Rows = None
     force: Rows = None
     marker: Rows = None
+    leans: Mapping[str, np.ndarray] = MappingProxyType({})
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
@@ -85,8 +118,8 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
     found: dict[str, Any] = {name: table.columns.get(name) for name in SCALARS}
-    for kind in ("axis", "place", "velocity", "omega", "force", "marker"):
-        found[kind] = _vector(table, KINDS[kind][0].split()[:3], turn)
+    for kind in KINDS.keys() - {"orientation"}:
+        found[kind] = _vector(table, KINDS[kind][0].split(), turn)
     theta = found["theta"]
     phi = found["phi"]
     omega3 = found["omega3"]
@@ -97,15 +130,15 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     if theta is not None and phi is not None:
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
         axis = _filled(axis, np.stack(parts, axis=1))
-    own = _vector(table, [f"omega_body_{c}" for c in "xyz"], turn)
+    own = found["gyroscope"]
     if own is not None:
-        omega3 = _filled(omega3, own[:, 2])
         omega = _filled(omega, None if q is None else turned(q, own))
     if axis is not None:
         theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
         omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
     found |= {"theta": theta, "omega3": omega3, "axis": axis, "omega": omega, "orientation": q}
-    return Motion(**found)
+    leans = {name: rows for name, rows in table.columns.items() if CAMERA.fullmatch(name)}
+    return Motion(**found, leans=leans)
 
 
 def _filled(given: Rows, other: Rows) -> Rows:
@@ -176,6 +209,15 @@ def theta_of(q: np.ndarray) -> np.ndarray:
     """Return the inclination of the axis [rad], (n,), of unit quaternions (n, 4)."""
     w, x, y, z = q.T
     return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+
+
+def lean(axis: np.ndarray, name: str) -> np.ndarray:
+    """Return the directions of axes (..., 3) in the picture of a camera [rad], (...)."""
+    match = CAMERA.fullmatch(name)
+    assert match is not None
+    a, e = np.deg2rad([float(angle or 0) for angle in match.groups()])
+    up = [-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e)]
+    return np.arctan2(axis @ [-np.sin(a), np.cos(a), 0.0], axis @ up)
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:

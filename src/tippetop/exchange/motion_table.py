@@ -1,7 +1,9 @@
 """Tables of motions from CSV or Parquet: columns with names and units, converted to SI units."""
 
+import codecs
 import csv
 import math
+import re
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
@@ -12,13 +14,21 @@ import numpy as np
 
 from ..columns import Arrays
 from ..errors import InputError
-from .headers import heading
+from .headers import heading, parsed
 
 
 # Cells without a number, in any case of letters
 GAPS = ("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-")
 # Standard deviations of the noise by which an angle may lie beyond its bounds
 BEYOND = 5.0
+# Rows among which the header is, after titles
+TITLES = 20
+# First cell of a line of Tracker before the names of objects, or with them
+MULTI = "#multi:"
+# The time in a line of units
+UNIT_CELL = re.compile(r"\s*[\[(]?(s|sec|ms|us|µs|min|h)[\])]?\s*")
+# A number whose commas may separate thousands
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
 
 @dataclass(frozen=True)
@@ -47,7 +57,12 @@ class Table:
 
 
 def read(
-    path: str | Path, *, wrapped: bool = True, noise: float | None = None, gaps: bool = True
+    path: str | Path,
+    *,
+    wrapped: bool = True,
+    noise: float | None = None,
+    gaps: bool = True,
+    track: str | None = None,
 ) -> Table:
     """Read the table of a CSV or Parquet file.
 
@@ -55,13 +70,17 @@ def read(
     ----------
     path
         A file whose header names each column and its unit: `t [s], theta [deg]`, or a run that
-        tippetop exported. Empty cells and the other `GAPS` are gaps.
+        tippetop exported. A CSV file may be separated by commas, semicolons or tabs, have decimal
+        commas, titles before its header and units in the line after it. Empty cells and the other
+        `GAPS` are gaps.
     wrapped
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
         Standard deviation of theta [rad], which may take it beyond; None if unknown.
     gaps
         Whether cells may be gaps.
+    track
+        The object whose columns are read, by its name in the line before the header.
 
     Returns
     -------
@@ -75,32 +94,43 @@ def read(
     path = Path(path)
     allowed = GAPS if gaps else ()
     try:
-        (_, header), *rows = _cells(path).items()
-        found = heading(header)
+        above, (_, header), *rows = _cells(path)
         for place, row in rows:
             if len(row) != len(header):
                 raise InputError(
-                    f"{place} must have {len(header)} cells, as the header has, but has {len(row)}."
+                    f"{place} must have {len(header)} cells, as the header has, but has "
+                    f"{len(row)}: decimal commas must be separated by semicolons or tabs."
                 )
+        kept = _track(above, header, track)
+        header = [header[n] for n in kept]
+        rows = [(place, [row[n] for n in kept]) for place, row in rows]
+        time = _time(header)
+        if rows and time is not None and UNIT_CELL.fullmatch(str(rows[0][1][time])):
+            units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
+            named = zip(header, units, strict=True)
+            header = [f"{text} [{unit}]" if unit else text for text, unit in named]
+        found = heading(header)
+        comma = _has_decimal_commas([str(row[at]) for _, row in rows for at, _ in found.values()])
         columns = {
-            name: np.array([_number(row[at], place, name, allowed) for place, row in rows]) * size
+            name: np.array([_number(row[at], place, name, allowed, comma) for place, row in rows])
+            * size
             for name, (at, size) in found.items()
         }
         _check(columns, wrapped, noise)
     except InputError as error:
         raise InputError([f"`{path}`: {sentence}" for sentence in error.sentences]) from None
-    kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
-    if kept.sum() < 2:
+    known = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
+    if known.sum() < 2:
         raise InputError(
-            f"`{path}`: two rows must have a time and another number, but {kept.sum()} has."
+            f"`{path}`: two rows must have a time and another number, but {known.sum()} has."
         )
-    return Table(path, {name: v[kept] for name, v in columns.items()})
+    return Table(path, {name: v[known] for name, v in columns.items()})
 
 
-def _cells(path: Path) -> dict[str, list]:
-    """Return the cells of each row of a file by its place, the header first.
+def _cells(path: Path) -> list[Any]:
+    """Return the row before the header, then the header and each row of a file with their places.
 
-    Empty lines of a CSV file, and those that begin with #, are left out. Raises InputError.
+    Empty rows of a CSV file, and lines that begin with #, are left out. Raises InputError.
     """
     try:
         if path.suffix in (".parquet", ".pq"):
@@ -108,12 +138,10 @@ def _cells(path: Path) -> dict[str, list]:
 
             frame = pd.read_parquet(path)
             cells = frame.astype(object).where(frame.notna(), "").to_numpy().tolist()
-            rows = {f"row {n}": row for n, row in enumerate(cells, 1)}
-            return {"header": [*map(str, frame.columns)], **rows}
-        lines = path.read_text(encoding="utf-8-sig").split("\n")
-        kept = [n for n, line in enumerate(lines) if line.strip() and not _is_comment(line)]
-        reader = csv.reader((lines[n] for n in kept), skipinitialspace=True)
-        if found := {f"line {kept[reader.line_num - 1] + 1}": row for row in reader}:
+            rows = [(f"row {n}", row) for n, row in enumerate(cells, 1)]
+            return [[], ("header", [*map(str, frame.columns)]), *rows]
+        lines = _text(path).split("\n")
+        if found := _table(lines):
             return found
         words = "it is empty"
     except OSError as error:
@@ -125,17 +153,82 @@ def _cells(path: Path) -> dict[str, list]:
     raise InputError(f"the file must be a table in CSV or Parquet, but: {words}.")
 
 
-def _number(cell: Any, place: str, name: str, gaps: Collection[str]) -> float:
+def _text(path: Path) -> str:
+    """Return the text of a file in UTF-8, in UTF-16 with its mark, or in Windows-1252."""
+    data = path.read_bytes()
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16")
+    if b"\0" in data:
+        raise ValueError("it is not a text (save it as CSV in UTF-8)")
+    with suppress(UnicodeDecodeError):
+        return data.decode("utf-8-sig")
+    return data.decode("cp1252")
+
+
+def _table(lines: list[str]) -> list[Any]:
+    """Return the cells of lines as `_cells` does, by the separator that finds a time in a header.
+
+    By default the header is the first line, separated by commas.
+    """
+    kept = [n for n, line in enumerate(lines) if line.strip() and not _is_comment(line)]
+    first: list[Any] = []
+    for separator in ",;\t":
+        reader = csv.reader(
+            (lines[n] for n in kept), delimiter=separator, skipinitialspace=separator != "\t"
+        )
+        rows = [
+            (f"line {kept[reader.line_num - 1] + 1}", row)
+            for row in reader
+            if any(map(str.strip, row))
+        ]
+        for n, (_, row) in enumerate(rows[:TITLES]):
+            if _time(row) is not None:
+                return [rows[n - 1][1] if n else [], *rows[n:]]
+        first = first or (rows and [[], *rows])
+    return first
+
+
+def _time(header: list[str]) -> int | None:
+    """Return the place of the time in a header; None if it has none."""
+    return next((n for n, text in enumerate(header) if parsed(text)[0] == "t"), None)
+
+
+def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
+    """Return the places of the columns of an object, named in the row before the header.
+
+    A name is valid for the columns after it too. Raises InputError."""
+    if track is None:
+        return [*range(len(header))]
+    names = [name.strip() for name in above if name.strip() != MULTI]
+    names += [""] * (len(header) - len(names))
+    for n in range(1, len(names)):
+        names[n] = names[n] or names[n - 1]
+    if track not in names:
+        known = ", ".join(dict.fromkeys(filter(None, names)))
+        raise InputError(f"`track` must be an object of the table ({known}), but is {track}.")
+    return [n for n in range(len(header)) if names[n] in ("", track)]
+
+
+def _has_decimal_commas(cells: list[str]) -> bool:
+    """Return whether the commas in numbers are decimal: no point is there, and one is no 1,000."""
+    commas = [cell for cell in cells if "," in cell]
+    thousands = all(THOUSANDS.fullmatch(cell.strip()) for cell in commas)
+    return not thousands and not any("." in cell for cell in cells)
+
+
+def _number(cell: Any, place: str, name: str, gaps: Collection[str], comma: bool) -> float:
     """Return the number of a cell, NaN in a gap. Raises InputError."""
     text = str(cell).strip()
     with suppress(ValueError):
-        if math.isfinite(number := float(text)) and "_" not in text:
+        number = float(text.replace(",", ".") if comma else text)
+        if math.isfinite(number) and "_" not in text:
             return number
     if text.lower() in gaps:
         return math.nan
     raise InputError(
         f"{place}, column `{name}`: a cell must be a number"
-        f"{' or a gap (empty, NaN, NA or -)' if gaps else ''}, but is {text!r:.60}."
+        f"{' or a gap (empty, NaN, NA or -)' if gaps else ''}, but is {text!r:.60}"
+        f"{': write a decimal point' if ',' in text else ''}."
     )
 
 
@@ -146,7 +239,7 @@ def _check(columns: Arrays, wrapped: bool, noise: float | None) -> None:
         row = rises.argmin() + 1
         raise InputError(
             f"times must ascend, but that of row {row + 1}, {t[row]:.9g} s, follows "
-            f"{t[row - 1]:.9g} s."
+            f"{t[row - 1]:.9g} s: sort the rows, and keep one of each time."
         )
     for name, values in columns.items():
         if not np.isfinite(values).any():
@@ -165,5 +258,5 @@ def _check(columns: Arrays, wrapped: bool, noise: float | None) -> None:
 
 def _is_comment(line: str) -> bool:
     """Return whether a line begins with `#`, and not with a gap such as `#N/A`."""
-    first = line.partition(",")[0].strip()
-    return first.startswith("#") and first.lower() not in GAPS
+    first = re.split(r"[,;\t]", line)[0].strip()
+    return first.startswith("#") and first.lower() not in (*GAPS, MULTI)

@@ -13,8 +13,9 @@ from ..mechanics.rotation import Quaternion
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from . import residuals
-from .motion import Motion, theta_of
-from .predictions import Predictions
+from .headers import CAMERA
+from .motion import Motion, lean, theta_of
+from .predictions import ACCELEROMETER, IN_BODY, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
 
@@ -34,6 +35,7 @@ LONGEST = 3e4
 NAMES = {
     "place": ("x", "y"),
     "marker": ("x", "y", "z", "orientation"),
+    "accelerometer": ACCELEROMETER,
 }
 """Columns of a motion for each kind of measurement, unless they have its name."""
 
@@ -53,6 +55,8 @@ class Observation:
         The place of the marker in body axes, from the centre of mass [m].
     noise
         Standard deviation of measured angles and directions [rad]; None: unknown.
+    chip
+        The place of the accelerometer in body axes, from the centre of mass [m].
 
     Attributes
     ----------
@@ -67,6 +71,7 @@ class Observation:
         seen: Motion,
         marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
+        chip: Sequence[float] = (0.0, 0.0, 0.0),
     ):
         self.free = tuple(free)
         self.t = seen.t
@@ -89,12 +94,14 @@ class Observation:
             raise InputError(faults)
         self.own = tuple(name for name in free if name not in TIMES)
         self.marker = marker
+        self.chip = chip
         self.groups = _groups(problem, seen)
         if not self.groups:
             raise InputError(
-                "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
+                "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
+                "gyroscope, an accelerometer, a place or a marker."
             )
-        columns = [name for group in self.groups for name in NAMES.get(group, (group,))]
+        columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
         self.problem = self.replaced(problem)
         self.predicted = Predictions(self.problem, self.own)
@@ -107,8 +114,17 @@ class Observation:
         }
 
     def replaced(self, problem: Problem) -> Problem:
-        """Return a problem whose orientation is integrated only if it is measured."""
-        return dataclasses.replace(problem, orientation="orientation" in self.columns)
+        """Return a problem whose orientation is integrated only if it is measured.
+
+        Raises InputError for an accelerometer where the contact may change.
+        """
+        if "accelerometer" in self.columns and problem.system.is_hybrid:
+            raise InputError(
+                "an accelerometer is fitted only where the contact never changes: leave it out, or "
+                "give a smooth law without [contact], [stem], [air] and [plane]."
+            )
+        turning = not {"orientation", *IN_BODY}.isdisjoint(self.columns)
+        return dataclasses.replace(problem, orientation=turning)
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
@@ -167,12 +183,18 @@ class Observation:
             off = residuals.OF_ATTITUDES[group](np.tile(seen, (len(model), 1)), flat)
             return off.reshape(*model.shape[:2], -1)
         off = seen - model
-        return np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off
+        if group == "phi" or CAMERA.fullmatch(group):
+            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+        return off
 
     def _model(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts)."""
-        names = NAMES.get(group, (group,))
-        if names == ("axis",) or names == ("orientation",):
+        if CAMERA.fullmatch(group):
+            return lean(read["axis"], group)[..., None]
+        if group == "accelerometer":
+            return at_chip(read, self.chip)
+        names = _names(group)
+        if names in (("axis",), ("orientation",), ("omega",), ("gyroscope",)):
             return read[group]
         scalars = [name for name in names if name != "orientation"]
         model = np.stack([read[name] for name in scalars], axis=-1)
@@ -186,22 +208,34 @@ class Observation:
 def _groups(problem: Problem, seen: Motion) -> Arrays:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: Arrays = {}
-    kinds = {"theta": seen.theta}
+    attitudes = {"theta": seen.theta}
     if "axis" in problem.system.vectors:
-        kinds = {"orientation": seen.orientation, "axis": seen.axis, **kinds, "phi": seen.phi}
-    left = np.ones(len(seen.t), bool)
-    for kind, values in kinds.items():  # the first that a row has contains the others
-        if values is not None:
-            rows = values.reshape(len(left), -1)
-            there = left & np.isfinite(rows).all(axis=1)
-            left = left & ~there
-            if there.any():
-                groups[kind] = np.where(there[:, None], rows, np.nan)
-    if seen.omega3 is not None and "omega3" in problem.system.angles._fields:
-        groups["omega3"] = seen.omega3[:, None]
+        attitudes = {"orientation": seen.orientation, "axis": seen.axis} | attitudes
+        attitudes["phi"] = seen.phi
+    spins = {"gyroscope": seen.gyroscope, "omega": seen.omega}
+    if "omega3" in problem.system.angles._fields and seen.omega3 is not None:
+        spins["omega3"] = seen.omega3
+    for kinds in (attitudes, spins):
+        left = np.ones(len(seen.t), bool)
+        for kind, values in kinds.items():  # the first that a row has contains the others
+            if values is not None:
+                rows = np.where(left[:, None], values.reshape(len(left), -1), np.nan)
+                full = np.isfinite(rows).all(axis=1)
+                left &= ~full
+                if kinds is attitudes:  # an axis needs both angles
+                    rows[~full] = np.nan
+                if np.isfinite(rows).any():
+                    groups[kind] = rows
+    groups |= {name: rows[:, None] for name, rows in seen.leans.items()}
     flat = {"x", "y"} <= set(problem.system.angles._fields)
     if flat and seen.place is not None and np.isfinite(seen.place[:, :2]).any():
         groups["place"] = seen.place[:, :2]
-    if seen.marker is not None:
-        groups["marker"] = seen.marker
+    for kind in ("accelerometer", "marker"):
+        if (values := getattr(seen, kind)) is not None:
+            groups[kind] = values
     return groups
+
+
+def _names(group: str) -> tuple[str, ...]:
+    """Return the columns of a motion for a kind of measurement."""
+    return ("axis",) if CAMERA.fullmatch(group) else NAMES.get(group, (group,))

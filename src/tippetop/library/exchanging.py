@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import finite, flag, in_python, instance, names_of, path_of, whole
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, law_choice, measurements
-from ..exchange.motion import convention_of
+from ..exchange.motion import convention_of, place_of
 from ..exchange.motion_table import read
 from ..exchange.scales import FAR
 from ..exchange.verdict import Verdict
@@ -53,15 +53,16 @@ def compare(
     *,
     quaternion: str | None = None,
     up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
 ) -> Comparison:
     """Compare another program's motion with the exact one.
 
     Parameters
     ----------
     others : path or list of paths
-        CSV or Parquet files whose headers name columns and units: `t [s], theta [deg]`, `axis_x,
-        axis_y, axis_z`, `q_w, q_x, q_y, q_z` (body to space), `x [m]`, `vx [m/s]`, `omega_x
-        [rad/s]` (space), `omega_body_x [rad/s]`. Every column is compared; one that the reference
+        CSV or Parquet files whose headers name columns and units, such as `t [s], theta [deg]`:
+        `tippetop help measurements` lists them. Every column is compared; one that the reference
         lacks is refused. A name such as `dt=1e-3.csv` gives the time step.
     reference : str, path, Run, Problem or mapping
         A scenario, or a run: the exact motion is computed at the other's own times.
@@ -70,6 +71,11 @@ def compare(
     up : str
         The letter of the vertical in the other's frames, and of the body's axis of symmetry: "z" or
         "y". With "y" their z, x, y are our x, y, z.
+    track : str, optional
+        The object whose columns are read, where a table has several: its name in the line before
+        the header.
+    chip : three floats, or text with commas, optional
+        Where the accelerometer is in the body, from the centre of mass, body axes [m].
 
     Returns
     -------
@@ -90,7 +96,7 @@ def compare(
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference("reference", reference)
-    convention = convention_of(quaternion, up)
+    convention = convention_of(quaternion, up, track, chip)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
 
 
@@ -190,6 +196,8 @@ def fit(
     marker: Sequence[float] | str | None = None,
     quaternion: str | None = None,
     up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
     noise: float | str | None = None,
     progress: Report | bool = True,
 ) -> Fitted:
@@ -224,7 +232,7 @@ def fit(
     marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
         axes [m].
-    quaternion, up : str
+    quaternion, up, track, chip
         As for `compare`.
     noise : float or str, optional
         Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg".
@@ -250,8 +258,8 @@ def fit(
     """
     problem = _reference("scenario", scenario)
     names = names_of("free", free)
-    convention = convention_of(quaternion, up)
-    place = fit_text.marker_of(marker)
+    convention = convention_of(quaternion, up, track, chip)
+    place = place_of("marker", marker)
     starts = whole("starts", starts)
     within = finite("within", within)
     if not 0 < within <= 1:
@@ -270,7 +278,7 @@ def fit(
 
     if not laws:
         return fitted(problem, names, within)
-    until = float(read(path_of("data", data), wrapped=True).t[-1])
+    until = float(read(path_of("data", data), wrapped=False, track=track).t[-1])
     fits: dict[str, Fitted] = {}
     for law in sorted(
         laws.split(",") if isinstance(laws, str) else laws, key=problem.law.key.__ne__
