@@ -41,7 +41,7 @@ def read(folder: Path) -> dict[str, Any]:
     return {name: result for name, result in found.items() if result.get("case") == name}
 
 
-def table(head: list[str], rows: list[list[str]]) -> str:
+def table(head: list[str], *rows: list[str]) -> str:
     """A Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(
@@ -79,7 +79,9 @@ def machine(results: dict[str, Any]) -> str:
             "\nWhere the load average is above the number of processors the machine was shared: "
             "compare processor times there, not wall times."
         )
-    return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
+    return f"{said}\n\n" + table(
+        ["case", "", "took [s]", "load average before", "processor"], *rows
+    )
 
 
 def comparison(result: dict[str, Any]) -> str:
@@ -110,7 +112,7 @@ def comparison(result: dict[str, Any]) -> str:
         "smallest error: ms",
         "time relative to tippetop, at equal error",
     ]
-    return table(head, rows)
+    return table(head, *rows)
 
 
 def _milliseconds(x: float) -> str:
@@ -129,7 +131,7 @@ def front(results: dict[str, Any]) -> str:
             times = [_milliseconds(seconds(each, at)) for each in (entry, ours)]
             rows.append([name, f"{at:.1e}", *times, number(ratio(entry, ours, at))])
     head = ["solver", "error of theta [rad]", "CPU time [ms]", "tippetop at this error [ms]"]
-    return table([*head, "ratio"], rows)
+    return table([*head, "ratio"], *rows)
 
 
 def measured(result: dict[str, Any]) -> str:
@@ -139,7 +141,7 @@ def measured(result: dict[str, Any]) -> str:
     cells = [
         [number(row[name]) if name in row else "" for name in columns] for row in rows.values()
     ]
-    return table(["", *columns], [[name, *row] for name, row in zip(rows, cells, strict=True)])
+    return table(["", *columns], *([name, *row] for name, row in zip(rows, cells, strict=True)))
 
 
 def sections(results: dict[str, Any]) -> dict[str, str]:

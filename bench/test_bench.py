@@ -208,6 +208,5 @@ def test_a_step_that_is_too_long_turns_a_top_over_that_would_stick() -> None:
     """Cohen's top under Coulomb's law itself sticks at 0.0288 s; by fixed steps it inverts, the
     later the shorter.
     """
-    problem = starting.load("cohen-coulomb")
-    long, longer = (inversion(problem, step, 2.2)[0] for step in (2e-3, 4e-3))
+    long, longer = (inversion(step, 2.2) for step in (2e-3, 4e-3))
     assert 0.5 < longer < long < 2.2
