@@ -27,7 +27,6 @@ SOLVERS = (
     "tippetop, whole run with rows and orientation",
     "heyoka by hand",
     "DOP853, C++",
-    "DOP853, numbalsoda",
     "DOP853, SciPy",
 )
 
