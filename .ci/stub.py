@@ -8,11 +8,12 @@ import inspect
 import re
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import tippetop
+from tippetop.library import scenarios
+from tippetop.problem import options
 
 
 MODULES = {
@@ -20,8 +21,7 @@ MODULES = {
     "derivatives": tippetop.derivatives,
     "friction": tippetop.friction,
 }
-HEAD = """from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal
+HEAD = """from collections.abc import Iterable, Sequence
 
 import numpy as _np
 import xarray as _xr
@@ -29,42 +29,36 @@ import xarray as _xr
 from .mechanics.event import Event
 from .mechanics.form import Quantity
 """
-NAMED = re.compile(r"\b((?:[a-z_]\w*\.)+)([A-Z]\w*)")
+"""Imports of the annotations of run options, of which their module has no names."""
+NAMED = re.compile(r"(?<![\w.'\"])[A-Z]\w*")
+"""A name in an annotation that its module imports."""
 
 
-def written(annotation: Any, imports: set[str], home: Any) -> str:
-    """Return an annotation as source; what it names is added to the imports."""
-    text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
-
-    def short(found: re.Match[str]) -> str:
-        module, name = found[1].removesuffix(".").partition("._")[0], found[2]  # pathlib._local
-        if module in ("np", "xr"):
-            return found[0]
-        if name in home.__all__ and getattr(home, name) is getattr(import_module(module), name):
-            return name
-        if module == "threading":  # `Event` is another
-            imports.add(f"import {module}")
-            return found[0]
+def written(annotation: str, imports: set[str], home: Any, space: dict[str, Any]) -> str:
+    """Return an annotation as a stub has it; its names are imported from where `space` has them."""
+    for name in set(NAMED.findall(annotation)) & {*space} - {*home.__all__}:
+        module = space[name].__module__.partition("._")[0]  # pathlib._local
         imports.add(f"from {module.removeprefix('tippetop')} import {name}")
-        return name
-
-    text = NAMED.sub(short, text).replace("NoneType", "None")
-    return re.sub(r"\b(np|xr)\.", r"_\1.", text)  # np would be offered as a name of the module
+    if "threading." in annotation:  # `Event` is another
+        imports.add("import threading")
+    return re.sub(r"\b(np|xr)\.", r"_\1.", annotation)  # np would be offered as a name
 
 
 def signature(function: Any, imports: set[str], home: Any) -> str:
     """Return a function as a stub has it."""
     lines: list[str] = []
     found = inspect.signature(function)
+    space = {**vars(options), **vars(scenarios), **inspect.unwrap(function).__globals__}
     for parameter in found.parameters.values():
         if parameter.kind is parameter.KEYWORD_ONLY and "*" not in lines:
             lines.append("*")
         default = "" if parameter.default is parameter.empty else " = ..."
-        lines.append(f"{parameter.name}: {written(parameter.annotation, imports, home)}{default}")
+        kind = written(parameter.annotation, imports, home, space)
+        lines.append(f"{parameter.name}: {kind}{default}")
     arguments = "".join(f"    {line},\n" for line in lines)
     return (
         f"def {function.__name__}(\n{arguments}) -> "
-        f"{written(found.return_annotation, imports, home)}: ..."
+        f"{written(found.return_annotation, imports, home, space)}: ..."
     )
 
 

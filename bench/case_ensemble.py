@@ -22,7 +22,7 @@ from tippetop.problem import Problems
 from tippetop.runs import starting
 from tippetop.runs.run import solve
 
-from .measure import elapsed, interleaved, ratio, timed
+from .measure import interleaved, timed
 from .minimal import Minimal, theta_of
 from .ours import OURS, TAYLOR
 from .peers import CALLING, FIELD, entries, scipy_formulas
@@ -94,7 +94,7 @@ def compare(quick: bool) -> dict[str, Any]:
             "rounds": times,
             "seconds": statistics.median(times),
         }
-    return found | _threads(tops_at(spins, END), 3 if quick else 7)
+    return found
 
 
 def _enter(
@@ -170,15 +170,3 @@ def _lanes(tops: Problems, wanted: tuple[str, ...] | None = None) -> float:
 
 def _one_by_one(solvers: list) -> float:
     return timed(lambda: [solver.work(None) for solver in solvers]) / len(solvers)
-
-
-def _threads(tops: Problems, rounds: int) -> dict[str, Any]:
-    """What a second thread brings, by the wall clock."""
-    works = {k: partial(elapsed, partial(ensemble.measure, tops, threads=k)) for k in (1, 2)}
-    seconds = interleaved(works, rounds)
-    return {
-        "seconds_per_top_by_the_wall": {
-            k: statistics.median(times) / tops.n for k, times in seconds.items()
-        },
-        "efficiency_of_2_threads": ratio(seconds[1], seconds[2]) / 2,
-    }

@@ -30,7 +30,6 @@ class Comparison(NamedTuple):
     quick: float  # [s]
     wide: str  # the precision of the reference
     everybody: bool  # or only those that do not call back into Python
-    assignments: tuple[str, ...] = ()
 
 
 def contestants(comparison: Comparison) -> tuple[Peer, ...]:
@@ -52,7 +51,7 @@ def compare(comparison: Comparison, quick: bool) -> dict[str, Any]:
     """Errors and seconds of all contestants."""
     until = comparison.quick if quick else comparison.until
     samples = until * np.arange(1, SAMPLES + 1) / SAMPLES
-    problem = starting.load(comparison.preset, [*comparison.assignments], until)
+    problem = starting.load(comparison.preset, None, until)
     minimal = Minimal(problem, samples)
     exact = reference(comparison, samples)
     found: dict[str, Any] = {
@@ -108,7 +107,6 @@ def entered(
             {
                 "tolerance": tolerance,
                 "error": float(wrong.max()),
-                "at_end": float(wrong[-1]),
                 "first": first,
             }
         )
@@ -126,7 +124,7 @@ def reference(comparison: Comparison, samples: np.ndarray) -> np.ndarray:
     """
     wide = starting.load(
         comparison.preset,
-        [*comparison.assignments, f"run.precision={comparison.wide}"],
+        [f"run.precision={comparison.wide}"],
         float(samples[-1]),
     )
     wide = replace(wide, times=samples)

@@ -11,6 +11,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import defaultdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -41,33 +43,31 @@ print(json.dumps(stages))
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Seconds of the command and of its stages, cold and warm."""
+    """Return the seconds of the stages and of the command, cold and warm."""
     rounds = 2 if quick else 4
-    found: dict[str, Any] = {"title": "Start-up of `tippetop run inverting`", "rounds": rounds}
+    rows: dict[str, dict[str, float]] = defaultdict(dict)
     with tempfile.TemporaryDirectory() as folder:
         homes = [Path(folder) / str(i) for i in range(2 * rounds)]
         for home in homes:
             home.mkdir()
-        for name in ("cold", "warm"):
+        for column in ("cold [s]", "warm [s]"):
             commands = [command(home) for home in homes[:rounds]]
             stages = [staged(home) for home in homes[rounds:]]
-            found[name] = {
-                "wall": statistics.median(wall for wall, _ in commands),
-                "processor": statistics.median(processor for _, processor in commands),
-                "stages": {
-                    stage: statistics.median(s[stage] for s in stages) for stage in stages[0]
-                },
-            }
-        found["alone"] = {
-            "wall": statistics.median(command(homes[0], "run", "inverting")[0] for _ in range(3))
-        }
-        found["help"] = {
-            "wall": statistics.median(command(homes[0], "--help")[0] for _ in range(3))
-        }
-        found["interpreter"] = {
-            "wall": statistics.median(run(homes[0], ["-c", "pass"])[0] for _ in range(3))
-        }
-    return found
+            for stage in stages[0]:
+                rows[stage][column] = statistics.median(each[stage] for each in stages)
+            wall, processor = map(statistics.median, zip(*commands, strict=True))
+            rows["**the command, wall clock**"][column] = wall
+            rows["the command, processor"][column] = processor
+        for name, work in (
+            (
+                "`tippetop run inverting`, wall clock",
+                partial(command, homes[0], "run", "inverting"),
+            ),
+            ("`tippetop --help`, wall clock", partial(command, homes[0], "--help")),
+            ("`python -c pass`, wall clock", partial(run, homes[0], ["-c", "pass"])),
+        ):
+            rows[name]["warm [s]"] = statistics.median(work()[0] for _ in range(3))
+    return {"title": "Start-up of `tippetop run inverting`", "rows": rows}
 
 
 def environment(home: Path) -> dict[str, str]:

@@ -1,27 +1,22 @@
 """The cost of storing a run at 1 kHz, with events and drift, against its equations alone.
 
-Processor seconds of both threads (a second one writes the store), and wall time. Two bounds: the
-same columns written by zarr alone, from memory, and a run so long that the making of a store no
-longer counts.
+Processor seconds of both threads: a second one writes the store.
 """
 
 import statistics
 import tempfile
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
-
-import zarr
 
 from tippetop.cli.host import prepare
 from tippetop.problem import Problem
 from tippetop.runs import recording, starting
 from tippetop.runs.integration import Integration
-from tippetop.runs.run import solve
 from tippetop.runs.sinks import Sink
-from tippetop.sampling import EvenTimes
 
-from .measure import Seconds, interleaved, ratio, spent
+from .measure import interleaved, ratio, timed
 from .ours import alone, end_of
 
 
@@ -35,30 +30,30 @@ RUNS = {
 THREE = ("theta", "phi_dot", "omega3")
 
 
-def bare(problem: Problem) -> Seconds:
+def bare(problem: Problem) -> float:
     """Return seconds of one propagate_until of the same equations, without events."""
     plain = alone(problem)
-    return spent(lambda: plain.propagate_until(end_of(problem)))
+    return timed(lambda: plain.propagate_until(end_of(problem)))
 
 
-def followed(problem: Problem) -> Seconds:
+def followed(problem: Problem) -> float:
     """Return seconds of the run without rows."""
     integration = Integration(problem)
-    return spent(lambda: integration.run(Sink()))
+    return timed(lambda: integration.run(Sink()))
 
 
-def stored(problem: Problem) -> Seconds:
+def stored(problem: Problem) -> float:
     """Return seconds of the run into a store."""
     with tempfile.TemporaryDirectory() as folder:
-        return spent(lambda: recording.record(problem, Path(folder) / "run.zarr"))
+        return timed(lambda: recording.record(problem, Path(folder) / "run.zarr"))
 
 
-def keyframes(problem: Problem) -> Seconds:
+def keyframes(problem: Problem) -> float:
     """Return seconds of the run into a store of keyframes and events, without rows."""
     return stored(replace(problem, output="keyframes"))
 
 
-def three(problem: Problem) -> Seconds:
+def three(problem: Problem) -> float:
     """Return seconds of the run into a store of three columns.
 
     What they do not need is not integrated.
@@ -66,81 +61,27 @@ def three(problem: Problem) -> Seconds:
     return stored(replace(problem, columns=THREE, orientation=False))
 
 
-CODECS: list[Any] = [
-    zarr.codecs.BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"),
-    zarr.codecs.Crc32cCodec(),
-]
-
-
-def zarr_alone(problem: Problem) -> dict[str, float]:
-    """Return processor seconds of zarr for all columns, and for three, from memory.
-
-    In our chunks and codecs, inferred from one chunk of each column, written twice.
-    """
-    rows = recording.ROWS_PER_CHUNK
-    columns = solve(
-        replace(problem, times=EvenTimes(0.001, (rows - 1) * 0.001), until=(rows - 1) * 0.001)
-    ).columns()
-    seconds = {}
-    with tempfile.TemporaryDirectory() as folder:
-        group = zarr.open_group(folder, mode="w")
-        for name, column in columns.items():
-            values = column.values
-            array = group.create_array(
-                name,
-                shape=values.shape,
-                chunks=values.shape,
-                dtype=values.dtype,
-                compressors=CODECS,
-            )
-            array[:] = values
-            seconds[name] = spent(
-                lambda array=array, values=values: array.__setitem__(slice(None), values)
-            )
-    share = len(problem.times) / rows
-    return {
-        "three": share * sum(seconds[name] for name in ("time", *THREE)),
-        "stored": share * sum(seconds.values()),
-    }
+WAYS = {
+    "equations only": bare,
+    "followed": followed,
+    "with keyframes": keyframes,
+    "three columns": three,
+    "all columns": stored,
+}
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Return seconds of each run: bare, followed, stored with keyframes, three columns or all."""
+    """Return seconds of each run: alone, followed, stored with keyframes, three columns or all."""
     prepare()  # as `tippetop run` does
-    found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
+    rows: dict[str, dict[str, float]] = {}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])
         problem = starting.load(preset, sets, until / 10 if quick else until)
-        works = {
-            f.__name__: lambda f=f, p=problem: f(p)
-            for f in (bare, followed, keyframes, three, stored)
+        seconds = interleaved({way: partial(work, problem) for way, work in WAYS.items()}, 4)
+        rows[name] = {"rows": len(problem.times)}
+        rows[name] |= {f"{way} [s]": statistics.median(times) for way, times in seconds.items()}
+        rows[name] |= {
+            f"{way} / equations only": ratio(seconds[way], seconds["equations only"])
+            for way in ("with keyframes", "three columns", "all columns")
         }
-        seconds: dict[Any, list[Any]] = interleaved(works, 4)
-        found["runs"][name] = {
-            "rows": len(problem.times),
-            "seconds": {name: statistics.median(times) for name, times in seconds.items()},
-            "wall": {
-                name: statistics.median(each.wall for each in times)
-                for name, times in seconds.items()
-            },
-            "zarr alone": zarr_alone(problem),
-            **{
-                f"{way} / bare": ratio(seconds[way], seconds["bare"])
-                for way in seconds
-                if way != "bare"
-            },
-        }
-    found["long"] = {name: long(preset, until * 5, quick) for name, (preset, until) in RUNS.items()}
-    return found
-
-
-def long(preset: str, until: float, quick: bool) -> dict[str, float]:
-    """Return ratios of keyframes over a span in which making the store takes no share."""
-    sets = ["run.output=keyframes"] + (["friction.mu=0.0"] if preset == "inverting" else [])
-    problem = starting.load(preset, sets, until / 10 if quick else until)
-    works = {f.__name__: lambda f=f: f(problem) for f in (bare, followed, keyframes)}
-    seconds: dict[Any, list[Any]] = interleaved(works, 2)
-    ways = {
-        f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in ("followed", "keyframes")
-    }
-    return {"until": problem.until, **ways}
+    return {"title": "Storing a run at 1 kHz", "rows": rows}

@@ -6,6 +6,7 @@ tells more.
 """
 
 import statistics
+from functools import partial
 
 import numba
 import numpy as np
@@ -17,7 +18,7 @@ from tippetop.landscape.surface import minimal_surface
 from tippetop.mechanics.systems import tippe_top
 from tippetop_kernels import grid
 
-from .measure import elapsed, ratio
+from .measure import elapsed
 
 
 FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 5 * 8e-6, "g": 9.82}
@@ -56,29 +57,6 @@ def golden(f, xs, ys, b, out):
             out[i, j] = min(f1, f2)
 
 
-def golden_numpy(xs, ys, b, out):
-    """The same golden section, a whole grid at a time in NumPy, row blocks that stay in
-    the cache.
-    """
-    for i in range(xs.size):
-        x = xs[i]
-        low, high = np.full(ys.size, -1.0), np.full(ys.size, 1.0)
-        z1, z2 = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        f1, f2 = tippe_top.potential(z1, x, ys, b), tippe_top.potential(z2, x, ys, b)
-        for _ in range(STEPS):
-            left = f1 < f2
-            high, low = np.where(left, z2, high), np.where(left, low, z1)
-            new = np.where(left, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
-            f_new = tippe_top.potential(new, x, ys, b)
-            z1, z2, f1, f2 = (
-                np.where(left, new, z2),
-                np.where(left, z1, new),
-                np.where(left, f_new, f2),
-                np.where(left, f1, f_new),
-            )
-        out[i] = np.minimum(f1, f2)
-
-
 def scipy_points(xs, ys, b, out):
     """scipy's bounded minimiser on the jitted V, point by point."""
     for i, j in np.ndindex(out.shape):
@@ -91,78 +69,45 @@ def scipy_points(xs, ys, b, out):
         out[i, j] = found.fun
 
 
-def grids(n, D, lam):
-    """n x n points of a box."""
-    return np.linspace(-D, D, n), np.linspace(-lam, lam, n)
-
-
-def compete(n, repeats):
-    """Nanoseconds per point of every contestant, by repetition."""
+def compare(quick: bool) -> dict:
+    """Return the nanoseconds per point of V, F and the peers, each on a grid of its own size."""
+    n, repeats = (400, 3) if quick else (2000, 9)
     t = bodies.top(FIGURE)
-    b, r = t.body, t.coefficients
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
-    box = D, D * FIGURE["R"]
-    out = {}
 
-    def buffers(m):
-        return np.empty((m, m)), np.empty((m, m)), np.empty((m, m), np.int8)
+    def axes(m):
+        return np.linspace(-D, D, m), np.linspace(-D * FIGURE["R"], D * FIGURE["R"], m)
 
-    xs, ys = grids(n, *box)
-    F, q, status = buffers(n)
+    xs, ys = axes(n)
+    F, q, status = np.empty((n, n)), np.empty((n, n)), np.empty((n, n), np.int8)
     zs = np.linspace(-0.999, 0.999, n)
 
     def rows(s):
-        kernels.minima(t.two_wells, xs[s], ys, r, F[s], q[s], status[s])
+        kernels.minima(t.two_wells, xs[s], ys, t.coefficients, F[s], q[s], status[s])
 
-    def surface(threads):
-        return lambda: grid.on_threads(rows, n, threads)
-
-    small = {
-        "golden section, jitted": max(50, n // 5),
-        "golden section, NumPy": max(30, n // 10),
-        "scipy": 10,
-    }
-    axes = {name: grids(m, *box) for name, m in small.items()}
-    tables = {name: np.empty((m, m)) for name, m in small.items()}
     contestants = {
-        "V": (n, lambda: tabulate(potential, zs, xs, ys, b, F)),
-        "F, 1 thread": (n, surface(1)),
-        "F, 2 threads": (n, surface(2)),
+        "V": (n, lambda: tabulate(potential, zs, xs, ys, t.body, F)),
+        "F and argmin, 1 thread": (n, lambda: grid.on_threads(rows, n, 1)),
+        "F and argmin, 2 threads": (n, lambda: grid.on_threads(rows, n, 2)),
     }
-    for name, work in (
-        ("golden section, jitted", lambda *a: golden(potential, *a)),
-        ("golden section, NumPy", golden_numpy),
-        ("scipy", scipy_points),
+    tables = {}
+    for name, m, work in (
+        ("golden section, jitted", max(50, n // 5), partial(golden, potential)),
+        ("scipy", 10, scipy_points),
     ):
-        contestants[name] = (small[name], lambda w=work, a=axes[name], o=tables[name]: w(*a, b, o))
+        tables[name] = np.empty((m, m))
+        contestants[name] = (m, partial(work, *axes(m), t.body, tables[name]))
     for _, work in contestants.values():
-        work()
+        work()  # compile
+    times = {name: [] for name in contestants}
     for _ in range(repeats):
         for name, (m, work) in contestants.items():
-            out.setdefault(name, []).append(1e9 * elapsed(work) / m**2)
-    errors = {}
-    for name, table in tables.items():
-        exact = minimal_surface(FIGURE, *axes[name]).F.values
-        errors[name] = float(np.max(np.abs(table / exact - 1)))
-    return out, errors
-
-
-def compare(quick: bool) -> dict:
-    """Return the nanoseconds per point of V, F and the peers."""
-    n, repeats = (400, 3) if quick else (2000, 9)
-    times, errors = compete(n, repeats)
-    one, two = times["F, 1 thread"], times["F, 2 threads"]
-    return {
-        "title": "V and the minimal surface F over a grid",
-        "grid": [n, n],
-        "repeats": repeats,
-        "ns_per_point": {name: statistics.median(v) for name, v in times.items()},
-        "best_ns_per_point": {name: min(v) for name, v in times.items()},
-        "F_in_V": ratio(one, times["V"]),
-        "scaling_1_to_2_threads": ratio(one, two),
-        "times_faster_than": {
-            name: {"1 thread": ratio(times[name], one), "2 threads": ratio(times[name], two)}
-            for name in errors
-        },
-        "largest_relative_error": errors,
+            times[name].append(1e9 * elapsed(work) / m**2)
+    found = {
+        name: {"ns a point, median": statistics.median(each), "best": min(each)}
+        for name, each in times.items()
     }
+    for name, table in tables.items():
+        exact = minimal_surface(FIGURE, *axes(len(table))).F.values
+        found[name]["largest relative error"] = float(np.max(np.abs(table / exact - 1)))
+    return {"title": "V and the minimal surface F over a grid", "rows": found}

@@ -9,14 +9,11 @@ from typing import Any
 
 from . import (
     case_ensemble,
-    case_formulations,
     case_precision,
-    case_scaling,
     case_startup,
     case_storing,
     case_surface,
     case_sweep,
-    case_whole,
 )
 from .case_precision import Comparison
 from .measure import machine
@@ -37,14 +34,11 @@ CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
         name: partial(case_precision.compare, comparison)
         for name, comparison in COMPARISONS.items()
     },
-    "whole": case_whole.compare,
     "ensemble": case_ensemble.compare,
-    "formulations": case_formulations.compare,
     "sweep": case_sweep.compare,
     "surface": case_surface.compare,
     "storing": case_storing.compare,
     "startup": case_startup.compare,
-    "scaling": case_scaling.compare,
 }
 
 

@@ -39,21 +39,3 @@ def ratio(slow: dict[str, Any], fast: dict[str, Any], error: float) -> float:
 def common(wanted: float, *entries: dict[str, Any]) -> float:
     """Return the smallest error that all contestants reach, and not less than `wanted`."""
     return max(wanted, *(least(entry) for entry in entries))
-
-
-def best_peer(contestants: dict[str, Any], ours: dict[str, Any], wanted: float) -> str:
-    """Return the fastest compiled peer at an error, or as near to it as both come.
-
-    Peers whose smallest error is ten times that of another peer do not count.
-    """
-    peers = [
-        name for name, entry in contestants.items() if entry["kind"] == "compiled" and points(entry)
-    ]
-    if not peers:
-        raise LookupError("no compiled peer took part")
-    near = 10 * max(wanted, min(least(contestants[name]) for name in peers))
-    exact = [name for name in peers if least(contestants[name]) <= near]
-    return min(
-        exact,
-        key=lambda name: ratio(contestants[name], ours, common(wanted, contestants[name], ours)),
-    )

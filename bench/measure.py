@@ -49,21 +49,6 @@ def timed(work: Callable[[], Any]) -> float:
     return time.process_time() - clock
 
 
-class Seconds(float):
-    """Processor seconds of this process, all threads [s]; `wall` by the wall clock."""
-
-    wall: float
-
-
-def spent(work: Callable[[], Any]) -> Seconds:
-    """What it takes on both clocks."""
-    before, clock = time.process_time(), time.perf_counter()
-    work()
-    seconds = Seconds(time.process_time() - before)
-    seconds.wall = time.perf_counter() - clock
-    return seconds
-
-
 def elapsed(work: Callable[[], Any]) -> float:
     """Seconds by the wall clock [s]."""
     clock = time.perf_counter()

@@ -21,6 +21,8 @@ from .case import Case, read
 ENGINES = ("mujoco", "pybullet", "drake", "dart", "newton", "genesis")
 STEPS = (1e-3, 5e-4, 2.5e-4)
 SCANNED = ("mujoco-tutorial", "coulomb-sticking", "stem-landing", "rocking-cylinder")
+LACKS = {"has_viscous_friction": "no viscous friction"}
+"""What no engine expresses: a property of a case that is not zero, and the reason."""
 ROWS = 2000
 HEADER = "t [s],x [m],y [m],z [m],q_w,q_x,q_y,q_z,vx [m/s],vy [m/s],vz [m/s]"
 HEADER += "".join(f",omega_{axis} [rad/s]" for axis in "xyz")
@@ -82,15 +84,14 @@ def main() -> None:
     ]
     for name in given.engine or ENGINES:
         engine = importlib.import_module(f".{name}", __package__)
-        settings = engine.SETTINGS
+        settings, lacks = engine.SETTINGS, LACKS | engine.LACKS
         if given.scan:
             key, values = engine.SCAN
             settings = {f"{key}={value:g}": {**settings["best"], key: value} for value in values}
         reasons = {}
         for setting, case in itertools.product(settings, cases):
-            reason = engine.cannot(case, settings[setting])
-            if reason:
-                reasons[case.name] = reason
+            if lacking := [why for quality, why in lacks.items() if getattr(case, quality)]:
+                reasons[case.name] = lacking[0]
                 continue
             if given.scan and not given.case and case.name not in SCANNED:
                 continue

@@ -44,6 +44,11 @@ class Case(NamedTuple):
     law: str
     """The friction law of the reference; "rolling" for pure rolling."""
 
+    @property
+    def has_viscous_friction(self) -> bool:
+        """Whether the friction grows with the slip: that of no engine does."""
+        return self.law in ("viscous", "stribeck")
+
 
 def _floats(text: str) -> list[float]:
     return [float(word) for word in text.split()]

@@ -13,13 +13,7 @@ from .case import Case, rotation
 
 SETTINGS = {"default": {}, "best": {"tolerance": 1e-12}}
 SCAN = ("tolerance", (1e-2, 1e-4, 1e-6, 1e-9, 1e-12))
-
-
-def cannot(case: Case, setting: dict) -> str | None:
-    """Return the reason why the engine does not express a case."""
-    if case.torsion or case.rolling:
-        return "no torsional or rolling friction"
-    return f"no friction law {case.law}" if case.law in ("viscous", "stribeck") else None
+LACKS = {"torsion": "no torsional friction", "rolling": "no rolling friction"}
 
 
 def motion(case: Case, setting: dict, step: float) -> Iterator[np.ndarray]:

@@ -17,17 +17,12 @@ SETTINGS = {
     "best": {"stiction": 1e-6, "stiffness": 1e5},
 }
 SCAN = ("stiffness", (1e3, 1e4, 1e5, 1e6, 1e7))
-
-
-def cannot(case: Case, setting: dict) -> str | None:
-    """Return the reason why the engine does not express a case."""
-    if case.joint is not None:
-        return "its ball constraint ends Drake 1.51 with a segmentation fault"
-    if case.torsion or case.rolling:
-        return "a point contact has no torsional or rolling friction"
-    if case.restitution:
-        return "discrete contact has no coefficient of restitution"
-    return f"no friction law {case.law}" if case.law in ("viscous", "stribeck") else None
+LACKS = {
+    "joint": "its ball constraint ends Drake 1.51 with a segmentation fault",
+    "torsion": "a point contact has no torsional friction",
+    "rolling": "a point contact has no rolling friction",
+    "restitution": "discrete contact has no coefficient of restitution",
+}
 
 
 def motion(case: Case, setting: dict, step: float) -> Iterator[np.ndarray]:

@@ -19,11 +19,7 @@ SETTINGS = {
 }
 SETTINGS["exported"] = {**SETTINGS["best"], "timeconst": None}
 SCAN = ("timeconst", (0.02, 0.004, 0.002, 0.001, 0.0005))
-
-
-def cannot(case: Case, setting: dict) -> str | None:
-    """Return the reason why the engine does not express a case."""
-    return f"no friction law {case.law}" if case.law in ("viscous", "stribeck") else None
+LACKS: dict[str, str] = {}
 
 
 def origin(case: Case, setting: dict) -> float:

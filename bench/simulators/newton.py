@@ -14,17 +14,12 @@ from .case import Case
 
 SETTINGS = {"default": {}, "best": {"tolerance": 1e-6}}
 SCAN = ("tolerance", (1e-2, 1e-3, 1e-4, 1e-5, 1e-6))
-
-
-def cannot(case: Case, setting: dict) -> str | None:
-    """Return the reason why the engine does not express a case."""
-    if case.joint is not None:
-        return "a fixed point needs the coordinates of a joint, which differ between its solvers"
-    if case.torsion or case.rolling:
-        return "XPBD and Kamino have no torsional friction in metres"
-    if case.restitution:
-        return "restitution is off by default and not in the cone of Kamino"
-    return f"no friction law {case.law}" if case.law in ("viscous", "stribeck") else None
+LACKS = {
+    "joint": "a fixed point needs the coordinates of a joint, which differ between its solvers",
+    "torsion": "XPBD and Kamino have no torsional friction in metres",
+    "rolling": "XPBD and Kamino have no rolling friction in metres",
+    "restitution": "restitution is off by default and not in the cone of Kamino",
+}
 
 
 def _model(case: Case):

@@ -15,13 +15,7 @@ from .case import Case
 
 SETTINGS = {"default": {}, "best": {"iterations": 1000, "contactERP": 0.2}}
 SCAN = ("contactERP", (0.8, 0.4, 0.2, 0.1, 0.05))
-
-
-def cannot(case: Case, setting: dict) -> str | None:
-    """Return the reason why the engine does not express a case."""
-    if case.joint is not None:
-        return "a fixed point needs a chain of joints"
-    return f"no friction law {case.law}" if case.law in ("viscous", "stribeck") else None
+LACKS = {"joint": "a fixed point needs a chain of joints"}
 
 
 def _urdf(case: Case) -> str:

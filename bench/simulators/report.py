@@ -17,6 +17,8 @@ from matplotlib.ticker import NullFormatter, NullLocator
 from tippetop import benchmark
 from tippetop.figures.style import LIGHT
 
+from ..report import table
+
 
 LOOKS = {
     "mujoco": LIGHT.run,
@@ -26,11 +28,6 @@ LOOKS = {
     "newton": "tab:purple",
     "genesis": "tab:olive",
 }
-
-
-def _markdown(rows: list[list[str]]) -> str:
-    head, *body = ["| " + " | ".join(row) + " |" for row in rows]
-    return "\n".join([head, "|" + " --- |" * len(rows[0]), *body])
 
 
 def _cell(row: dict, note: str = "") -> str:
@@ -67,7 +64,7 @@ def tables(results: dict[tuple[str, str, str], list[dict]]) -> str:
     for (case, engine, setting), row in last.items():
         if "=" in setting or setting == "exported":
             scans.append([case, engine, setting, _cell(row)])
-    return f"{_markdown(rows)}\n\n{_markdown(scans)}\n"
+    return f"{table(*rows)}\n\n{table(*scans)}\n"
 
 
 def draw(results: dict[tuple[str, str, str], list[dict]], path: Path) -> None:

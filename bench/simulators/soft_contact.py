@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.polynomial import Polynomial
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import tippetop as tt
@@ -160,102 +159,6 @@ def passage(time: np.ndarray, theta: np.ndarray, angle: float = math.pi / 2) -> 
     return float(time[np.argmax(theta > angle)]) if theta.max() > angle else math.nan
 
 
-def grown(time: np.ndarray, theta: np.ndarray, span: tuple[float, float]) -> Polynomial:
-    """Return the line through ln theta while its mean over the fast mode lies in a span."""
-    mean = np.convolve(theta, np.full(27, 1 / 27), "same")  # 27 ms, a turn of the fast mode
-    inside = (mean > span[0]) & (mean < span[1]) & (time < passage(time, theta))
-    return Polynomial.fit(time[inside], np.log(mean[inside]), 1).convert()
-
-
-def independent() -> tuple[float, float]:
-    """Return when the exact top sticks [s] and its largest theta, by SciPy from Newton and Euler.
-
-    The state is the axis u, the angular momentum L and the velocity V of the centre of mass.
-    """
-    case, up = tutorial(), np.array([0.0, 0.0, 1.0])
-    m, g, ball = case.mass, case.gravity, case.balls[0]
-    across, along = case.inertia[0], case.inertia[2]
-
-    def turning(u: np.ndarray, L: np.ndarray) -> np.ndarray:
-        return (L - (L @ u) * u) / across + (L @ u) / along * u
-
-    def slip(t: float, y: np.ndarray, sticks: bool = False) -> np.ndarray:
-        u, L, V = y.reshape(3, 3)
-        return V + np.cross(turning(u, L), ball.offset * u - ball.radius * up)
-
-    def rates(t: float, y: np.ndarray, sticks: bool) -> np.ndarray:
-        u, L = y[:3], y[3:6]
-        arm, rate = ball.offset * u - ball.radius * up, np.cross(turning(u, L), u)
-        mobility = np.array(
-            [e / m + np.cross(turning(u, np.cross(arm, e)), arm) for e in np.eye(3)]
-        ).T
-        bias = np.cross(turning(u, np.cross(L, turning(u, L))), arm) - g * up
-        bias += np.cross(turning(u, L), ball.offset * rate)
-        slips = slip(t, y) * [1, 1, 0]
-        push = up - slips / max(np.linalg.norm(slips), 1e-300)
-        force = -bias[2] / (mobility[2] @ push) * push
-        if sticks:
-            force = -np.linalg.solve(mobility, bias)
-        return np.concatenate([rate, np.cross(arm, force), force / m - g * up])
-
-    def stopped(t: float, y: np.ndarray, sticks: bool) -> float:
-        return math.hypot(*slip(t, y)[:2]) - 1e-9
-
-    stopped.terminal = True  # type: ignore[attr-defined]
-    start = np.concatenate([up, case.inertia * case.omega, case.velocity])
-    tight = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-15}
-    slides = solve_ivp(
-        rates, (0, 0.01), start, events=stopped, max_step=1e-5, args=(False,), **tight
-    )
-    after = np.linspace(slides.t[-1], 0.1, 100_001)
-    rolls = solve_ivp(rates, (after[0], 0.1), slides.y[:, -1], t_eval=after, args=(True,), **tight)
-    return float(after[0]), float(np.arcsin(np.hypot(*rolls.y[:2])).max())
-
-
-def show_checks() -> None:
-    """Print the other numbers of the page."""
-    print("SciPy: sticks at {:.9g} s, theta to {:.8g}".format(*independent()))
-    for cone in ("pyramidal", "elliptic"):
-        ends = [passage(*simulated(cone, step=step)[:2]) for step in (2e-3, 1e-3, 5e-4, 2.5e-4)]
-        time, theta, gap = simulated(cone)
-        first = time[np.argmax((gap > 0) & (time > 0.1))]
-        law = tt.friction.Coulomb(mu=1.0, eps=1.0 / effective(SoftContact(cone=cone)))
-        run = tt.run("mujoco-tutorial", law, until=8.0).trajectory
-        creep = np.arange(0, 8, 1e-3)
-        lines = [
-            grown(t, angles, (0.012, 0.05))
-            for t, angles in (
-                (time, theta),
-                (creep, np.interp(creep, run.time.values, run.theta.values)),
-            )
-        ]
-        starts = [math.exp(line(0.0)) for line in lines]
-        passes = [passage(time, theta, 0.08), passage(run.time.values, run.theta.values, 0.08)]
-        print(
-            f"{cone}: pi/2 at {ends} s, theta to {theta.max():.2g}; opens at {first:.2g} s; grows "
-            f"with {lines[0].coef[1]:.4g} 1/s from {starts[0] / starts[1]:.2g} times the start of "
-            f"the creep; 0.08 at {passes[0]:.3g} s, with creep at {passes[1]:.3g} s"
-        )
-    for key, changes in {
-        "impratio 10": {"impratio": 10.0},
-        "exported": {"impratio": 10.0, "timeconst": 2e-4, "step": 1e-4},
-        "centre of mass": {"frame": "centre of mass"},
-        "centre of mass, stiff": {
-            "frame": "centre of mass",
-            "impratio": 10.0,
-            "timeconst": 5e-4,
-            "step": 2.5e-4,
-        },
-    }.items():
-        time, theta, _ = simulated(**changes)
-        print(f"{key}: pi/2 at {passage(time, theta):.3g} s, theta to {theta.max():.2g}")
-    line = grown(*simulated("elliptic", "centre of mass")[:2], (0.02, 0.15))
-    print(f"centre of mass: grows with {line.coef[1]:.4g} 1/s")
-    for mu in (401.0, 744.0, 185.0, 305.0):
-        run = tt.run("mujoco-tutorial", tt.friction.Viscous(mu=mu), until=20.0).trajectory
-        print(f"viscous, {mu:g} s/m: {passage(run.time.values, run.theta.values):.3g} s")
-
-
 def draw(path: Path) -> None:
     """Draw theta(t) of MuJoCo, of the exact top, and of the top that creeps as derived."""
     figure = Figure(figsize=(7, 4.6), layout="constrained")
@@ -288,11 +191,7 @@ def main() -> None:
     """Print the tables of the page and draw its figure."""
     parser = argparse.ArgumentParser(prog="python -m bench.simulators.soft_contact")
     parser.add_argument("--figure", type=Path)
-    parser.add_argument("--checks", action="store_true", help="print the other numbers instead")
     given = parser.parse_args()
-    if given.checks:
-        show_checks()
-        return
     print(
         "| solref time constant [s] | impratio | cone | sinks in [mm] | creep at half the weight "
         "[mm/s] | friction [s/m], slip keeps its direction | and where it turns with 200 rad/s |"

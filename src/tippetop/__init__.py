@@ -5,6 +5,12 @@
 >>> run = tt.run(top, tt.friction.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
 >>> print(run)
 >>> run.trajectory.theta.plot()
+
+Bodies are TippeTop, HeavyTop, Cylinder, Ellipsoid, Spheroid and Disc, laws those of `friction`.
+`run`, `open` and `resume` return runs; `ensemble` and `sweep` integrate many tops; `load` and
+`presets` read scenarios; `fit` and `compare` read motions of films and of simulators, for which
+`benchmark` has references. `theory`, `landscapes` and `derivatives` answer questions about the
+mechanics; `extending` adds systems, laws, events and columns. `help(tt.run)` explains one of them.
 """
 
 from typing import Any as _Any

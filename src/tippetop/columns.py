@@ -1,5 +1,7 @@
 """Named columns in SI units, as the store and a Dataset keep them."""
 
+from __future__ import annotations
+
 import contextlib
 import json
 import re
@@ -141,7 +143,7 @@ LETTERS = ("xyz", "wxyz")
 """Dimensions of vectors and of quaternions; their names are their labels."""
 
 
-def dataframe(table: "xr.Dataset") -> "pd.DataFrame":
+def dataframe(table: xr.Dataset) -> pd.DataFrame:
     """Return a table as a pandas DataFrame: words for codes, a column per component of a vector.
 
     Parameters
@@ -176,7 +178,7 @@ def dataframe(table: "xr.Dataset") -> "pd.DataFrame":
     return xr.Dataset(columns).to_dataframe()
 
 
-def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
+def with_coordinates(table: xr.Dataset) -> xr.Dataset:
     """Add the coordinates of a table: letters of vectors, time, and kinds of events."""
     labels = {name: (name, list(name)) for name in LETTERS if name in table.dims}
     named = [name for name in ("time", "kind") if name in table and table[name].ndim == 1]

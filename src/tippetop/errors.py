@@ -1,5 +1,7 @@
 """Errors that the user can mend, and warnings: each is one or more sentences."""
 
+from __future__ import annotations
+
 import functools
 import warnings
 from collections.abc import Callable, Collection, Iterable, Sequence

@@ -4,6 +4,7 @@ shows.
 
 import ast
 import inspect
+import pydoc
 import re
 import sys
 from pathlib import Path
@@ -63,6 +64,22 @@ def test_a_public_name_is_in_one_place() -> None:
     names = [name for face in FACES for name in face.__all__]
     assert len(names) == len(set(names))
     assert set(names) & set(dir(tt)) == {"InputError", "StoreError", "Interrupted"}
+
+
+def test_signatures_are_readable() -> None:
+    """They name types as a program does after `import`, without the modules of the package."""
+    methods = [public for name, public in inspect.getmembers(tt.StoredRun) if name[0] != "_"]
+    functions = [*filter(inspect.isfunction, [*PUBLIC.values(), *methods]), tt.Run, tt.Problem]
+    for function in {*functions} - {tt.extending.root}:  # a module of formulas
+        text = str(inspect.signature(function))
+        assert not re.search(r"(tippetop|numpy|xarray|typing|pathlib|collections)\.", text), text
+
+
+def test_help_on_the_friction_laws_lists_their_numbers_only() -> None:
+    text = pydoc.plain(pydoc.render_doc(tt.friction))
+    assert len(text.splitlines()) < 250
+    assert "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)" in text
+    assert "__getnewargs__" not in text
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

@@ -124,7 +124,9 @@ def test_chunks_of_tops_whose_contact_changes_fill_lanes(n: int, chunk: int) -> 
 
 
 def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
-    text = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "reference" / "sweeps.md").read_text(
+        encoding="utf-8"
+    )
     (tmp_path / "PLAN.toml").write_text(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[0])
     of = Plan.from_toml(tmp_path / "PLAN.toml")
     assert (of.n, of.base.until, of.runs) == (24, 8.0, [0])

@@ -1,5 +1,7 @@
 """The cases as files that a simulator can read without Python."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import math

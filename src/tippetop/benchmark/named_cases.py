@@ -1,5 +1,7 @@
 """The named cases: scenarios of the package with their texts, friction laws and certificates."""
 
+from __future__ import annotations
+
 import json
 import tomllib
 from collections.abc import Mapping

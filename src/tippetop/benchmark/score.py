@@ -1,5 +1,7 @@
 """The score of an engine: how far its results are from the references."""
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping

@@ -1,5 +1,7 @@
 """Derivatives of a motion by its numbers, and the growth of small errors."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -38,9 +40,9 @@ class Sensitivities:
     """
 
     run: Run
-    trajectory: "xr.Dataset"
-    events: "xr.Dataset"
-    second: "xr.Dataset"
+    trajectory: xr.Dataset
+    events: xr.Dataset
+    second: xr.Dataset
 
     def __repr__(self) -> str:
         names = ", ".join(map(str, self.trajectory.parameter.values))
@@ -121,9 +123,7 @@ def sensitivities(
 
 
 @takes(problem_of)
-def lyapunov(
-    source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any
-) -> "xr.Dataset":
+def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any) -> xr.Dataset:
     """Compute how fast small errors of the start grow, and when a double no longer predicts.
 
     Parameters

@@ -1,7 +1,9 @@
 """The calls that hold another program's motion against ours."""
 
+from __future__ import annotations
+
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +15,7 @@ from ..exchange.motion_table import read
 from ..exchange.scales import FAR
 from ..exchange.verdict import Verdict
 from ..problem import Problem
-from ..progress import Report, reporting
+from ..progress import reporting
 from ..runs.starting import load_any
 from ..scenario import build
 from .finished_run import Run
@@ -39,7 +41,7 @@ class Comparison(Verdict):
         The name of the reference.
     """
 
-    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
         """Draw it as a figure, and save that where a path is given."""
         refuse_without("matplotlib")
         from ..figures.motions import comparison
@@ -159,7 +161,7 @@ class Fitted:
         """Return a scenario that runs."""
         return fit_text.toml(self._before, self._fit)
 
-    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
         """Draw it as a figure, and save that where a path is given."""
         refuse_without("matplotlib")
         from ..figures.fit import fit as draw_fit
@@ -199,7 +201,7 @@ def fit(
     track: str | None = None,
     chip: Sequence[float] | str | None = None,
     noise: float | str | None = None,
-    progress: Report | bool = True,
+    progress: Callable[[int, int], None] | bool = True,
 ) -> Fitted:
     """Fit numbers of a scenario to a measured motion, by least squares.
 

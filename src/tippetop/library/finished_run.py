@@ -1,5 +1,7 @@
 """A finished run as an object: tables, summary, figures, representations."""
 
+from __future__ import annotations
+
 import html
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -80,30 +82,30 @@ class Run:
         return root.finite(attributes.attributes(self.solution.progress))
 
     @cached_property
-    def _datasets(self) -> "dict[str, xr.Dataset]":
+    def _datasets(self) -> dict[str, xr.Dataset]:
         return attributes.datasets(self.solution, self.attributes)
 
     @property
-    def trajectory(self) -> "xr.Dataset":
+    def trajectory(self) -> xr.Dataset:
         """Return a copy of the rows along `time` [s], in SI units."""
         return self._datasets["trajectory"].copy()
 
     @property
-    def events(self) -> "xr.Dataset":
+    def events(self) -> xr.Dataset:
         """Return the event log along `event`, in SI units."""
         return self._datasets["events"]
 
     @property
-    def phases(self) -> "xr.Dataset":
+    def phases(self) -> xr.Dataset:
         """Return the phases of the contact along `interval`: start and end [s], ball, reason."""
         return self._table("phases")
 
     @property
-    def impacts(self) -> "xr.Dataset":
+    def impacts(self) -> xr.Dataset:
         """Return the impacts along `impact`, in SI units."""
         return self._table("impacts")
 
-    def _table(self, name: str) -> "xr.Dataset":
+    def _table(self, name: str) -> xr.Dataset:
         """Return a table. Raises AttributeError if the run has none of this name."""
         if name not in self._names:
             raise AttributeError(name)  # `__getattr__` explains it
@@ -125,7 +127,7 @@ class Run:
         """Return the names of the tables."""
         return ("trajectory", "events", *tables_of(self.attributes))
 
-    def datasets(self) -> "dict[str, xr.Dataset]":
+    def datasets(self) -> dict[str, xr.Dataset]:
         """Return the tables of the run by name.
 
         Returns
@@ -219,7 +221,7 @@ class Run:
         """Return the tables for a figure; of a store the first row and those in the window."""
         return self._datasets
 
-    def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":
+    def view(self, start: float | str | None = None, until: float | str | None = None) -> Page:
         """Return an HTML page in which the top moves; a notebook shows it, also without a network.
 
         Parameters

@@ -1,5 +1,7 @@
 """Potential and minimal surface from Python: first the body, then the momenta by their letters."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -33,7 +35,7 @@ def minimal_surface(
     gradient: bool = True,
     threads: int | None = None,
     **momenta: Any,
-) -> "xr.Dataset":
+) -> xr.Dataset:
     """Compute the minimal surface F = inf V over a grid of the two momenta.
 
     Parameters
@@ -76,7 +78,7 @@ def potential(
     top: Body,
     z: Any,
     **momenta: Any,
-) -> "xr.Dataset":
+) -> xr.Dataset:
     """Compute the effective potential V(z) [J] and its derivatives by z, over a grid.
 
     Parameters
@@ -115,7 +117,7 @@ def turning_angles(
     *,
     theta: Any = None,
     **momenta: Any,
-) -> "xr.Dataset":
+) -> xr.Dataset:
     """Compute the angles where V = E~ and the periods of this and of small nutations.
 
     Parameters
@@ -157,7 +159,7 @@ def turning_angles(
     return turning.turning_angles(parameters, x, y, energy, system, theta=theta)
 
 
-def band(run: Run) -> "xr.Dataset":
+def band(run: Run) -> xr.Dataset:
     """Compute the predicted band along a run, V <= E~, from D(t), lambda and E~(t).
 
     Parameters
@@ -188,7 +190,7 @@ def band(run: Run) -> "xr.Dataset":
     return turning.band(parameters, trajectory, system)
 
 
-def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
+def marked_lines(top: Body, lam: Any) -> xr.Dataset:
     """Compute the spinning states theta = 0, pi of a tippe top, as lines on the minimal surface.
 
     Parameters

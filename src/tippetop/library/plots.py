@@ -1,5 +1,7 @@
 """The figures of a run: run.plot("theta") is a Figure."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,12 +20,12 @@ if TYPE_CHECKING:
 
 
 def plot(
-    run: "Run",
+    run: Run,
     kind: str = "theta",
     path: str | Path | None = None,
     *,
-    ax: "Axes | None" = None,
-    others: "Sequence[Run]" = (),
+    ax: Axes | None = None,
+    others: Sequence[Run] = (),
     start: float | str | None = None,
     until: float | str | None = None,
     title: str | None = None,
@@ -31,7 +33,7 @@ def plot(
     dpi: float = 150,
     dark: bool = False,
     overwrite: bool = False,
-) -> "Figure":
+) -> Figure:
     """Draw the run.
 
     Parameters

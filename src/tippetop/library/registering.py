@@ -1,5 +1,7 @@
 """Register user-defined systems and friction laws by name."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any

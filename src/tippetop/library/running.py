@@ -1,5 +1,7 @@
 """Make, open and resume runs."""
 
+from __future__ import annotations
+
 import contextlib
 import threading
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,5 +1,7 @@
 """Python arguments become the tables of a scenario, and a checked Problem."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from functools import lru_cache

@@ -1,5 +1,7 @@
 """A run in a store as an object: the interface of `Run`, read when it is needed."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +36,7 @@ class StoredRun(Run):
         As of a `Run`; there is no `solution`.
     """
 
-    def __init__(self, path: str | Path, own: "System | None" = None):
+    def __init__(self, path: str | Path, own: System | None = None):
         self._own = own  # its system, where that has user-defined events or columns
         self.path = path_of("path", path).absolute()  # the process may go elsewhere
         self.attributes  # noqa: B018 - raises StoreError if there is none
@@ -50,7 +52,7 @@ class StoredRun(Run):
         return root.attributes(self.path)
 
     @cached_property
-    def _datasets(self) -> "dict[str, xr.Dataset]":
+    def _datasets(self) -> dict[str, xr.Dataset]:
         return {name: root.open_group(self.path, name) for name in self._names}
 
     def replay(
@@ -60,7 +62,7 @@ class StoredRun(Run):
         step: float | str,
         *,
         accept_other_version: bool = False,
-    ) -> "xr.Dataset":
+    ) -> xr.Dataset:
         """Integrate a part of the run again, from the nearest keyframe.
 
         Parameters

@@ -1,5 +1,7 @@
 """Thresholds, regimes, final states and modes of a top, and the main equation along a run."""
 
+from __future__ import annotations
+
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -253,7 +255,7 @@ def linear_modes(
     )
 
 
-def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
+def reconstruct(run: Run, *, period: float | str | None = None) -> xr.Dataset:
     """Compute theta(t) of a run from D(t) and E~(t) alone, by the main equation.
 
     Parameters

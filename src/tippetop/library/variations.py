@@ -1,6 +1,8 @@
 """Ensembles and sweeps from Python: many tops of one scenario."""
 
-from collections.abc import Iterable, Mapping
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +16,7 @@ from ..mechanics.event import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem, derivative_faults
-from ..progress import Report, reporting
+from ..progress import reporting
 from ..runs import attributes
 from ..runs.certificate import broken_by_tops
 from ..scenario.doubts import doubts
@@ -38,7 +40,7 @@ def ensemble(
     friction: Any = None,
     *,
     threads: int | None = None,
-    progress: Report | bool = True,
+    progress: Callable[[int, int], None] | bool = True,
     orientation: bool = False,
     lyapunov: bool = False,
     event_table: bool = False,
@@ -136,7 +138,7 @@ def sweep(
     events: Iterable[str | Event] | str | Event | None = None,
     columns: Iterable[str | Quantity] | str | Quantity | None = None,
     **options: Any,
-) -> "xr.Dataset":
+) -> xr.Dataset:
     """Run every top of a plan into the store `out`, or continue it, and open it.
 
     It can be called in any thread.

@@ -1,5 +1,7 @@
 """Events: zeros of functions of the state, their effect on a run, and the numbers kept of them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple

@@ -1,5 +1,7 @@
 """Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -233,6 +233,10 @@ class RecordType(type):
         ).rstrip()
         return super().__new__(mcs, name, bases, body)
 
+    def __dir__(cls) -> list[str]:
+        """Return what `help` adds to the docstring: nothing, where that lists the Numbers."""
+        return [] if "parameters" in vars(cls) else [*super().__dir__()]
+
 
 def _field(name: str, rule: Number, own: bool) -> inspect.Parameter:
     """Return a field of a record, or one of its parts, as a parameter of its signature."""

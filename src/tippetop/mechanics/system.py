@@ -1,5 +1,7 @@
 """Records that describe a system: formulas, names and units; nothing numerical."""
 
+from __future__ import annotations
+
 import dataclasses
 from collections import ChainMap, namedtuple
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -286,10 +288,10 @@ class System:
     def __repr__(self) -> str:
         return f"<System {self.name}: {self.title}>"
 
-    def __copy__(self) -> "System":
+    def __copy__(self) -> System:
         return self
 
-    def __deepcopy__(self, memo: Any) -> "System":
+    def __deepcopy__(self, memo: Any) -> System:
         return self
 
     def body_of(
@@ -422,7 +424,7 @@ class System:
         """Return the events that every phase has."""
         return self.phase.events
 
-    def replace(self, **changes: Any) -> "System":
+    def replace(self, **changes: Any) -> System:
         """Return the system with other fields.
 
         `forms`, `quantities` and `events` are those of the first phase.
@@ -439,7 +441,7 @@ class System:
             changes.setdefault("phases", {**self.phases, next(iter(self.phases)): phase})
         return dataclasses.replace(self, **changes)
 
-    def with_requested(self, columns: Collection[str]) -> "System":
+    def with_requested(self, columns: Collection[str]) -> System:
         """Return the system with those of its quantities on request that are named.
 
         Equal names give the same record.
@@ -460,7 +462,7 @@ class System:
         )
 
     @lru_cache(maxsize=64)  # noqa: B019 - a system is compiled only once
-    def with_records(self, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> "System":
+    def with_records(self, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> System:
         """Return the system with more events and columns; the same one for the same records."""
         if not (events or quantities):
             return self

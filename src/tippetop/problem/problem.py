@@ -1,5 +1,7 @@
 """One run: a checked body, a start and a span, all in SI units."""
 
+from __future__ import annotations
+
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field

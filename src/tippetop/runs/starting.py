@@ -1,5 +1,7 @@
 """A run starts where another has ended: exactly, and the store names the other."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import os

@@ -1,9 +1,12 @@
 """Run the tops of a plan into a store, chunk by chunk, on any number of workers."""
 
+from __future__ import annotations
+
 import contextlib
 import os
 import pickle
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,10 +44,10 @@ def sweep(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Report | bool = True,
+    progress: Callable[[int, int], None] | bool = True,
     stop: threading.Event | None = None,
     overwrite: bool = False,
-) -> "xr.Dataset":
+) -> xr.Dataset:
     """Run every top of a plan into a store, or continue it; see `tippetop.sweep`."""
     workers = None if workers is None else whole("workers", workers)
     instance("stop", stop, threading.Event | None, "a threading.Event")
