@@ -220,7 +220,8 @@ def stopping(x, b):
 @or_of_frame(frame.resting)
 def own_resting(x, b):
     """Return `resting` of a body on a level plane in still air."""
-    return held(x.u, own_bias(x, b), own_turn(x, b), angular_velocity(x, b), b)
+    free = own_turn(x, b)
+    return held(x.u, own_bias(x, b), free, angular_velocity(x, b), b)
 
 
 def own_turn(x, b):
