@@ -43,84 +43,76 @@ def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Problems
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Errors and seconds a top of the lanes and of the compiled peers."""
+    """Errors and seconds a top of the lanes and of the compiled peers; these take every 4th top."""
     n = 32 if quick else 128
     spins = np.linspace(150, 164, n)  # all invert, none lifts off
-    some = np.linspace(0, n - 1, CHECKED).astype(int)
-    exact = np.array([_exact(float(spin)) for spin in spins[some]])
-    found: dict[str, Any] = {
-        "title": "One of many canonical tops",
-        "until": END,
-        "tops": n,
-        "contestants": {},
-    }
+    some = spins[np.linspace(0, n - 1, CHECKED).astype(int)]
+    exact = np.array([_exact(float(spin)) for spin in some])
     works: dict = {}
-    entry = found["contestants"]["tippetop, lanes"] = {"kind": OURS, "points": []}
-    for tolerance in TAYLOR:
-        theta = ensemble.measure(tops_at(spins[some], MIDST, tolerance), threads=1).columns[
-            "theta_end"
-        ]
-        tops = tops_at(spins, END, tolerance)
-        works["tippetop, lanes", len(entry["points"])] = partial(_lanes, tops)
-        entry["points"].append(
-            {"tolerance": tolerance, "error": float(np.abs(theta - exact).max())}
-        )
-    points = found["contestants"]["tippetop, lanes"]["points"]
-    entry = found["contestants"][FEW] = {
-        "kind": OURS,
-        "points": [dict(point) for point in points],
-    }  # the same bits
-    for i, tolerance in enumerate(TAYLOR):
-        works[FEW, i] = partial(_lanes, tops_at(spins, END, tolerance), ("class", "inverted_at"))
-    entry = found["contestants"]["tippetop, lanes, motion alone"] = {"kind": OURS, "points": []}
-    for tolerance in TAYLOR:
-        theta = theta_of(
-            replace(tops.base, orientation=False), batched(tops_at(spins[some], MIDST, tolerance))()
-        )
+
+    def enter(
+        entry: dict[str, Any],
+        name: str,
+        tolerances: tuple[float, ...],
+        theta: Callable[[float], Any],
+        work: Callable[[float], Callable[[], float]],
+    ) -> dict[str, Any]:
+        """Enter the errors of a contestant by tolerance, and its work of a top among the works."""
+        entry["points"] = []
+        for i, tolerance in enumerate(tolerances):
+            found = np.atleast_1d(theta(tolerance))
+            error = float(np.abs(found - exact[: len(found)]).max())
+            works[name, i] = work(tolerance)
+            entry["points"].append({"tolerance": tolerance, "error": error})
+        return entry
+
+    def of_lanes(tolerance: float) -> np.ndarray:
+        measured = ensemble.measure(tops_at(some, MIDST, tolerance), threads=1)
+        return measured.columns["theta_end"]
+
+    def of_motion(tolerance: float) -> np.ndarray:
+        tops = tops_at(some, MIDST, tolerance)
+        return theta_of(replace(tops.base, orientation=False), batched(tops)())
+
+    def lanes(wanted: tuple[str, ...] | None) -> Callable:
+        return lambda tolerance: partial(_lanes, tops_at(spins, END, tolerance), wanted)
+
+    def motion(tolerance: float) -> Callable[[], float]:
         work = batched(tops_at(spins[:LANES], END, tolerance))
-        works["tippetop, lanes, motion alone", len(entry["points"])] = lambda work=work: (
-            timed(work) / LANES
+        return lambda: timed(work) / LANES
+
+    def enter_peer(
+        entry: dict[str, Any], name: str, prepare: Callable, tolerances: Any, checked: Any, run: Any
+    ) -> dict[str, Any]:
+        at_midst = [prepare(_minimal(float(spin), MIDST)) for spin in checked]
+        to_end = [prepare(_minimal(float(spin), END)) for spin in run]
+        return enter(
+            entry,
+            name,
+            tolerances,
+            lambda tolerance: [solver(tolerance).theta()[-1] for solver in at_midst],
+            lambda tolerance: partial(_one_by_one, [solver(tolerance) for solver in to_end]),
         )
-        entry["points"].append(
-            {"tolerance": tolerance, "error": float(np.abs(theta - exact).max())}
-        )
-    peers = [peer for peer in FIELD if peer.name in PEERS]
-    found["contestants"] |= entries(
-        peers, lambda entry, peer: _enter(entry, works, peer, spins, some, exact)
+
+    ways = {
+        "tippetop, lanes": (of_lanes, lanes(None)),
+        FEW: (of_lanes, lanes(("class", "inverted_at"))),
+        "tippetop, lanes, motion alone": (of_motion, motion),
+    }
+    contestants = {name: enter({"kind": OURS}, name, TAYLOR, *way) for name, way in ways.items()}
+    contestants |= entries(
+        [peer for peer in FIELD if peer.name in PEERS],
+        lambda entry, peer: enter_peer(
+            entry, peer.name, peer.prepare, peer.tolerances[1:], some, spins[::4]
+        ),
     )
-    _enter_python(found["contestants"], works, float(spins[0]), exact[0])
+    contestants[PYTHON] = enter_peer(  # one top is enough to be slow
+        {"kind": CALLING}, PYTHON, scipy_formulas, (1e-13, 3e-14), spins[:1], spins[:1]
+    )
     for (name, i), times in interleaved(works, 3 if quick else 5).items():
-        found["contestants"][name]["points"][i] |= {
-            "rounds": times,
-            "seconds": statistics.median(times),
-        }
-    return found
-
-
-def _enter(
-    entry: dict, works: dict, peer: Any, spins: np.ndarray, some: np.ndarray, exact: np.ndarray
-) -> None:
-    """A peer's errors, and its work among the works; it integrates every fourth top."""
-    entry["points"] = []
-    checked = [peer.prepare(_minimal(float(spin), MIDST)) for spin in spins[some]]
-    paced = [peer.prepare(_minimal(float(spin), END)) for spin in spins[::4]]
-    for tolerance in peer.tolerances[1:]:
-        theta = np.array([solver(tolerance).theta()[-1] for solver in checked])
-        solvers = [solver(tolerance) for solver in paced]
-        works[peer.name, len(entry["points"])] = lambda solvers=solvers: _one_by_one(solvers)
-        entry["points"].append(
-            {"tolerance": tolerance, "error": float(np.abs(theta - exact).max())}
-        )
-
-
-def _enter_python(contestants: dict, works: dict, spin: float, exact: np.longdouble) -> None:
-    """SciPy with the formulas in Python: one top is enough to be slow."""
-    entry = contestants[PYTHON] = {"kind": CALLING, "points": []}
-    checked, paced = (scipy_formulas(_minimal(spin, until)) for until in (MIDST, END))
-    for tolerance in (1e-13, 3e-14):
-        works[PYTHON, len(entry["points"])] = partial(_one_by_one, [paced(tolerance)])
-        error = abs(float(checked(tolerance).theta()[-1] - exact))
-        entry["points"].append({"tolerance": tolerance, "error": error})
+        contestants[name]["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}
+    title = "One of many canonical tops"
+    return {"title": title, "until": END, "tops": n, "contestants": contestants}
 
 
 def _minimal(spin: float, until: float) -> Minimal:

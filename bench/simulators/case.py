@@ -1,10 +1,9 @@
 """A case of the benchmark as an adapter reads it: only from the exported folder."""
 
+import json
 import math
-import tomllib
 from pathlib import Path
 from typing import NamedTuple
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -50,49 +49,27 @@ class Case(NamedTuple):
         return self.law in ("viscous", "stribeck")
 
 
-def _floats(text: str) -> list[float]:
-    return [float(word) for word in text.split()]
-
-
 def read(folder: Path) -> Case:
     """Return the case in an exported folder."""
-    root = ElementTree.parse(folder / "model.mjcf.xml").getroot()
-    body = root.find("worldbody/body")
-    inertial = body.find("inertial")
-    centre = _floats(inertial.get("pos", "0 0 0"))[2]
-    with (folder / "scenario.toml").open("rb") as file:
-        scenario = tomllib.load(file)
-    friction = scenario.get("friction", {})
-    rows = np.genfromtxt(folder / "reference.csv", delimiter=",", names=True, deletechars="")
-    start = {
-        name.split("_[")[0]: value for name, value in zip(rows.dtype.names, rows[0], strict=True)
-    }
-
-    def vector(*names: str) -> np.ndarray:
-        return np.array([float(start[name]) for name in names])
-
-    mu = float(friction.get("mu", 0.0))
-    joint = body.find("joint[@type='ball']")
+    described = json.loads((folder / "case.json").read_text(encoding="utf-8"))
+    body, laws = described["body"], described["law"] or {}
+    friction = laws.get("friction", {})
+    mu = friction.get("mu", 0.0)
+    joint = body["fixed_point"]
     law = "joint" if joint is not None else friction.get("law", "rolling")
     return Case(
         name=folder.name,
-        mass=float(inertial.get("mass")),
-        inertia=np.array(_floats(inertial.get("diaginertia"))),
-        gravity=-_floats(root.find("option").get("gravity"))[2],
-        balls=tuple(
-            Ball(_floats(geom.get("pos", "0 0 0"))[2] - centre, _floats(geom.get("size"))[0])
-            for geom in body.findall("geom")
-        ),
-        joint=None if joint is None else _floats(joint.get("pos", "0 0 0"))[2] - centre,
+        mass=body["mass"],
+        inertia=np.array(body["moments_of_inertia"]),
+        gravity=body["gravity"],
+        balls=tuple(Ball(**ball) for ball in body["balls"].values()),
+        joint=joint,
         mu=10.0 if law == "rolling" else mu,
         torsion=TOOTH * mu * friction.get("patch", 0.0) + friction.get("mu_d", 0.0),
         rolling=friction.get("mu_r", 0.0),
-        restitution=scenario.get("contact", {}).get("e_n", 0.0),
-        position=vector("x", "y", "z"),
-        quaternion=vector("q_w", "q_x", "q_y", "q_z"),
-        velocity=vector("vx", "vy", "vz"),
-        omega=vector("omega_x", "omega_y", "omega_z"),
-        until=float(rows[rows.dtype.names[0]][-1]),
+        restitution=laws.get("contact", {}).get("e_n", 0.0),
+        **{name: np.array(vector) for name, vector in described["start"].items()},
+        until=described["until"],
         law=law,
     )
 

@@ -113,7 +113,7 @@ def make_map(path: Path, kind: str) -> Map:
     cells = np.ravel_multi_index(places, shape)[chosen]
 
     def field(name: str) -> np.ndarray:
-        values = shown_classes(path, table) if name == "class" else column(path, table, name)
+        values = values_of(path, table, name)
         if kind == "normal-force":
             b = derived_axes.body(plan.base, columns)
             values = values / (b.m * b.g)
@@ -164,6 +164,11 @@ def borders_of(
             for label, limit in borders(derived_axes.body(plan.base, columns)).items()
         }
         return {label: v for label, v in ratios.items() if (v < 0).any() and (v > 0).any()}
+
+
+def values_of(path: Path, table: Any, name: str) -> np.ndarray:
+    """Return a column of all tops; their classes as a map shows them. Raises StoreError."""
+    return shown_classes(path, table) if name == "class" else column(path, table, name)
 
 
 def shown_classes(path: Path, table: Any) -> np.ndarray:

@@ -13,7 +13,7 @@ from ..scenario import build
 from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
-from ..sweeps.sweep_summary import column, open_sweep, plan_of
+from ..sweeps.sweep_summary import open_sweep, plan_of
 from . import pages
 from .borders import borders
 from .encoding import encode
@@ -72,7 +72,9 @@ def page_of_sweep(path: Path) -> str:
         "given": given(plan.base) | {"stops": plan.base.contact is None} if movable else None,
         "body": shape(build.resolved(plan.base)),
         "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
-        "columns": [_column(name, _values(path, table, name), table[name].attrs) for name in names],
+        "columns": [
+            _column(name, maps.values_of(path, table, name), table[name].attrs) for name in names
+        ],
         "borders": borders(plan, axes, table),
         "changes": {key: encode(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
@@ -125,11 +127,6 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
         "sampled": axis.sampled,
         "numbers": encode(numbers, "<f8"),
     }
-
-
-def _values(path: Path, table: Any, name: str) -> np.ndarray:
-    """Return a column of all tops; their classes as a map shows them."""
-    return maps.shown_classes(path, table) if name == "class" else column(path, table, name)
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
