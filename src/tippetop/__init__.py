@@ -26,6 +26,7 @@ _NAMES = {
     "mechanics.systems.revolution": "Disc Spheroid",
     "mechanics.systems.tippe_top": "TippeTop",
     "library.exchanging": "compare fit",
+    "library.likelihoods": "log_likelihood posterior",
     "library.variations": "ensemble sweep",
     "library.finished_run": "Run",
     "library.stored_run": "StoredRun",

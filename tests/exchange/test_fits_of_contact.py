@@ -1,11 +1,13 @@
 """Fits where the contact changes its phase, under laws that have no derivatives along a run."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import tippetop as tt
+from tippetop.exchange.fitting import correlation_time
 
 
 NOISE = np.deg2rad(0.3)
@@ -61,3 +63,72 @@ def test_numbers_of_contacts_are_recovered(name: str, tmp_path: Path) -> None:
         estimate = found.estimates[key]
         assert abs(estimate.value - value) < 4 * estimate.sigma
         assert estimate.sigma < 0.5 * (value or 1)
+
+
+def test_a_tilted_table_moves_a_fit_as_its_systematic_error_predicts(tmp_path: Path) -> None:
+    """The film of a table tilted by a hundredth of 0.1 degrees, fitted as if it were level."""
+    start = ["initial.centre_at_rest=true", "initial.theta=0.3"]
+    t = np.linspace(0, 1.0, 61)
+    free = ["friction.mu", "initial.omega3", "initial.theta"]
+
+    def fitted(tilt: float, azimuth: float) -> Any:
+        around = [f"plane.tilt={tilt}", f"plane.azimuth={azimuth}"]
+        rows = tt.run(
+            tt.load("inverting", [*start, *around, f"run.output_times={t.tolist()}"], t[-1])
+        ).trajectory
+        table = np.column_stack([t, rows.theta])
+        path = tmp_path / "film.csv"
+        np.savetxt(path, table, "%.17g", ",", header="t [s],theta [rad]", comments="")
+        return tt.fit(path, tt.load("inverting", start), free, starts=1, within=0.01)
+
+    tilt = np.deg2rad(0.001)
+    still = fitted(0.0, 0.0)
+    found = [fitted(tilt, azimuth) for azimuth in (0.0, np.pi / 2)]
+    (name,) = (name for name in still.influences if "tilted" in name)
+    for key in free:
+        moved = [f.estimates[key].value - still.estimates[key].value for f in found]
+        expected = still.influences[name][key] / 100
+        assert np.hypot(*moved) == pytest.approx(expected, rel=0.02)
+    assert "a table tilted by 0.1 degrees would move" in still.reason
+    assert not still.trustworthy
+
+
+def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
+    tmp_path: Path,
+) -> None:
+    """Noise of an autoregressive process of coefficient rho has a time of (1 + rho)/(1 - rho)."""
+    random = np.random.default_rng(2)
+    white = random.standard_normal(20_001)
+    slow = np.zeros(20_001)
+    for k in range(1, len(slow)):
+        slow[k] = 0.6 * slow[k - 1] + white[k]
+    assert correlation_time({"theta": slow[:, None]}) == pytest.approx(1.6 / 0.4, rel=0.1)
+    assert correlation_time({"theta": white[:, None]}) < 1.05
+    path = film(tmp_path / "film.csv", "inverting", ["initial.theta=0.5"], 0.5)
+    wrong = tt.load("inverting", ["initial.theta=0.7"])
+    found = tt.fit(path, wrong, ["friction.mu"], starts=1, systematic=False)
+    assert "the residuals are not noise" in found.reason
+    assert np.isnan(found.estimates["friction.mu"].low)
+    assert "no interval" in str(found)
+    assert "+-" not in str(found)
+
+
+def test_laws_are_compared_by_likelihood(tmp_path: Path) -> None:
+    """A short film cannot decide; the sharp law of a long slide is told from a viscous one."""
+    start = ["initial.centre_at_rest=true", "initial.theta=0.5"]
+    path = film(
+        tmp_path / "film.csv", "inverting", [*start, "friction.law=coulomb", "friction.mu=0.2"], 0.4
+    )
+    found = tt.fit(
+        path,
+        tt.load("inverting", [*start, "friction.mu=0.5"]),
+        ["friction.mu", "initial.omega3"],
+        laws=["viscous", "coulomb"],
+        starts=1,
+        systematic=False,
+    )
+    assert set(found.laws) == {"viscous", "coulomb"}
+    assert "the film decides for coulomb" in found.reason
+    assert found.problem.law.key == "coulomb"
+    mu = found.estimates["friction.mu"]
+    assert abs(mu.value - 0.2) < 4 * mu.sigma

@@ -48,7 +48,9 @@ NEAR = ["friction.mu=0.33", "initial.omega3=160.0", "initial.theta=0.48"]
 
 def fitted(film: Path, changes: list[str] = NEAR, free: Any = TRUE, **how: Any) -> Fitted:
     """Fit numbers of the canonical top by one search, from changed numbers."""
-    return tt.fit(film, tt.load("inverting", changes), list(free), **{"starts": 1, **how})
+    return tt.fit(
+        film, tt.load("inverting", changes), list(free), **{"starts": 1, "systematic": False, **how}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +147,9 @@ def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_pat
     for name in ("theta", "theta_dot", "phi", "phi_dot", "omega3", "nu_x", "nu_y"):
         true[f"initial.{name}"] = float(rows[name][60])
     azimuth = float(np.arctan2(seen[0, 1], seen[0, 0]))
-    found = tt.fit(path, tt.load("inverting", [f"initial.phi={azimuth}"]), list(true))
+    found = tt.fit(
+        path, tt.load("inverting", [f"initial.phi={azimuth}"]), list(true), systematic=False
+    )
     best = fitted(path, [f"{name}={value!r}" for name, value in true.items()], true)
     left, least = (float(np.sum(f.residuals["axis"] ** 2)) for f in (found, best))
     assert found.trustworthy
@@ -213,7 +217,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
     film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
-    words = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3"
+    words = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3 --no-systematic"
     assert typed(f"{words} --json --out {out} --figure {figure}") == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03

@@ -202,6 +202,6 @@ def _in_body_axes(known: Mapping[str, Any], rates: Callable, body: Any) -> list[
         place = known["x"], known.get("y", 0.0), known["height"]
     else:  # on a fixed tip
         place = times(-body.c, third)
-    slope: Any = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
-    force = minus(Vector(*rates(rates(place))), Vector(*slope, -body.g))
+    x, y = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+    force = minus(Vector(*rates(rates(place))), Vector(x, y, -body.g))
     return [*omega, *own, *rates(own), *(dot(axis, force) for axis in axes)]

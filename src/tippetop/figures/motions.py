@@ -16,6 +16,8 @@ SHOWN = {
     "theta": ("θ", "rad"),
     "place": ("place", "m"),
     "omega3": ("ω₃", "rad s⁻¹"),
+    "gyroscope": ("gyroscope", "rad s⁻¹"),
+    "accelerometer": ("accelerometer", "m s⁻²"),
 }
 """Symbol and unit; others are angles."""
 

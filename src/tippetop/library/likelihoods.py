@@ -1,0 +1,189 @@
+"""The calls on the likelihood of a film, and the posterior of the numbers of a scenario."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arguments import instance, names_of, path_of, whole
+from ..errors import InputError, refuse_without
+from ..exchange import measurements
+from ..exchange.likelihood import LogLikelihood, drawn
+from ..exchange.motion import convention_of, place_of
+from .exchanging import Fitted, _reference, _saved, fit
+
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def log_likelihood(
+    data: str | Path,
+    scenario: Any,
+    free: str | Sequence[str],
+    *,
+    noise: float | str | None = None,
+    marker: Sequence[float] | str | None = None,
+    quaternion: str | None = None,
+    up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
+) -> LogLikelihood:
+    """Return the logarithm of the likelihood of a film as a function of some numbers.
+
+    Parameters
+    ----------
+    data, scenario, free, marker, quaternion, up, track, chip
+        As for `fit`.
+    noise : float or str, optional
+        Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg".
+        Noise whose size is not stated is integrated over.
+
+    Returns
+    -------
+    LogLikelihood
+        Call it with values of the free numbers, (free,) or (points, free), and `gradient=True` for
+        the derivatives too.
+
+    Raises
+    ------
+    InputError
+        If the table, a name or the scenario is wrong.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> f = tt.log_likelihood("film.csv", "inverting", ["friction.mu", "initial.omega3"])
+    >>> f([0.3, 155.0])
+    >>> f([[0.3, 155.0], [0.31, 155.0]])
+    """
+    return LogLikelihood(
+        measurements.observation_of(
+            _reference("scenario", scenario),
+            path_of("data", data),
+            names_of("free", free),
+            convention_of(quaternion, up, track, chip),
+            place_of("marker", marker),
+            noise,
+        )
+    )
+
+
+class Posterior:
+    """Weighted draws of the numbers of a scenario, given a film. `tippetop.posterior` makes it.
+
+    Attributes
+    ----------
+    free : tuple of str
+        Dotted names of the numbers.
+    points : ndarray
+        (draws, free), SI.
+    weights : ndarray
+        (draws,), of sum 1.
+    effective : float
+        The number of independent draws that are worth as much.
+    mean, sigma : dict
+        Mean and standard deviation of each number.
+    fit : Fitted
+        The fit about which the draws are.
+    """
+
+    def __init__(self, fitted: Fitted, points: np.ndarray, weights: np.ndarray):
+        self.fit = fitted
+        self.free = tuple(fitted.estimates)
+        self.points = points
+        self.weights = weights
+        self.effective = float(1 / (weights**2).sum())
+        mean = weights @ points
+        sigma = np.sqrt(weights @ (points - mean) ** 2)
+        self.mean = dict(zip(self.free, mean.tolist(), strict=True))
+        self.sigma = dict(zip(self.free, sigma.tolist(), strict=True))
+
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+        """Draw the distributions of numbers and pairs, and save that where a path is given."""
+        refuse_without("matplotlib")
+        from ..figures.corner import corner
+
+        columns = dict(zip(self.free, self.points.T, strict=True))
+        return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
+
+    def _effect(self) -> str:
+        few = " (too few: take more draws, or a sampler of Markov chains)"
+        count = len(self.weights)
+        return f"{count} draws, {self.effective:.0f} effective{few * (self.effective < 100)}"
+
+    def __str__(self) -> str:
+        width = max(map(len, self.free))
+        rows = [f"{n:{width}}  {self.mean[n]:.7g} +- {self.sigma[n]:.2g}" for n in self.free]
+        return "\n".join([*rows, self._effect()])
+
+    def __repr__(self) -> str:
+        return f"<Posterior of {', '.join(self.free)}: {self._effect()}>"
+
+
+def posterior(
+    data: str | Path,
+    scenario: Any,
+    free: str | Sequence[str],
+    *,
+    noise: float | str | None = None,
+    draws: int = 2000,
+    seed: int = 0,
+    fitted: Fitted | None = None,
+    marker: Sequence[float] | str | None = None,
+    quaternion: str | None = None,
+    up: str = "z",
+    **options: Any,
+) -> Posterior:
+    """Draw numbers of a scenario from their posterior, given a film, by importance sampling.
+
+    Points are drawn about the fit from a t distribution with 8 degrees of freedom, and weighted by
+    their likelihood; the prior is uniform in the free numbers, within their intervals.
+
+    Parameters
+    ----------
+    data, scenario, free, noise, marker, quaternion, up
+        As for `log_likelihood`.
+    draws : int
+        Motions that are computed.
+    seed : int
+        Of the random numbers.
+    fitted : Fitted, optional
+        A fit of the same numbers to these data, which otherwise is made first.
+    options
+        Of `fit`.
+
+    Returns
+    -------
+    Posterior
+
+    Raises
+    ------
+    InputError
+        If the table, a name or the scenario is wrong, or the fit leaves a number undecided.
+
+    Examples
+    --------
+    >>> import tippetop as tt
+    >>> print(tt.posterior("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
+    """
+    how: dict[str, Any] = {"noise": noise, "marker": marker, "quaternion": quaternion, "up": up}
+    function = log_likelihood(data, scenario, free, **how)
+    if fitted is None:
+        fitted = fit(data, scenario, free, **how, **options)
+    instance("fitted", fitted, Fitted, "the result of `fit`")
+    if tuple(fitted.estimates) != function.free:
+        raise InputError(
+            f"`fitted` must be a fit of {', '.join(function.free)}, but is one of "
+            f"{', '.join(fitted.estimates)}."
+        )
+    sigma = np.array([e.sigma for e in fitted.estimates.values()])
+    covariance = fitted.correlations * np.outer(sigma, sigma)
+    if not np.isfinite(covariance).all() or np.linalg.eigvalsh(fitted.correlations)[0] <= 0:
+        raise InputError(
+            "the fit must decide every number for draws about it, but does not: free fewer."
+        )
+    centre = np.array([e.value for e in fitted.estimates.values()])
+    points, weights = drawn(function, centre, covariance, whole("draws", draws), seed)
+    return Posterior(fitted, points, weights)
