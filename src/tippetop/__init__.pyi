@@ -20,6 +20,8 @@ from .errors import StoreError as StoreError
 from .library.exchanging import compare as compare
 from .library.exchanging import fit as fit
 from .library.finished_run import Run as Run
+from .library.likelihoods import log_likelihood as log_likelihood
+from .library.likelihoods import posterior as posterior
 from .library.running import open as open
 from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun
