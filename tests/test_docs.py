@@ -19,7 +19,10 @@ EXECUTED = [
     *sorted((ROOT / "docs" / "how-to").glob("*.md")),
 ]
 EXPENSIVE = ["fit-a-film.md", "gallery.md", "posteriors.md", "related-bodies.md"]
-SAMPLERS = ("emcee", "pymc")  # installed in the nightly: a block that needs one is left out elsewhere
+SAMPLERS = (
+    "emcee",
+    "pymc",
+)  # installed in the nightly: a block that needs one is left out elsewhere
 
 
 def name(page: Path) -> str:

@@ -61,5 +61,5 @@ def test_a_posterior_of_much_data_is_the_fit(seen: tuple[Path, np.ndarray], tmp_
         assert abs(found.mean[name] - estimate.value) < 0.4 * estimate.sigma
     assert "400 draws" in str(found)
     assert len(found.plot(tmp_path / "corner.png").axes) == 9
-    with pytest.raises(InputError, match="must be a fit of friction.mu, but is one of"):
+    with pytest.raises(InputError, match=r"must be a fit of friction\.mu, but is one of"):
         tt.posterior(seen[0], near, "friction.mu", fitted=fitted)
