@@ -16,8 +16,8 @@ import heyoka as hy
 import numpy as np
 
 from tippetop.engine.expressions import equations_of_motion, formulas_of
+from tippetop.engine.pools import LANES
 from tippetop.ensembles import ensemble
-from tippetop.ensembles.lanes import LANES
 from tippetop.problem import Problems
 from tippetop.runs import starting
 from tippetop.runs.run import solve

@@ -1002,7 +1002,7 @@ enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
 /* Clock, end of the run and of the phase, and where the next steps end, by which event. */
 typedef struct {
     real high, low, end, until, stop, began;
-    integer stops_by, phase, event, steps, waits, short_phases, changes;
+    integer stops_by, phase, event, steps, waits, short_phases;
 } Top;
 
 typedef struct {
@@ -1103,11 +1103,16 @@ static void take_top(const Pools *p, integer phase, integer lane) {
     tally->t = t->high;
 }
 
+/* Whether tops only begin in a phase: in the last one, if there are several. */
+static bool is_start(const Pools *p, integer phase) {
+    return p->phases > 1 && phase == p->phases - 1;
+}
+
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
 static bool change_top(const Pools *p, const Loop *l, integer lane, integer top) {
     Top *t = p->tops + top;
     integer events = l->events;
-    bool lasts = t->until > t->began;
+    bool lasts = t->until > t->began, starts = is_start(p, t->phase);
     if (lasts && t->high - t->began < p->chatter * fmax(t->began, 1))
         return false;
     real *state = p->states + top * p->width;
@@ -1122,8 +1127,12 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
         return false;
     note_change(l, lane, p->events, c, t->high, time, state, more + 2);
     for (integer e = 0; e < events; e++) {
-        function(l, e, lane)->sign = out[e];
-        function(l, e, lane)->on_zero = out[events + e];
+        Function *f = function(l, e, lane);
+        const Event *event = p->events + e;
+        f->sign = out[e];
+        f->on_zero = out[events + e];
+        if (starts && event->lasting && f->sign == (real)event->direction)
+            l->tallies[lane].lasts_since = t->high;
     }
     copy(p->loops[c->next]->variables, out + 2 * events, 1, state, 1);
     t->phase = c->next;
@@ -1131,7 +1140,6 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
     t->until = t->stop = MIN(t->end, time + more[0]);
     t->stops_by = events;
     t->short_phases = lasts ? 0 : t->short_phases;
-    t->changes++;
     return true;
 }
 
@@ -1172,9 +1180,11 @@ static void put_top(Pools *p, integer phase, integer lane) {
         p->called[(*p->calls)++] = top;
 }
 
-/* Return the phase in which most tops are; -1 without a top. */
+/* Return the phase in which tops begin, or else the one in which most tops are; -1 without a top. */
 static integer fullest(const Pools *p) {
-    integer best = -1, most = 0;
+    integer best = -1, most = 0, last = p->phases - 1;
+    if (is_start(p, last) && p->pools[last].count > 0)
+        return last;
     for (integer k = 0; k < p->phases; k++) {
         integer count = p->pools[k].count + p->pools[k].occupied;
         if (count > most) {
@@ -1185,15 +1195,15 @@ static integer fullest(const Pools *p) {
     return best;
 }
 
-/* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
-   Return their number. */
+/* Begin tops, and make at most `most` steps of lanes, in one phase after another, until a top waits
+   for the caller. Return their number. */
 integer loop_pools(Pools *p, integer most) {
     integer steps = 0, phase = fullest(p);
-    while (phase >= 0 && steps < most && *p->calls == 0) {
+    while (phase >= 0 && (steps < most || is_start(p, phase)) && *p->calls == 0) {
         Pool *pool = p->pools + phase;
         const Loop *l = pool->loop;
         for (integer lane = 0; lane < l->lanes; lane++)
-            while (l->in_lane[lane] < 0 && pool->count > 0) {
+            while (l->in_lane[lane] < 0 && pool->count > 0 && *p->calls == 0) {
                 take_top(p, phase, lane);
                 if (l->tallies[lane].status != RUNNING) /* a phase that ends where it begins */
                     put_top(p, phase, lane);
@@ -1216,21 +1226,6 @@ integer loop_pools(Pools *p, integer most) {
 }
 
 /* --- for the binding and for tests --- */
-
-/* Write the last state of a lane whose run has ended to `out`. The end may confirm the turning that
-   waits. */
-void loop_end(const Loop *l, integer lane) {
-    const integer *rows = l->axis_rows;
-    Tally *tally = l->tallies + lane;
-    integer n = l->lanes;
-    real *last = l->out + lane;
-    if (tally->upto < 1)
-        state_at(l, lane, tally->t, l->out);
-    else
-        copy(l->variables, l->state + lane, n, last, n);
-    real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
-    take_turning(tally, l->noise_floor, 0, theta_of(axis));
-}
 
 /* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */
 void loop_count_turnings(Tally *tally, real noise_floor, integer n, const integer *signs,

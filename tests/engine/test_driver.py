@@ -12,10 +12,11 @@ import pytest
 from tippetop.engine import integrator as compiling
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import formulas_of
+from tippetop.engine.observables import event_functions
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import new_tallies
 from tippetop.engine.taylor import driver_of
 from tippetop.ensembles.lanes import Lanes
+from tippetop.ensembles.outcomes import Outcomes
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs import starting
@@ -123,15 +124,16 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(
 IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
 
 
-class Seen:
-    """An observer of lanes that keeps every sample of every top."""
+class Seen(Outcomes):
+    """Outcomes that keep every sample of every top."""
 
     def __init__(self, tops: Problems):
+        super().__init__(tops)
         self.samples: list[list[np.ndarray]] = [[] for _ in range(tops.n)]
-        self.final = np.full(tops.start.shape, np.nan)
+        self.look = self.keep
         self.done = 0
 
-    def look(self, states: np.ndarray, tops: np.ndarray) -> None:
+    def keep(self, states: np.ndarray, tops: np.ndarray) -> None:
         for top, state in zip(tops, states.T, strict=True):
             self.samples[top].append(state.copy())
 
@@ -153,11 +155,11 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
     monkeypatch.setattr("tippetop.ensembles.lanes.EVERY", 1)
-    mine = Lanes(tops, lanes)
-    made, seen = new_tallies(mine.rows, np.ones((len(mine.rows.events), n))), Seen(tops)
-    mine.run(seen, made, iter(range(n)), seen.ended)
+    monkeypatch.setattr("tippetop.engine.pools.Pools.lanes", lanes)
+    seen = Seen(tops)
+    Lanes(seen, event_functions(tops), seen.ended).run(iter(range(n)))
     assert seen.done == n
-    assert np.all(made.lane["status"] == Status.FINISHED.code)
+    assert np.all(seen.status == Status.FINISHED.code)
     theirs = copy.deepcopy(
         compiling.compiled_from(
             formulas_of(base.system, "vector", type(base.friction)),
@@ -177,8 +179,8 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
         for lane, top in enumerate(some.tolist()):
             moved = np.diff(output.times[:, lane]) > 0
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
-            assert made.lane["steps"][top] == len(ends)
-            assert same_bits(np.array(seen.samples[top]), ends)
+            assert seen.columns["steps"][top] == len(ends)
+            assert same_bits(np.array(seen.samples[top]), ends[:, : len(tops.start)])
             assert same_bits(seen.final[:, top], theirs.state[: len(seen.final), lane])
 
 

@@ -115,7 +115,7 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
 def test_the_number_of_lanes_changes_no_bit(
     mixed: dict[str, np.ndarray], found: xr.Dataset, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tippetop.ensembles.ensemble.LANES", 4)
+    monkeypatch.setattr("tippetop.engine.pools.Pools.lanes", 4)
     measured = measure(vary(starting.load("inverting"), mixed), threads=1)
     assert same(outcomes.dataset(measured), found)
 
@@ -174,7 +174,7 @@ def test_progress_tells_every_top() -> None:
 
 
 def test_a_failure_in_one_thread_stops_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tippetop.ensembles.ensemble.LANES", 1)
+    monkeypatch.setattr("tippetop.engine.pools.Pools.lanes", 1)
     clock, numbers = time.perf_counter(), {"until": [0.1, 1e6, 1e6], "omega3": [155.0] * 3}
     with pytest.raises(ZeroDivisionError):
         tippetop.ensemble("inverting", numbers, threads=2, progress=lambda *at: 1 // 0)

@@ -9,7 +9,7 @@ from test_hybrid_lanes import TOPS, some
 from tippetop.engine import pools
 from tippetop.engine.observables import Observables
 from tippetop.engine.status import Status
-from tippetop.ensembles import ensemble, hybrid_lanes
+from tippetop.ensembles import ensemble, lanes
 from tippetop.ensembles.hybrid_tops import problem_of
 from tippetop.ensembles.rows_at_times import rows_at_times
 from tippetop.mechanics.contact.contact_phases import PHASES
@@ -58,8 +58,8 @@ def test_the_bits_of_rows_do_not_depend_on_other_tops(monkeypatch, case: str) ->
     tops, until = tops_of(case)
     times = np.linspace(0.0, until, 101)
     found, _ = rows_at_times(tops, times, NAMES, threads=2)
-    monkeypatch.setattr(hybrid_lanes, "ROOM", 3)
-    monkeypatch.setattr(hybrid_lanes, "MOST_DRIVEN", 1)
+    monkeypatch.setattr(lanes, "ROOM", 3)
+    monkeypatch.setattr(lanes, "MOST_DRIVEN", 1)
     monkeypatch.setattr(pools.Pools, "lanes", 4)
     again, _ = rows_at_times(tops, times, NAMES, threads=1)
     for name, values in found.items():

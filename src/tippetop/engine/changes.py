@@ -36,6 +36,8 @@ BRANCHES = 8
 """Most programs of a jump."""
 NUMBERS = 24
 """Most numbers that a change may pass to the tables."""
+START = "start"
+"""How a phase before the first one ends, from which tops in lanes begin."""
 NODES = 8
 """Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
@@ -108,8 +110,9 @@ class Changes:
         self.events = len(run.numbers)
         self.known = list[Written]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
-        # by phase and event, the last by the clock: its programs, and where the first one is
-        self.programs = [list[Any]() for _ in range(len(run.phases) * (self.events + 1))]
+        # by phase and event, the last by the clock: its programs, and where the first one is; the
+        # start comes after all phases
+        self.programs = [list[Any]() for _ in range((len(run.phases) + 1) * (self.events + 1))]
         self.table = np.zeros(len(self.programs), np.uint64)
         self.made = np.zeros((PER_SLICE, 4 + NUMBERS))
         self.body = np.array(numbers_of(run.world))
@@ -133,7 +136,8 @@ class Changes:
     def take_up(self, track: Any, jump: Any) -> None:
         """Let the loop make the change of a phase by a jump, as far as it has programs."""
         run = self.run
-        event = self.events if jump.exit.event == CLOCK else run.numbers.get(jump.exit.event)
+        name = jump.exit.event
+        event = self.events if name in (CLOCK, START) else run.numbers.get(name)
         if event is None:
             return
         number = track.at * (self.events + 1) + event
@@ -157,7 +161,7 @@ class Changes:
         run = self.run
         track = run.track
         motions = list[tuple[int, str]]()
-        state = state[: len(run.state)]
+        state = state[: len(track.place.motion.state)]
         signs = tuple(run.functions["sign"].tolist())
         given = world.body, (world.rules.e_n,), (run.end - world.left, world.left), signs, state
         program = Program(*given)
@@ -180,15 +184,15 @@ class Changes:
                 if passed or not n.delay < left:
                     return None
                 ranged, ranges = _ranged(n, to, now, body)
-            before = track.formulas.functions(
-                *track.variables.split(state), track.phase.parameters(body)
-            )
-            before = dict(zip(track.events, before, strict=True))
-            passed = [
-                k
-                for k in passed
-                if to.events[k].lasting or (to.events[k].sense and abs(before[k]) > ON_ZERO)
-            ]
+            if passed:
+                q, carried = track.variables.split(state)
+                before = track.formulas.functions(q, carried, track.phase.parameters(body))
+                known = dict(zip(track.events, before, strict=True))
+                passed = [
+                    k
+                    for k in passed
+                    if to.events[k].lasting or (to.events[k].sense and abs(known[k]) > ON_ZERO)
+                ]
         except Exception:  # whatever a jump does that is no line
             return None
         numbers = leaves(tuple(n.rows.values()))

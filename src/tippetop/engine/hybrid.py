@@ -29,7 +29,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
-from .changes import CHATTER, NODES, PER_SLICE, Changes
+from .changes import CHATTER, NODES, PER_SLICE, START, Changes
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -447,18 +447,22 @@ class HybridDriver(Driver):
         if "next" in joint:  # it continues in the phase of another run
             begins.insert(0, lambda x, world: Next(x=x, **joint["next"]))
         for begin in begins:
-            start = Exit("start", tuple(self.phases), begin)
-            begun = n, *_ = self.jump("", phase, start)(self, state, world)
+            jump = self.jump("", phase, Exit(START, tuple(self.phases), begin))
+            begun = n, *_ = jump(self, state, world)
             if n.ends:
                 self.ended = Status.of_event(n.ends)
                 self.sentence = n.message
             if n.phase:
                 break
+        self.learn_start(jump, state, world)
         self._enter(begun, self.number(0), None)
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
             self._note(self.numbers[name], self.number(0), 1, AS_ROW, np.array(state))
         begin_lasting(self.tallies, self.all_events)
+
+    def learn_start(self, jump: Jump, *given: Any) -> None:
+        """Let the loop make the jump to the first phase, where runs share a loop."""
 
     # --- phases ----------------------------------------------------------------------------------
 

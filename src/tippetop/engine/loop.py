@@ -160,7 +160,6 @@ def library() -> ctypes.CDLL:
     whole = ctypes.c_int64
     array = ctypes.c_void_p
     loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
-    loaded.loop_end.argtypes = [array, whole]
     loaded.loop_push.argtypes = [array, whole]
     for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = whole
@@ -247,11 +246,6 @@ class Loop:
         if self.failures:
             raise self.failures.pop()
         return steps
-
-    def end(self, lane: int) -> np.ndarray:
-        """Return the last state of a lane whose run has ended, which may confirm a turning."""
-        library().loop_end(self.place, lane)
-        return self.out[:, lane]
 
     def keep(self, event: np.void, when: float, sign: int) -> None:
         """Keep the numbers of an event of the first lane that no step has found."""

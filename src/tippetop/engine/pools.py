@@ -1,4 +1,4 @@
-"""Many tops whose contact changes, in lanes.
+"""Many tops in lanes.
 
 Each phase has a pool: the lanes of its integrator, and a queue of tops that are in this phase. C
 steps the phase in which most tops are until a lane ends, moves its top by a program to the queue of
@@ -16,9 +16,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.form import CLOCK, STALL
-from ..mechanics.operand import kinds, leaves, refill
-from ..problem import Problem
-from .changes import CHATTER, Changes, numbers_of
+from ..mechanics.operand import leaves, refill
+from ..problem import Problem, Problems
+from .changes import CHATTER, Changes
 from .driver import ENDLESS, STATUSES
 from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, Track
@@ -47,21 +47,22 @@ from .tallies import (
     new_log,
     new_tallies,
 )
-from .taylor import compiled_when, internal_end
+from .taylor import compiled_when
 
 
 LANES = 8
+"""As fast as 32, and they compile in 1 s instead of 6."""
 EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
 PATIENCE = 2
 """As in `changes`: many tops make the same changes."""
-A_CHANGE, A_LOOK, AN_END, NOTHING = range(1, 5)
+A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING = range(5)
 """What a top waits for: a lane; its change, by Python; a look whether it has settled; the end of
 its next step, in a phase that Python samples; nothing."""
 
 
 _REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
-_NAMES = "stops_by", "phase", "event", "steps", "waits", "short", "changes"
+_NAMES = "stops_by", "phase", "event", "steps", "waits", "short"
 TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
 """A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
 phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
@@ -95,84 +96,211 @@ class _Pools(NamedTuple):
     possible: int
 
 
-class Pools(HybridDriver):
-    """Pools for tops of one system; as a driver, it holds the top that Python begins or changes.
+class Begun(NamedTuple):
+    """Tops at their starts, k of them, internal."""
 
-    Parameters
-    ----------
-    problem
-        One of the tops.
-    room
-        Number of slots: tops that may be under way.
-    stop
-        Set it to give up while equations are being compiled.
-    row_count
-        Number of rows of each top, at times that `begin_top` is given.
+    states: np.ndarray  # (variables, k)
+    functions: np.ndarray  # (events, k) of their phase, if they have only one
+    bodies: np.ndarray  # (numbers, k)
+    ends: np.ndarray  # (k,) of their runs
+    times: np.ndarray  # (k, rows) of rows
+
+
+class Pools:
+    """Tops in slots, and the pools of lanes of their phases.
 
     Attributes
     ----------
     tops, tallies_of, functions_of, kept_of, states, bodies
         Arrays over slots: the top there, its tallies, its state and the numbers of its body.
     rows
-        Those of the tops in the slots.
+        Those of the tops in the slots, at given times.
+    log, samples
+        Events and states on the way, of slots times phases plus the phase.
+    failures
+        Why tops are invalid, by slot.
     """
 
     lanes = LANES
+    variables: int
+    all_events: EventRows
+    log: PassageLog
+    samples: Samples
+
+    def allot(
+        self, room: int, phases: int, width: int, numbers: int, row_count: int, changes: Any = None
+    ) -> None:
+        """Make the arrays; no top has begun.
+
+        Parameters
+        ----------
+        room
+            Number of slots: tops that may be under way.
+        phases, width, numbers
+            Number of phases, most variables of a top, and numbers of its body.
+        row_count
+            Number of rows of each top.
+        changes
+            The `Changes` of tops that have several phases.
+        """
+        events, kinds, _ = self.all_events
+        self.failures: dict[int, str] = {}
+        self.over: list[int] = []  # slots of tops that ended where they began
+        self.parameters: dict[int, np.ndarray] = {}
+        self.tops = np.zeros(room, TOP_RECORD)
+        self.tallies_of = np.zeros(room, LANE_RECORD)
+        self.functions_of = np.zeros((room, len(events)), FUNCTION_RECORD)
+        self.kept_of = np.zeros((room, len(kinds)))
+        self.states = np.zeros((room, width))
+        self.bodies = np.zeros((room, numbers))
+        self.rows = rows_of_tops(np.zeros((room, row_count)), width, phases)
+        self.called = np.zeros(room, np.int64)
+        self.calls = np.zeros(1, np.int64)
+        self.pools = np.zeros(phases, POOL_RECORD)
+        queues = np.zeros((phases, room), np.int64)
+        none = np.zeros(phases * (len(events) + 1), np.uint64)
+        loops, table = (changes.loops, changes.table) if changes else (none, none)
+        self.arrays = _Pools(  # must outlive the structure
+            *(self.pools, loops, table, events, queues),
+            *(self.tops, self.tallies_of, self.functions_of, self.kept_of, self.states),
+            *(self.bodies, self.called, self.calls, CHATTER),
+            *(phases, room, numbers, len(kinds), width, 0),
+        )
+        self.record: Any = filled(self.arrays)
+        self.record_at = address_of(self.record)
+
+    def lane_tallies(self, rows: EventRows) -> Tallies:
+        """Return tallies of lanes that have no tops."""
+        tallies = new_tallies(rows, np.ones((len(rows.events), self.lanes)))
+        tallies.lane["status"] = Status.FINISHED.code
+        return tallies
+
+    def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
+        """Let tops enter a phase, whose parameters are these numbers of a body."""
+        loop.record.motion.in_lane[:] = -1
+        loop.fill(self.rows)
+        self.parameters[phase] = mine = np.array(parameters, np.int64)
+        self.pools[phase] = address_of(loop.structure), mine.ctypes.data, by_steps, 0, 0
+
+    def begin_tops(self, slots: np.ndarray, begun: Begun) -> None:
+        """Begin tops in slots, (k,)."""
+        tallies = new_tallies(self.all_events, begun.functions)
+        self.tallies_of[slots] = tallies.lane
+        self.functions_of[slots] = tallies.functions.T
+        self.kept_of[slots] = tallies.kept.T
+        self.states[slots] = 0.0
+        self.states[slots, : len(begun.states)] = begun.states.T
+        self.bodies[slots] = begun.bodies[: self.bodies.shape[1]].T
+        self.rows.times[slots], self.rows.states[slots] = begun.times, np.nan
+        self.rows.filled[slots] = (begun.times < 0).sum(axis=1)
+        self.tops[slots] = 0
+        self.tops["end"][slots] = self.tops["stop"][slots] = begun.ends
+        self.place_in_first(slots)
+        for slot in slots.tolist():
+            self.push(slot)
+        while len(self.pools) > 1 and self.pools["count"][-1]:  # there they begin
+            self.over = self.step(0)[0]
+
+    def place_in_first(self, slots: np.ndarray) -> None:
+        """Put tops that begin into their first phase."""
+
+    def push(self, slot: int) -> None:
+        """Let a top wait for a lane."""
+        library().loop_push(self.record_at, slot)
+
+    def attend(self, slot: int) -> int:
+        """Do what the loop cannot do for a top. Return what the top waits for then."""
+        return NOTHING
+
+    @QUIET
+    def step(self, most: int) -> tuple[list[int], list[int]]:
+        """Make about this many steps of lanes. Return the slots of tops that have ended, and of
+        those that may have settled.
+        """
+        self.calls[0] = 0
+        library().loop_pools(self.record_at, most)
+        ended = self.over
+        self.over = []
+        looks = list[int]()
+        for slot in self.called[: self.calls[0]].tolist():
+            waits = self.tops["waits"][slot]
+            if waits in (A_CHANGE, AN_END):
+                waits = self.attend(slot)
+            if waits == A_LANE:
+                self.push(slot)
+            else:
+                (looks if waits == A_LOOK else ended).append(slot)
+        return ended, looks
+
+    def rows_in(self, slots: np.ndarray) -> np.ndarray:
+        """Return the rows of the present states of the tops in slots (k,)."""
+        return self.rows_at(self.tops["phase"][slots], self.states[slots], slots)
+
+    def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+        """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
+        phases = self.rows.phases[slots, numbers] % len(self.pools)
+        return self.rows_at(phases, self.rows.states[slots, numbers], slots)
+
+    def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
+        """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""
+        return states[:, : self.variables]
+
+
+def bodies_of(tops: Problems) -> np.ndarray:
+    """Return the numbers of the bodies of tops, (numbers, n): see `changes.numbers_of`."""
+    base = tops.base
+    assert base.contact is not None
+    assert base.system.assembled is not None
+    tables = [tops.given(name) for name in ("contact", "stem") if name in base.tables]
+    rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
+
+    def internal(value: Any, unit: Any) -> np.ndarray:
+        return (np.asarray(value, base.exact) / tops.scales.of(unit)).astype(float)
+
+    body, _ = base.system.assembled(tops.internal_body, rules, internal)
+    return np.array([np.broadcast_to(v, tops.n) for v in (*leaves(body), rules.e_n)], float)
+
+
+class HybridPools(Pools, HybridDriver):
+    """Pools of tops whose contact may change its phase; as a driver, it holds the top that Python
+    begins or changes.
+
+    Tops begin in a further phase, which they leave at once: its programs are those of the start.
+
+    Parameters
+    ----------
+    problem
+        One of the tops.
+    room, row_count
+        As for `allot`.
+    stop
+        Set it to give up while equations are being compiled.
+    """
 
     def __init__(
-        self,
-        problem: Problem,
-        room: int,
-        stop: threading.Event | None = None,
-        row_count: int = 0,
+        self, problem: Problem, room: int, row_count: int, stop: threading.Event | None = None
     ):
         settled_for = SETTLED_FOR if problem.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, ENDLESS, EVERY, 0, settled_every=EVERY)
-        self.room = room
-        self.row_count = row_count
+        self.sizes = room, row_count
         super().__init__(problem, stop)
 
     def begin_run(self) -> None:
         """Make the arrays of all tops; none has begun."""
-        room = self.room
+        room, row_count = self.sizes
         copies = self.programs
         copies.patience = PATIENCE
+        phases = len(self.phases)
         self.request: Any = SimpleNamespace(steps=False)
-        self.fresh = self.tally.copy(), self.functions.copy(), self.tallies.kept[:, 0].copy()
-        self.pattern = kinds(self.world.body)
-        self.own_phases = self.assembled(self.problem)[1]
-        found = self.tallies, self.log, self.samples
-        no_steps = Loaded(None, 0, 0, False, 0)
-        nowhere = new_motion(1, 0, 1, 1)
-        self.notes = Loop(nowhere, self.all_events, *found, self.rules, no_steps)
-        times = np.zeros((room, self.row_count))
-        self.rows = rows_of_tops(times, self.width, len(self.phases))
-        self.over: list[int] = []  # slots of tops that ended where they began
-        self.failures: dict[int, str] = {}  # by slot, of invalid tops
-        self.parameters: dict[str, np.ndarray] = {}
-        self.worlds: list[Any] = [None] * room
-        self.problems: list[Any] = [None] * room
-        self.tops = np.zeros(room, TOP_RECORD)
-        self.tops["waits"] = NOTHING
-        self.tallies_of = np.zeros(room, LANE_RECORD)
-        self.functions_of = np.zeros((room, len(self.numbers)), FUNCTION_RECORD)
-        self.kept_of = np.zeros((room, len(self.tallies.kept)))
-        self.states = np.zeros((room, self.width))
-        self.bodies = np.zeros((room, len(copies.body)))
-        self.called = np.zeros(room, np.int64)
-        self.calls = np.zeros(1, np.int64)
-        self.pools = np.zeros(len(self.phases), POOL_RECORD)
-        queues = np.zeros((len(self.phases), room), np.int64)
-        record = _Pools(
-            *(self.pools, copies.loops, copies.table, self.all_events.events, queues),
-            *(self.tops, self.tallies_of, self.functions_of, self.kept_of, self.states),
-            *(self.bodies, self.called, self.calls, CHATTER),
-            *(len(self.phases), room, *self.bodies.shape[1:], *self.kept_of.shape[1:]),
-            *(self.width, 0),
-        )
-        self.arrays = record  # must outlive the structure
-        self.record: Any = filled(record)
-        self.record_at = address_of(self.record)
+        self.problems: dict[int, Problem] = {}
+        self.allot(room, phases + 1, self.width, len(copies.body), row_count, copies)
+        motion = new_motion(self.variables, 0, 1, 1)
+        rows = self.all_events._replace(axis=np.zeros(0, int))
+        found = self.tallies, new_log(0, self.width), self.samples
+        self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
+        self.add_pool(phases, self.notes, ())
+        before = SimpleNamespace(motion=motion)
+        self.before: Any = SimpleNamespace(at=phases, place=before, sampled={}, exits={})
 
     @property
     def programs(self) -> Changes:
@@ -188,24 +316,17 @@ class Pools(HybridDriver):
         return compiled_when(key, self.stop)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
-        tallies = new_tallies(rows, np.ones((len(rows.events), self.lanes)))
-        tallies.lane["status"] = Status.FINISHED.code
-        return tallies, new_log(0, self.width), self.samples
+        return self.lane_tallies(rows), new_log(0, self.width), self.samples
 
     def track_of(self, name: str) -> Track:
         is_new = name not in self.tracks
         track = super().track_of(name)
         if is_new:
-            motion = track.place.motion
-            motion.in_lane[:] = -1
             body = self.world.body
             order = track.phase.parameters(refill(body, iter(range(len(leaves(body))))))
-            mine = np.array(leaves(order)[: len(motion.pars)], np.int64)
-            self.parameters[name] = mine
-            loop = address_of(track.place.loop.structure)
-            self.programs.loops[track.at] = loop
-            track.place.loop.fill(self.rows)
-            self.pools[track.at] = loop, mine.ctypes.data, bool(track.sampled), 0, 0
+            mine = leaves(order)[: len(track.place.motion.pars)]
+            self.add_pool(track.at, track.place.loop, mine, by_steps=bool(track.sampled))
+            self.programs.loops[track.at] = address_of(track.place.loop.structure)
         return track
 
     def work_in(self, place: Any) -> None:
@@ -227,48 +348,35 @@ class Pools(HybridDriver):
 
     # --- one top ---------------------------------------------------------------------------------
 
-    @QUIET
-    def begin_top(self, slot: int, problem: Problem, times: np.ndarray) -> bool:
-        """Begin a top in a slot, with rows at these internal times. Return whether it has the same
-        phases as the others.
-        """
-        body, phases = self.assembled(problem)
-        if phases is not self.own_phases or kinds(body) != self.pattern:
-            return False
-        self.end = float(internal_end(problem))
-        self.worlds[slot] = self.world._replace(body=body, rules=problem.contact)
-        self.problems[slot] = problem
-        self._use_body(slot)
-        self.tallies.lane[0], self.functions[:], self.tallies.kept[:, 0] = self.fresh
-        vars(self).pop("ended", None)
-        self.short = 0
-        self.logged[0] = 0
-        self.tops[slot] = 0
-        self.bodies[slot] = numbers_of(self.world)
-        self.rows.times[slot], self.rows.states[slot] = times, np.nan
-        self.rows.filled[slot] = (times < 0).sum()
-        self._use_rows(slot)
-        self._start(tuple(problem.start().tolist()))
-        self.tops["end"][slot] = self.end
-        self._store(slot)
-        if self.ended is None:
-            self.push(slot)
-        else:
-            self.tallies_of["status"][slot] = self.ended.code
-            self.over.append(slot)
-        return True
+    def place_in_first(self, slots: np.ndarray) -> None:
+        self.tops["stop"][slots] = 0.0
+        self.tops["stops_by"][slots] = len(self.numbers)
+        self.tops["phase"][slots] = len(self.phases)
+        self.functions_of["sign"][slots] = self.functions_of["on_zero"][slots] = 0.0
+        self.tallies_of["lasts_since"][slots] = np.nan
 
-    def _use_body(self, slot: int) -> None:
-        """Use the body of a top in formulas."""
-        self.world = self.worlds[slot]
+    def _load(self, slot: int) -> None:
+        """Take a top from its slot into the driver."""
         self.problem = self.problems[slot]
-        for track in self.tracks.values():
-            track.b = track.phase.parameters(self.world.body)
-
-    def _use_rows(self, slot: int) -> None:
-        """Write the rows of a top."""
-        arrays = (array[slot] for array in self.rows[:3])
-        self.want(Rows(*arrays, self.rows.filled[slot : slot + 1], False))
+        body = refill(self.world.body, iter(self.bodies[slot].tolist()))
+        self.world = self.world._replace(body=body, rules=self.problem.contact)
+        tracks = list(self.tracks.values())
+        for track in tracks:
+            track.b = track.phase.parameters(body)
+        times, states, phases, filled, *_ = self.rows
+        self.want(Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False))
+        top = self.tops[slot]
+        self.track = next((one for one in tracks if one.at == top["phase"]), self.before)
+        self.ended = None
+        names = ["began", "until", "short", "end", "high", "low"]
+        self.began, self.until, self.short, self.end, *clock = top[names].item()
+        self.tallies.lane[0] = self.tallies_of[slot]
+        self.functions[:] = self.functions_of[slot]
+        self.tallies.kept[:, 0] = self.kept_of[slot]
+        self.logged[0] = int(self.upto[0] < 1.0)
+        self.last = self.states[slot, : len(self.track.place.motion.state)].copy()
+        self.place = self.track.place
+        self.put(self.last, clock)
 
     def _store(self, slot: int) -> None:
         """Store the top that the driver holds in its slot."""
@@ -293,10 +401,6 @@ class Pools(HybridDriver):
         by = len(self.numbers) if ending in (None, CLOCK) else ending
         self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
 
-    def push(self, slot: int) -> None:
-        """Let a top wait for a lane."""
-        library().loop_push(self.record_at, slot)
-
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
         super()._note(number, time, sign, phase, state)
         sense = self.all_events.events["sense"][number]
@@ -306,82 +410,36 @@ class Pools(HybridDriver):
             theta = math.atan2(math.sqrt(x * x + y * y), z)
             count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
 
-    def _load(self, slot: int) -> None:
-        """Take a top from its slot into the driver."""
-        self._use_body(slot)
-        self._use_rows(slot)
-        top = self.tops[slot]
-        self.track = self.tracks[[*self.phases][top["phase"]]]
-        names = ["began", "until", "short", "end", "high", "low"]
-        self.began, self.until, self.short, self.end, *clock = top[names].item()
-        self.tallies.lane[0] = self.tallies_of[slot]
-        self.functions[:] = self.functions_of[slot]
-        self.tallies.kept[:, 0] = self.kept_of[slot]
-        self.logged[0] = int(self.upto[0] < 1.0)
-        self.last = self.states[slot, : len(self.track.place.motion.state)].copy()
-        self.place = self.track.place
-        self.put(self.last, clock)
+    def learn_start(self, *given: Any) -> None:
+        self.programs.learn(*given)
 
-    def _change_of(self, slot: int) -> Status | None:
-        """Make the change of a top that no program makes. Return how it ends the run, or None."""
+    def attend(self, slot: int) -> int:
         self._load(slot)
         top = self.tops[slot]
-        when = float(top["high"])
-        event = int(top["event"])
-        ending: Any = STALL if event < 0 else CLOCK if event == len(self.numbers) else event
-        jump = self.track.exits.get(ending)
+        if top["waits"] == AN_END:
+            self._set_end(slot)
+            return A_LANE
+        number = int(top["event"])
+        ending: Any = STALL if number < 0 else CLOCK if number == len(self.numbers) else number
         try:
-            ends = self._change(jump, when) if jump else STATUSES[self.status[0]]
+            if self.track is self.before:
+                self._start(tuple(self.last.tolist()))
+                ends = self.ended
+            else:
+                jump = self.track.exits.get(ending)
+                ends = self._change(jump, self.at[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
         self._store(slot)
-        if ends is None:
-            top["changes"] += 1
-        else:
+        if ends is not None:
             self.tallies_of["status"][slot] = ends.code
-        return ends
-
-    # --- all tops --------------------------------------------------------------------------------
-
-    @QUIET
-    def step(self, most: int) -> tuple[list[int], list[int]]:
-        """Make about this many steps of lanes. Return the slots of tops that have ended, and of
-        those that may have settled.
-        """
-        self.calls[0] = 0
-        library().loop_pools(self.record_at, most)
-        ended, looks = self.over, list[int]()
-        self.over = []
-        for slot in self.called[: self.calls[0]].tolist():
-            waits = self.tops["waits"][slot]
-            if waits == AN_END:
-                self._load(slot)
-                self._set_end(slot)
-                self.push(slot)
-            elif waits == A_CHANGE and self._change_of(slot) is None:
-                steps, high = self.tops[["steps", "high"]][slot].item()
-                lasted = high - self.tallies_of["lasts_since"][slot]
-                if steps % EVERY == 0 and lasted > self.rules.settled_for:
-                    looks.append(slot)
-                else:
-                    self.push(slot)
-            else:
-                (looks if waits == A_LOOK else ended).append(slot)
-        return ended, looks
-
-    def rows_in(self, slots: np.ndarray) -> np.ndarray:
-        """Return the rows of the present states of the tops in slots (k,)."""
-        return self.rows_at(self.tops["phase"][slots], self.states[slots], slots)
-
-    def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-        """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
-        phases = self.rows.phases[slots, numbers] % len(self.phases)
-        return self.rows_at(phases, self.rows.states[slots, numbers], slots)
+            return NOTHING
+        lasted = self.at[0] - self.tally["lasts_since"]
+        return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""
-        rows = np.empty((len(phases), self.variables))
+        rows = states[:, : self.variables].copy()
         for track in self.tracks.values():
             mine = np.flatnonzero(phases == track.at)
             body = refill(self.world.body, iter(self.bodies[slots[mine]].T))

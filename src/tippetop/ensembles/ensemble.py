@@ -7,23 +7,19 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from functools import partial
-from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from ..engine.derivatives.growth import growth
-from ..engine.loop import rows_of_tops
 from ..engine.observables import event_functions
-from ..engine.settling import slides
-from ..engine.tallies import EventRows, Tallies, new_tallies
+from ..engine.pools import Pools
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
-from .hybrid_lanes import HybridLanes
 from .hybrid_tops import problem_of, run_each
-from .lanes import LANES, Lanes
-from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude
+from .lanes import Lanes
+from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude
 from .top_events import log_events
 
 
@@ -77,41 +73,30 @@ def measure(
             with lock:
                 progress(next(counted), total)
 
-    hybrid = tops.base.system.is_hybrid
-    alone = _ends_at_start(tops, functions) | hybrid
-    separate = np.flatnonzero(tops.valid & alone).tolist()
-    most = threads or len(os.sched_getaffinity(0))
     turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
-    if hybrid and turns and tops.base.contact is not None and not events:
-        queue = iter(separate)
-        n = min(most, -(-len(separate) // LANES))
-        pooled = [HybridLanes(measured, ended) for _ in range(n)]
-        _run_all([partial(worker.run, queue) for worker in pooled], [w.stop for w in pooled])
-        separate = sorted(chain(*(worker.alone for worker in pooled)))
-        possible = sum(worker.possible for worker in pooled)
-        measured.occupancy = sum(worker.steps for worker in pooled) / max(1, possible)
-    run_each(measured, separate, ended, events=events)
-    measured.faults.sort()
-    if len(numbers := np.flatnonzero(tops.valid & ~alone)):
+    if tops.base.system.is_hybrid:
+        mu = np.broadcast_to(tops.given("friction").get("mu", 1.0), (tops.n,))
+        alone = (mu == 0) & (mu != 0).any()  # they have other phases
+        alone |= not turns or tops.base.contact is None or events
+    else:
+        alone = _ends_at_start(tops, functions)
+    numbers = np.flatnonzero(tops.valid & ~alone)
+    if len(numbers):
+        n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // Pools.lanes))
+        room = -(-len(numbers) // n)
+        workers = [Lanes(measured, functions, ended, room, wanted, events=events) for _ in range(n)]
         queue = iter(numbers.tolist())
-        n = min(most, -(-len(numbers) // LANES))
-        workers = [Lanes(tops, LANES, wanted, events=events) for _ in range(n)]
-        tallies = new_tallies(workers[0].rows, functions.T)
-        rows = rows_of_tops(measured.times, len(workers[0].motion.state))
-        for worker in workers:
-            worker.loop.fill(rows)
-        _run_all(
-            [partial(worker.run, measured, tallies, queue, ended) for worker in workers],
-            [worker.stop for worker in workers],
-        )
-        _write(measured, numbers, tallies, workers[0].rows)
-        measured.rows[numbers] = rows.states[numbers, :, : len(tops.start)]
-        if measured.passages:
-            log_events(measured, measured.passages, tallies.lane["lasts_since"])
+        _run_all([partial(worker.run, queue) for worker in workers], [w.stop for w in workers])
+        possible = sum(worker.possible for worker in workers)
+        measured.occupancy = sum(worker.steps for worker in workers) / max(1, possible)
+    if measured.passages:
+        log_events(measured)
+    run_each(measured, np.flatnonzero(tops.valid & alone).tolist(), ended, events=events)
+    measured.faults.sort()
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])
-    top, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
-    measured.rows[top, row] = measured.final[:, top].T
+    which, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
+    measured.rows[which, row] = measured.final[:, which].T
     _conclude(measured)
     if lyapunov:
         ends = measured.columns["t_end"]
@@ -147,32 +132,6 @@ def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:
     ends = tops.base.on_liftoff == "stop"
     stops = [bool(ends and event.ends and event.extremes) for event in tops.base.system.events]
     return np.any(functions[:, stops] < 0, axis=1)
-
-
-def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: EventRows) -> None:
-    """Write the rows of tops that ran in lanes."""
-    columns = measured.columns
-    lane = tallies.lane[numbers]
-    kept = iter(tallies.kept[:, numbers])
-    measured.status[numbers] = lane["status"]
-    columns["t_end"][numbers] = lane["t"]
-    for name in ("steps", *SWINGS):
-        columns[name][numbers] = lane[name]
-    settled = ~slides(measured.tops, measured.final[:, numbers], numbers)
-    events = measured.tops.base.system.events
-    each = zip(events, tallies.functions[:, numbers], rows.events["scale"], strict=True)
-    for event, function, scale in each:
-        if event.lasting:
-            settled &= event.direction * function["sign"] > 0
-        for number in event.kept:
-            values = next(kept)
-            if event.lasting and number.what != "count":  # it did not last to the end
-                values[~settled] = np.nan
-            columns[number.name][numbers] = values
-        if event.extremes:
-            for end, values in zip(("min", "max"), function["extremes"].T, strict=True):
-                columns[f"{event.extremes}_{end}"][numbers] = values / scale
-    measured.settled[numbers] = settled
 
 
 @QUIET

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.units import SECOND
@@ -24,7 +23,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     def numbers(table: str) -> dict[str, Any]:
         given = tops.given(table)
         return {
-            name: v if isinstance(v, bool) else float(np.broadcast_to(v, (tops.n,))[top])
+            name: v if isinstance(v, bool) else float(v[top] if np.ndim(v) else v)
             for name, v in given.items()
         }
 
@@ -85,8 +84,7 @@ def run_each(
                 raise InputError(faults)
             _run(outcomes, top, problem, events)
         except InputError as error:
-            outcomes.status[top] = Status.INVALID.code
-            outcomes.faults.append((top, error.sentences[0]))
+            outcomes.refuse(top, error.sentences[0])
         ended()
 
 

@@ -1,50 +1,98 @@
-"""Many tops at once: lanes of a SIMD integrator, refilled from a queue as tops end.
-
-No lane sees another: a top's numbers depend on its own only.
-"""
+"""Many tops in lanes, taken from a queue as others end; see `engine.pools`."""
 
 import threading
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
+from itertools import islice
+from typing import Any
 
 import numpy as np
 
 from ..engine.expressions import formulas_of
 from ..engine.loop import MOST_COEFFICIENTS, Loop, new_motion
-from ..engine.observables import values_of
+from ..engine.observables import Observables, values_of
+from ..engine.pools import Begun, HybridPools, Pools, bodies_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import (
-    EventRows,
-    Rules,
-    Tallies,
-    looked_for,
-    new_log,
-    new_samples,
-    new_tallies,
-)
+from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
 from ..engine.taylor import compiled_when
+from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
-from .hybrid_tops import problem_of
+from ..runs.event_log import LogReport
+from ..scenario.contact import touches
+from .hybrid_tops import faults_of, problem_of
 from .outcomes import SWINGS, Outcomes
 
 
-LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
-# of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
-SAMPLES = 64
+ROOM, ROWS = 512, 1 << 18
+"""Tops under way on a thread, enough for full lanes in every phase, and their rows, 50 MB."""
+MOST_DRIVEN = 512
+"""Steps between two looks of Python: at most 12 ms."""
+# of a lane, between two looks at the invariants, which take 0.2 ms: half of them at most
+SAMPLES = 128
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
-MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms
 
 
-class Lanes:
-    """The lanes of one integrator.
+class PoolOfOne(Pools):
+    """The pool of tops of a system of one phase.
 
     Parameters
     ----------
     tops
-        All that may run in them.
-    lanes
-        How many run at a time.
+        All that may run in it.
+    room, row_count
+        As for `allot`.
+    wanted, events
+        As in `ensemble.measure`.
+    """
+
+    def __init__(
+        self,
+        tops: Problems,
+        room: int,
+        row_count: int,
+        wanted: Collection[str] | None,
+        *,
+        events: bool,
+    ):
+        base = tops.base
+        formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
+        code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
+
+        def reads(*names: str) -> bool:
+            return wanted is None or any(name.startswith(names) for name in wanted)
+
+        rows = watched(code.rows, base, reads)
+        made = code.integrator
+        width, numbers = len(made.state), len(made.pars)
+        most = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
+        self.all_events = rows
+        self.variables = len(tops.start)
+        self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
+        self.log = new_log(2 * most * events, width)
+        settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
+        found = self.lane_tallies(rows), self.log, self.samples
+        self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
+        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
+        self.loop = Loop(self.motion, rows, *found, rules, code.machine)
+        self.allot(room, 1, width, numbers, row_count)
+        self.add_pool(0, self.loop, range(numbers))
+
+
+class Lanes:
+    """The lanes of one thread.
+
+    Parameters
+    ----------
+    outcomes
+        A row per top; gets those of all tops that end here.
+    functions
+        The event functions of all tops at their starts, (n, events).
+    ended
+        Called whenever a top has ended.
+    room
+        Number of tops that may be under way.
     wanted, events
         As in `ensemble.measure`.
 
@@ -56,112 +104,204 @@ class Lanes:
 
     def __init__(
         self,
-        tops: Problems,
-        lanes: int,
+        outcomes: Outcomes,
+        functions: np.ndarray,
+        ended: Callable[[], None],
+        room: int = ROOM,
         wanted: Collection[str] | None = None,
         *,
         events: bool = False,
     ):
-        base = tops.base
-        formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
-        code = compiled_when((formulas, "double", base.tolerance, lanes, tops.orientation))
-
-        def reads(*names: str) -> bool:
-            return wanted is None or any(name.startswith(names) for name in wanted)
-
-        self.problems = tops
-        self.lanes = lanes
+        self.outcomes = outcomes
+        self.functions = functions
+        self.ended = ended
+        self.logs = events
+        self.tops = outcomes.tops
         self.stop = threading.Event()
-        self.rows = watched(code.rows, base, reads)
-        n = len(code.integrator.state)
-        self.motion = new_motion(n, len(code.integrator.pars), code.integrator.order + 1, lanes)
-        self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
-        self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n)
-        self.top = self.motion.in_lane  # which top is in a lane; -1: none, and it takes no steps
-        self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
-        settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
-        # twice what a step may find
-        room = 2 * lanes * len(self.rows.events) * MOST_COEFFICIENTS
-        self.log = new_log(room if events else 0, n)
-        found = self.tallies, self.log, self.samples
-        self.loop = Loop(self.motion, self.rows, *found, rules, code.machine)
+        row_count = outcomes.times.shape[1]
+        self.room = min(room, ROOM, max(ROOM // 8, ROWS // max(1, row_count)))
+        self.top_in = np.full(self.room, -1)
+        self.under_way = 0
+        self.steps = self.possible = 0  # of lanes: made, and possible
+        self.pools: Pools | None = None
+        if not self.tops.base.system.is_hybrid:
+            self.pools = PoolOfOne(self.tops, self.room, row_count, wanted, events=events)
 
-    def run(
-        self,
-        outcomes: Outcomes,
-        tallies: Tallies,
-        queue: Iterator[int],
-        ended: Callable[[], None],
-    ) -> None:
-        """Run tops to their ends.
-
-        Parameters
-        ----------
-        outcomes
-            Gets the last states, and looks at states that were sampled on the way.
-        tallies
-            Of all tops: those of their starts become those of their ends.
-        queue
-            Numbers of those that run; threads may share it.
-        ended
-            Called whenever a top has ended.
-        """
-        samples = self.samples
-        status = self.tallies.lane["status"]
-        final = outcomes.final
-        while True:
-            for lane in np.flatnonzero(status != Status.RUNNING.code).tolist():
-                top, self.top[lane] = int(self.top[lane]), next(queue, -1)
-                if top >= 0:
-                    final[:, top] = self.loop.end(lane)[: len(final)]
-                    for mine, of_tops in zip(self.tallies, tallies, strict=True):
-                        of_tops.T[top] = mine.T[lane]
-                    ended()
-                if self.top[lane] >= 0:
-                    self._take(tallies, lane)
-            idle = bool((self.top < 0).all())
-            count = int(samples.filled[0])
-            if count and (idle or count + self.lanes > len(samples.top)):
-                outcomes.look(samples.states[:count].T, samples.top[:count])
-                samples.filled[0] = 0
-            if idle or self.stop.is_set():
+    def run(self, queue: Iterator[int]) -> None:
+        """Run tops of a queue, which threads may share, to their ends."""
+        free = list(range(self.room))
+        done = list[int]()  # slots of tops that have ended
+        is_more = True
+        while not self.stop.is_set():
+            if not self.under_way or (is_more and len(free) + len(done) >= self.room / 4):
+                self._look()
+                self._write(np.array(done, int))
+                free += done
+                done = []
+                while is_more and free and not self.stop.is_set():
+                    is_more = self._begin(queue, free)
+            pools = self.pools
+            if pools is None or not self.under_way:
                 return
-            self.loop.drive(MOST_DRIVEN)
-            if len(self.log.rows):
-                logged = slice(self.log.filled[0])
-                outcomes.passages.append(
-                    (self.log.rows[logged].copy(), self.log.states[logged].copy())
-                )
-                self.log.filled[0] = 0
-            for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
-                if not self._stays(lane):
-                    status[lane] = Status.RUNNING.code
-                    self.tallies.lane["lasts_since"][lane] = np.nan
+            ended, looks = pools.step(MOST_DRIVEN)
+            for slot in looks:
+                if self._stays(slot):
+                    pools.tallies_of["status"][slot] = Status.SETTLED.code
+                    ended.append(slot)
+                    continue
+                if not self.tops.base.system.is_hybrid:
+                    pools.tallies_of["lasts_since"][slot] = np.nan
+                pools.push(slot)
+            for _ in ended:
+                self.ended()
+            self.under_way -= len(ended)
+            done += ended
+            self.possible = pools.record.possible
+            logged = pools.log.filled[0] / max(1, len(pools.log.rows))
+            if max(logged, pools.samples.filled[0] / max(1, len(pools.samples.top))) > 0.5:
+                self._look()
 
-    def _take(self, tallies: Tallies, lane: int) -> None:
-        """Put a top into a lane. Integrals of event functions, which its start does not contain,
-        begin at zero.
-        """
-        every = self.problems
-        motion = self.motion
-        top = int(self.top[lane])
-        variables = len(every.start)
-        motion.state[:variables, lane] = every.start[:, top]
-        motion.state[variables:, lane] = 0.0
-        motion.pars[:, lane] = every.pars[: len(motion.pars), top]
-        motion.high[lane] = motion.low[lane] = 0.0
-        motion.end[lane] = every.end[top]
-        for mine, of_tops in zip(self.tallies, tallies, strict=True):
-            mine.T[lane] = of_tops.T[top]
+    # --- starts of tops --------------------------------------------------------------------------
 
-    def _stays(self, lane: int) -> bool:
-        """Return whether a top that has settled stays as it is."""
-        tops = self.problems
-        top = self.top[[lane]]
-        state = self.motion.state[: len(tops.start), [lane]]
-        alone = problem_of(tops, int(top[0]))
-        return not slides(tops, state, top).any() and stays(alone, values_of(tops, state, top))
+    def _begin(self, queue: Iterator[int], free: list[int]) -> bool:
+        """Begin tops in free slots. Return whether the queue may have more."""
+        taken = list(islice(queue, len(free)))
+        is_more = len(taken) == len(free)
+        is_hybrid = self.tops.base.system.is_hybrid
+        problems: dict[int, Any] = self._checked(taken) if is_hybrid else dict.fromkeys(taken)
+        if not problems:
+            return is_more
+        which = np.array([*problems])
+        slots = np.array([free.pop() for _ in which])
+        times = self.outcomes.times[which]
+        self.top_in[slots] = which
+        if self.pools is None:
+            first = next(iter(problems.values()))
+            self.pools = HybridPools(first, self.room, times.shape[1], self.stop)
+        if isinstance(self.pools, HybridPools):
+            self.pools.problems.update(zip(slots.tolist(), problems.values(), strict=True))
+            begun = self._begun(problems, len(self.pools.numbers), times)
+        else:
+            tops = self.tops
+            of_tops = tops.start[:, which], self.functions[which].T, tops.pars[:, which]
+            begun = Begun(*of_tops, tops.end[which], times)
+        self.pools.begin_tops(slots, begun)
+        if is_hybrid:  # the gap of the start may follow theta
+            self.outcomes.begin(self.pools.rows_in(slots).T, which)
+        self.under_way += len(slots)
+        return is_more
+
+    def _checked(self, tops: list[int]) -> dict[int, Any]:
+        """Return the problems of the tops that can be followed; the others are invalid."""
+        found = {}
+        for top in tops:
+            if self.stop.is_set():
+                break
+            problem = problem_of(self.tops, top)
+            if faults := faults_of(problem):
+                self.outcomes.refuse(top, faults[0])
+                self.ended()
+            else:
+                found[top] = problem
+        return found
+
+    def _begun(self, problems: dict[int, Problem], events: int, times: np.ndarray) -> Begun:
+        """Return the starts of tops whose contact may change its phase."""
+        which = np.array([*problems])
+        columns = {key: values[which] for key, values in self.tops.columns.items()}
+        if touches(self.tops.base) and "initial.gap" not in columns:
+            gaps = [problem.initial.get("gap", 0.0) for problem in problems.values()]
+            columns["initial.gap"] = np.array(gaps)
+        some = replace(self.tops, columns=columns)
+        return Begun(some.start, np.ones((events, some.n)), bodies_of(some), some.end, times)
+
+    # --- rows of tops ----------------------------------------------------------------------------
+
+    def _stays(self, slot: int) -> bool:
+        """Return whether a top that may have settled has, and stays as it is."""
+        pools = self.pools
+        assert pools is not None
+        problem = problem_of(self.tops, int(self.top_in[slot]))
+        view = Observables(problem)
+        last = pools.rows_in(np.array([slot]))
+        second = float(problem.scales.of(SECOND))
+        tally = pools.tallies_of[slot]
+        log = LogReport(tuple(problem.system.events), second, {}, tally, [])
+        is_settled = log.settled_since(view, last) is not None
+        return is_settled and stays(problem, view.evaluate(last))
+
+    def _look(self) -> None:
+        """Compare the invariants of the states that were sampled, and take the events."""
+        pools = self.pools
+        if pools is None:
+            return
+        if count := int(pools.samples.filled[0]):
+            slots, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
+            rows = pools.rows_at(phases, pools.samples.states[:count], slots)
+            self.outcomes.look(rows.T, self.top_in[slots])
+            pools.samples.filled[0] = 0
+        if self.logs and (count := int(pools.log.filled[0])):
+            found = pools.log.rows[:count].copy()
+            found["phase"] = self.top_in[found["phase"]]
+            self.outcomes.passages.append((found, pools.log.states[:count].copy()))
+            pools.log.filled[0] = 0
+
+    def _write(self, slots: np.ndarray) -> None:
+        """Write the rows of tops that have ended."""
+        pools = self.pools
+        outcomes = self.outcomes
+        columns = outcomes.columns
+        if pools is None or not len(slots):
+            return
+        status = pools.tallies_of["status"][slots]
+        outcomes.status[self.top_in[slots]] = status
+        for slot in slots[status == Status.INVALID.code].tolist():
+            outcomes.refuse(int(self.top_in[slot]), pools.failures[slot])
+        slots = slots[status != Status.INVALID.code]
+        tops = self.top_in[slots]
+        final = pools.rows_in(slots).T
+        outcomes.final[:, tops] = final
+        if self.tops.base.system.is_hybrid:
+            outcomes.look(final, tops)
+        place, row = np.nonzero(np.isfinite(pools.rows.states[slots, :, 0]))
+        outcomes.rows[tops[place], row] = pools.rows_made(slots[place], row)
+
+        tallies = pools.tallies_of[slots]
+        theta = values_of(self.tops, final, tops)["theta"]
+        at = tallies["waits_at"]
+        counts = tallies["waiting"] * (theta - at) >= NOISE_FLOOR  # the turning that waits
+        tallies["turnings"] += counts
+        for name, nearer in ("theta_min", np.fmin), ("theta_max", np.fmax):
+            tallies[name][counts] = nearer(tallies[name], at)[counts]
+        steps = pools.tops["steps"][slots] + tallies["steps"]
+        columns["t_end"][tops] = tallies["t"]
+        columns["steps"][tops] = steps
+        for name in SWINGS:
+            columns[name][tops] = tallies[name]
+        self.steps += int(steps.sum())
+
+        functions = pools.functions_of[slots]
+        kept = iter(pools.kept_of[slots].T)
+        settled = ~slides(self.tops, final, tops)
+        if self.tops.base.system.is_hybrid:
+            settled &= ~np.isnan(tallies["lasts_since"])
+        for k, event in enumerate(self.tops.base.system.events):
+            if event.lasting:
+                settled &= functions["sign"][:, k] * event.direction > 0
+            for number in event.kept:
+                values = next(kept)
+                if event.lasting and number.what != "count":  # it did not last to the end
+                    values[~settled] = np.nan
+                columns[number.name][tops] = values
+        outcomes.settled[tops] = settled
+        outcomes.lasts_since[tops] = tallies["lasts_since"]
+        events = pools.all_events.events
+        names = dict(enumerate(event.extremes for event in self.tops.base.system.events))
+        for k in np.flatnonzero(events["extremes"]).tolist():
+            values = functions["extremes"][:, k].T / events["scale"][k]
+            for end, best, found in zip(("min", "max"), (np.fmin, np.fmax), values, strict=True):
+                column = columns[f"{names.get(k) or 'normal_force'}_{end}"]
+                column[tops] = best(column[tops], found)
 
 
 def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:

@@ -93,6 +93,7 @@ class Outcomes:
         self.columns = {name: np.full(n, empty) for name, (empty, *_) in self.forms.items()}
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
+        self.lasts_since = np.full(n, np.nan)  # of tops in lanes, as in their tallies
         drift = Drift(tops, tops.start, tops.valid)
         self.look, self.begin = drift.look, drift.begin
         self.drift = drift.worst
@@ -103,6 +104,11 @@ class Outcomes:
         self.events: dict[int, EventTable] = {}
         self.occupancy = 1.0  # of the lanes of tops whose contact may change
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
+
+    def refuse(self, top: int, sentence: str) -> None:
+        """Mark a top as invalid, and keep why."""
+        self.status[top] = Status.INVALID.code
+        self.faults.append((top, sentence))
 
 
 def _conclude(outcomes: Outcomes) -> None:

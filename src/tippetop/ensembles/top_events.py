@@ -1,8 +1,5 @@
 """The events of many tops, as the log of a run has them."""
 
-from collections.abc import Iterable
-from typing import Any
-
 import numpy as np
 
 from ..columns import Column
@@ -28,19 +25,16 @@ def log_of(tops: Problems, top: int) -> EventLog:
     return log
 
 
-def log_events(measured: Outcomes, found: Iterable[Any], lasts_since: np.ndarray) -> None:
-    """Log the zeros that lanes found, rows and states, of tops in any order.
-
-    `lasts_since` is that of the tallies of all tops, (n,).
-    """
+def log_events(measured: Outcomes) -> None:
+    """Log the zeros that lanes found."""
     tops = measured.tops
-    rows, states = map(np.concatenate, zip(*found, strict=True))
+    rows, states = map(np.concatenate, zip(*measured.passages, strict=True))
     order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend
     some, first = np.unique(rows["phase"][order], return_index=True)
     for top, numbers in zip(some.tolist(), np.split(order, first)[1:], strict=True):
         log = log_of(tops, top)
         its = rows[numbers]
-        log.tallies.lane["lasts_since"] = lasts_since[top]
+        log.tallies.lane["lasts_since"] = measured.lasts_since[top]
         columns = [its[name] for name in ("time", "event", "sign", "at_pole")]
         zeros = Passages._make([*columns, states[numbers, : len(tops.start)]])
         table, marks, _ = log.take(zeros)

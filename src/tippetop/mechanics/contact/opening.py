@@ -7,6 +7,8 @@ from functools import cache, partial
 from operator import itemgetter
 from typing import Any
 
+import numpy as np
+
 from ..event import Event
 from ..form import CLOCK, STALL, Exit, Form, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts
@@ -205,7 +207,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
         known = phases
         friction = b.friction
-        if (law.set_valued or law.regions) and friction.mu == 0:
+        if (law.set_valued or law.regions) and np.all(friction.mu == 0):
             none = LAWS["none"].given(PARTS if has_parts(friction) else ())
             known = opened(system, none, balls, around).phases
             numbers = (getattr(friction, name, 0 * b.m) for name in none.parameters)
