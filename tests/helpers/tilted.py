@@ -1,4 +1,5 @@
-"""A rigid body on a tilted plane in air, by Newton and Euler in a frame with gravity along -z.
+"""A rigid body in air on a plane that is tilted, vibrates or turns, by Newton and Euler in a frame
+at rest with gravity along -z.
 
 No formula of the package is used: the body is a rotation matrix, a momentum and an ellipsoid (a
 sphere, or a tip), the plane has a normal, and the force of the contact is solved for numerically.
@@ -31,12 +32,34 @@ class Body(NamedTuple):
     c1: float = 0.0
     c2: float = 0.0
     turn: float = 0.0  # of the ellipsoid about axis 3
+    amplitude: float = 0.0
+    frequency: float = 0.0
+    phase: float = 0.0
+    omega: float = 0.0  # of the plane about x, y
+    x: float = 0.0
+    y: float = 0.0
 
     @property
     def plane(self) -> np.ndarray:
         """The axes of the plane as columns; the last is its normal."""
         across = np.array([-np.sin(self.azimuth), np.cos(self.azimuth), 0.0])
         return Rotation.from_rotvec(self.tilt * across).as_matrix()
+
+    def height(self, t: float) -> tuple[float, float, float]:
+        """Height, velocity and acceleration of the plane along its normal."""
+        rate = 2 * np.pi * self.frequency
+        now = rate * t + self.phase
+        a = self.amplitude
+        return -a * np.cos(now), a * rate * np.sin(now), a * rate**2 * np.cos(now)
+
+    def turned(self, t: float) -> np.ndarray:
+        """The axes of the plane at this time as columns."""
+        return self.plane @ Rotation.from_rotvec([0, 0, self.omega * t]).as_matrix()
+
+    @property
+    def centre_of_table(self) -> np.ndarray:
+        """The axis of turning."""
+        return self.plane @ [self.x, self.y, 0.0]
 
 
 def split(s: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -45,7 +68,10 @@ def split(s: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 class Point(NamedTuple):
-    """The lowest point of a body, and how it would move without a force there."""
+    """The lowest point of a body, its velocity from the plane, and accelerations by forces there.
+
+    The last of `rates` is that from the plane.
+    """
 
     arm: np.ndarray
     omega: np.ndarray
@@ -68,15 +94,20 @@ def lowest(s: np.ndarray, b: Body) -> Point:
     p_dot = -A @ nb_dot / h + A @ nb * (nb @ A @ nb_dot) / h**3
     a = Q @ p
     a_dot = np.cross(w, a) + Q @ p_dot
+    height, speed, lift = b.height(s[18])
+    at = r + a - b.centre_of_table
+    carries = speed * n + b.omega * np.cross(n, at)
+    carries_dot = lift * n + b.omega * np.cross(n, v + a_dot)
     air = -(b.c1 + b.c2 * np.linalg.norm(w)) * w
 
     def rates(F: Any, T: Any = 0.0) -> tuple[np.ndarray, ...]:
         L_dot = np.cross(a, F) + air + T
         w_dot = inverse @ (L_dot - np.cross(w, L))
         v_dot = np.asarray(F) / b.m - [0, 0, b.g]
-        return v_dot, L_dot, v_dot + np.cross(w_dot, a) + np.cross(w, a_dot)
+        G = v_dot + np.cross(w_dot, a) + np.cross(w, a_dot)
+        return v_dot, L_dot, G - carries_dot
 
-    return Point(a, w, n @ (r + a), v + np.cross(w, a), rates)
+    return Point(a, w, n @ (r + a) - height, v + np.cross(w, a) - carries, rates)
 
 
 def pressed(point: Point, push: np.ndarray, n: np.ndarray, twist: Any = 0.0) -> np.ndarray:
@@ -117,7 +148,7 @@ def motion(force: Callable, b: Body) -> Callable:
         v_dot, L_dot, _ = lowest(s, b).rates(force(s, b))
         _, v, L, Q = split(s)
         w = Q @ ((Q.T @ L) / b.inertia)
-        return np.concatenate([v, v_dot, L_dot, np.cross(w, Q.T).T.ravel()])
+        return np.concatenate([v, v_dot, L_dot, np.cross(w, Q.T).T.ravel(), [1.0]])
 
     return rates
 
@@ -141,7 +172,7 @@ def struck(s: np.ndarray, b: Body, k: Callable, e_n: float) -> np.ndarray:
         point = lowest(s, b)
         slip = point.v - n * (n @ point.v)
         push = n - k(np.linalg.norm(slip)) * slip
-        return np.concatenate([0 * n, push / b.m, np.cross(point.arm, push), np.zeros(9)])
+        return np.concatenate([0 * n, push / b.m, np.cross(point.arm, push), np.zeros(10)])
 
     def ends(p: float, s: np.ndarray) -> float:
         return n @ lowest(s, b).v + e_n * rises
@@ -152,21 +183,24 @@ def struck(s: np.ndarray, b: Body, k: Callable, e_n: float) -> np.ndarray:
 
 
 def state_of(row: Any, b: Body) -> np.ndarray:
-    """Return the state of a row: place, orientation, L and slip."""
-    P = b.plane
+    """Return the state of a row: place, orientation, L and slip are those of the plane."""
+    t = float(row.time)
+    P = b.turned(t)
+    n = P[:, 2]
     w, x, y, z = row.orientation.values
     Q = P @ Rotation.from_quat([x, y, z, w]).as_matrix()
-    L = P @ row.L.values
-    r = P @ [float(row.x), float(row.y), 0.0]
-    s = np.concatenate([r, np.zeros(3), L, Q.ravel()])
-    point = lowest(s, b)
-    e = Q[:, 2] - P[:, 2] * (P[:, 2] @ Q[:, 2])
+    inertia = Q @ np.diag(b.inertia) @ Q.T
+    L = P @ row.L.values + b.omega * inertia @ n
+    centre = b.centre_of_table
+    r = centre + P @ [float(row.x) - b.x, float(row.y) - b.y, 0.0]
+    s = np.concatenate([r, np.zeros(3), L, Q.ravel(), [t]])
+    e = Q[:, 2] - n * (n @ Q[:, 2])
     e = e / np.linalg.norm(e)
     slip = np.zeros(3)
     if "nu_x" in row:
-        slip = float(row.nu_x) * e + float(row.nu_y) * np.cross(P[:, 2], e)
+        slip = float(row.nu_x) * e + float(row.nu_y) * np.cross(n, e)
     rise = float(row.nu_z) if "nu_z" in row else 0.0
     gap = float(row.gap) if "gap" in row else 0.0
-    s[:3] += P[:, 2] * (gap - point.gap)
-    s[3:6] = slip + rise * P[:, 2] - np.cross(point.omega, point.arm)
+    s[:3] += n * (gap - lowest(s, b).gap)
+    s[3:6] = slip + rise * n - lowest(s, b).v
     return s

@@ -16,19 +16,44 @@ PLANE = {"tilt": "1 deg", "azimuth": 0.3}
 AROUND: dict[str, Any] = {"air": AIR, "plane": PLANE}
 
 
+SHAKES = {"plane": PLANE | {"amplitude": "0.1 mm", "frequency": "30 Hz"}}
+
+
+@pytest.mark.parametrize("around", [AROUND, SHAKES], ids=["tilted", "vibrating"])
 @pytest.mark.parametrize("preset", ["flying", "rolling"])
-def test_surroundings_pass_through_pickles_stores_and_resumes(preset: str, tmp_path: Path) -> None:
-    whole = tt.run(preset, **AROUND, until=0.3)
+def test_surroundings_pass_through_pickles_stores_and_resumes(
+    preset: str, around: dict[str, Any], tmp_path: Path
+) -> None:
+    whole = tt.run(preset, **around, until=0.3)
     problem = whole.problem
     again = pickle.loads(pickle.dumps(problem))
     assert again.surroundings == problem.surroundings
     assert again.system is problem.system
     assert problem.surroundings["plane.tilt"] == np.pi / 180
-    stored = tt.run(preset, **AROUND, until=0.2, out=tmp_path / "r.zarr")
+    stored = tt.run(preset, **around, until=0.2, out=tmp_path / "r.zarr")
     assert stored.problem.surroundings == problem.surroundings
     again = tt.resume(tmp_path / "r.zarr", until=0.3)
     assert again.attributes["report"]["theta_end"] == whole.attributes["report"]["theta_end"]
     assert tt.run(problem).trajectory.equals(whole.trajectory)
+    with pytest.raises(InputError, match="`plane` must be that of"):
+        tt.run(preset, start=tmp_path / "r.zarr", plane={"omega": 1.0}, until=0.1)
+
+
+@pytest.mark.parametrize(
+    "around",
+    [
+        {"air": {}},
+        {"plane": {}},
+        {"plane": {"omega": 0}},
+        {"plane": dict(amplitude=0, frequency=9)},
+    ],
+)
+@pytest.mark.parametrize("preset", ["flying", "rolling"])
+def test_surroundings_that_do_nothing_change_nothing(preset: str, around: Any) -> None:
+    one = tt.run(preset, until=0.3).trajectory
+    other = tt.run(preset, **around, until=0.3).trajectory
+    for name in ("theta", "x", "y", "normal_force"):
+        assert np.allclose(one[name], other[name], rtol=1e-11, atol=1e-13)
 
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling"])
@@ -60,6 +85,10 @@ REFUSED = {
     "interval": ("inverting", {"plane": {"tilt": 1.6}}, "must be less than 1.5"),
     "sign": ("inverting", {"air": {"c1": -1.0}}, "must be at least 0"),
     "form": ("rolling", {"air": AIR, "form": "reduced"}, "`form` must be 'auto' or 'vector'"),
+    "turns and falls": ("inverting", {"plane": {"omega": 1, "tilt": 0}}, "must be level"),
+    "turns a cylinder": ("gliding-cylinder", {"plane": {"omega": 1}}, "no cylinder"),
+    "sideways": ("gliding-cylinder", {"plane": {"azimuth": 1}}, "must be 0 for a cylinder"),
+    "frequency": ("inverting", {"plane": {"amplitude": 1e-4}}, "`plane.frequency` must be given"),
     "settled": ("inverting", {"air": AIR, "stop_when": "settled"}, 'must be "until" in air'),
 }
 
@@ -84,7 +113,7 @@ def test_theory_of_a_level_plane_in_still_air_is_withheld() -> None:
         lambda: run.plot("band"),
         lambda: run.plot("states"),
     ):
-        with pytest.raises(InputError, match="on a level plane in still air"):
+        with pytest.raises(InputError, match="on a level plane at rest in still air"):
             ask()
 
 
@@ -97,5 +126,5 @@ def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
     text = text_of(problem, "mjcf")
     found = text.partition('gravity="')[2].partition('"')[0].split()
     assert np.allclose([float(part) for part in found], expected, rtol=1e-11)
-    with pytest.raises(InputError, match="in still air"):
+    with pytest.raises(InputError, match="without the torque of air"):
         text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")

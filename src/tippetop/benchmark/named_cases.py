@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import InputError, suggestion
 from ..mechanics.contact.body import size
+from ..mechanics.contact.surroundings import require_still
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import reading
@@ -104,6 +105,7 @@ def case(name: str | Path) -> Case:
 def _own(path: Path) -> Case:
     """Return a scenario as a case. Raises InputError."""
     problem = replace(starting.load(path), orientation=True)
+    require_still(problem.tables, f"`{path}`")
     if path.stem in names():
         raise InputError(f"`{path}` must not have the name of a case, but {path.stem} is one.")
     if problem.contact is None and problem.system.name != "heavy-top":

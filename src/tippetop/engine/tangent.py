@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..awaiting import awaited
-from ..mechanics.contact.surroundings import tables_of
+from ..mechanics.contact.surroundings import by_table
 from ..mechanics.units import SECOND
 from ..problem import Problem, refuse
 from .integrator import awaited_once
@@ -51,7 +51,7 @@ class Tangents:
         self.problem = problem
         self.most = most
         given = dict.fromkeys(sorted(wrt), 0.0)
-        for table in ("parameters", "friction", "initial", *tables_of(problem.surroundings)):
+        for table in ("parameters", "friction", "initial", *by_table(problem.surroundings)):
             given |= {f"{table}.{name}": value for name, value in problem.tables[table].items()}
         self.flags = tuple(name for name, value in given.items() if value is True)
         self.values = {

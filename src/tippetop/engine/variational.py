@@ -15,7 +15,7 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.contact.body import Touch, by_scalars, height
-from ..mechanics.contact.surroundings import dotted_numbers, tables_of
+from ..mechanics.contact.surroundings import by_table, dotted_numbers
 from ..mechanics.moment import moment
 from ..mechanics.operand import Vector, cos, leaves, refill, sin
 from ..mechanics.rotation import outer
@@ -66,7 +66,7 @@ class Kind(NamedTuple):
     def numbers(self) -> tuple[Any, dict[str, Any]]:
         """Return the body and the initial data of the user's numbers, as symbols."""
         tables: dict[str, dict[str, Any]] = {"parameters": {}, "friction": {}, "initial": {}}
-        tables |= {name: {} for name in tables_of(self.system.surroundings)}
+        tables |= {name: {} for name in by_table(self.system.surroundings)}
         values = {name: hy.par[i] for i, name in enumerate(self.names)}
         for name, value in (values | dict.fromkeys(self.flags, True)).items():
             table, _, key = name.partition(".")

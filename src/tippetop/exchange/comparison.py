@@ -14,6 +14,7 @@ from ..columns import Arrays
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
+from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
@@ -200,10 +201,10 @@ def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
-    if w is None:
+    if w is None or {*groups_of(problem.surroundings)} - {"tilt"}:
         return {}
     values = {}
-    if problem.system.name.endswith("tippe-top") and "air" not in problem.tables:
+    if problem.system.name.endswith("tippe-top"):
         spin = (w * u).sum(axis=1)
         Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
         values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)

@@ -8,6 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
+from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
@@ -116,8 +117,11 @@ def text_of(problem: Problem, to: str) -> str:
             f"the surface of `{problem.system.name}` must be one that `{to}` can express: MJCF and "
             "SDF have spheres and ellipsoids, URDF has spheres."
         )
-    if "air" in problem.tables:
-        raise InputError("a body for a simulator must be in still air, but has [air].")
+    if moves := {*groups_of(problem.surroundings)} - {"tilt"}:
+        raise InputError(
+            "a body for a simulator must be on a plane at rest without the torque of air, but has "
+            f"{' and '.join(sorted(moves))}."
+        )
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))

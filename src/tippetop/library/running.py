@@ -72,8 +72,9 @@ def run(
         Air that brakes the rotation, `dict(c1=1e-9, c2=2e-11)`: its torque about the centre of
         mass is -(c1 + c2 |omega|) omega [N m].
     plane : mapping, optional
-        A plane that is not level, `dict(tilt="0.3 deg", azimuth=0)`: its inclination, and the
-        direction along it in which it falls, from x towards y. Space axes are those of the plane.
+        A plane that is not level, `dict(tilt="0.3 deg", azimuth=0)`; that vibrates across itself,
+        `dict(amplitude="0.2 mm", frequency="30 Hz", phase=0)`; or that turns about x, y,
+        `dict(omega="30 rpm", x=0, y=0)`. All is seen from the plane.
     {options}
     out : path, optional
         A store that is written during the run, for runs that exceed memory. The result is then a

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.caching import cached_property
-from ..mechanics.contact.surroundings import tables_of
+from ..mechanics.contact.surroundings import by_table, dotted_numbers
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit
@@ -100,8 +100,8 @@ class Problems:
         """Return the bodies in SI units, with numbers passed through `number`."""
         friction = self.base.friction._replace(**self.given("friction"))
         given = self.given("parameters")
-        for table in tables_of(self.base.surroundings):
-            given |= {f"{table}.{name}": value for name, value in self.given(table).items()}
+        around = by_table(self.base.surroundings)
+        given |= dotted_numbers({table: self.given(table) for table in around})
         return self.base.system.body_of(given, friction, number)
 
     @cached_property

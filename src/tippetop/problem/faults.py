@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, owner, suggestion
-from ..mechanics.contact.surroundings import SURROUNDINGS
+from ..mechanics.contact.surroundings import TABLES
 from ..mechanics.friction import PARTS
 from ..mechanics.moment import moment
 from ..mechanics.system import System
@@ -63,7 +63,7 @@ def key_faults(
             hint = suggestion(name, [k.rpartition(".")[2] for k in known])
             if table == "friction" and name in PARTS:
                 hint = f" Give the scenario a `{key}`, 0 at least."
-            if table in SURROUNDINGS:
+            if table in TABLES:
                 hint = f" Give the scenario a table [{table}]."
             faults.append(f"`{key}` must be one of {', '.join(known)}, but is not.{hint}")
     varied = [key.partition(".")[2] for key in keys if key.startswith("initial.")]

@@ -11,7 +11,7 @@ import numpy as np
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.body import touching_ball
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
-from ..mechanics.contact.surroundings import SURROUNDINGS
+from ..mechanics.contact.surroundings import RULES, by_table
 from ..mechanics.contact.uniqueness import COSINE, SINE
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
@@ -120,9 +120,7 @@ class Problem(RunOptions):
             tables["contact"] = {"e_n": contact.e_n}
             if contact.stem:
                 tables["stem"] = {"r": contact.r, "h": contact.h}
-        for key, value in self.surroundings.items():
-            table, _, name = key.partition(".")
-            tables.setdefault(table, {})[name] = value
+        tables |= by_table(self.surroundings)
         return tables | {"initial": dict(self.initial), "run": {"until": self.until}}
 
     @cached_property
@@ -242,7 +240,7 @@ def numbers_of(system: System, law: Mapping[str, Number]) -> dict[str, Mapping[s
         "initial": system.initial,
         "contact": CONTACT,
         "stem": STEM,
-        **SURROUNDINGS,
+        **RULES,
     }
 
 

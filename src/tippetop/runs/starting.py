@@ -12,7 +12,7 @@ from ..arguments import PlainData, path_of
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError, StoreError
-from ..mechanics.contact.surroundings import SURROUNDINGS
+from ..mechanics.contact.surroundings import TABLES
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
@@ -21,7 +21,7 @@ from ..store import hexfloat, ledger, root
 
 SAME = ("system", "form", "parameters")
 """Tables that a run shares with the one where it starts."""
-TAKEN = (*SAME, "friction", "contact", "stem", *SURROUNDINGS)
+TAKEN = (*SAME, "friction", "contact", "stem", *TABLES)
 """Tables that are those of the other run where none are given."""
 
 
@@ -109,7 +109,10 @@ def problem(tables: PlainData, source: Any, known: System | None = None) -> Prob
         others = [name for name in SAME if resolved[name] != attrs[name]]
         if (run.contact is None) != (before.contact is None):
             others.append("contact")
-        if not set(run.variables.names) <= set(before.variables.names):
+        there = run.tables, before.tables
+        around = [n for n in TABLES if len({(*one.get(n, {}),) for one in there}) > 1]
+        others += around
+        if not around and not set(run.variables.names) <= set(before.variables.names):
             others.append("run.orientation")
     if others:
         words = f"must be that of `{path}`, whose end is the start, but is another."

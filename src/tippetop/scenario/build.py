@@ -10,7 +10,8 @@ from ..arguments import PlainData, measured, not_among, plain
 from ..errors import InputError
 from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
-from ..mechanics.contact.surroundings import SURROUNDINGS, dotted_numbers
+from ..mechanics.contact.surroundings import TABLES as AROUND
+from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.number import completed, omission_faults
 from ..mechanics.quantity import worked_out
@@ -46,7 +47,8 @@ TABLES = (
     "friction",
     "contact",
     "stem",
-    *SURROUNDINGS,
+    "air",
+    "plane",
     "initial",
     "run",
 )
@@ -95,7 +97,7 @@ def problem(
     if columns is not None or known not in (None, find(system.name)):  # the store names them
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules = rules_of(scenario, system)
-    around = [name for name in SURROUNDINGS if name in type(scenario).model_fields]
+    around = [name for name in AROUND if name in type(scenario).model_fields]
     kinds = tuple(event.name for event in system.events)
     parameters = dict(scenario.parameters)
     initial = {k: v for k, v in scenario.initial if v is not None}

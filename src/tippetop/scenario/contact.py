@@ -12,7 +12,7 @@ from ..mechanics.contact.frame import Asymmetric
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.surrounded import surrounded_rolling
-from ..mechanics.contact.surroundings import SURROUNDINGS
+from ..mechanics.contact.surroundings import TABLES, groups_in
 from ..mechanics.contact.uniqueness import (
     most_rolling,
     painleve_bound,
@@ -44,18 +44,24 @@ def system_with_contact(system: System, tables: PlainData) -> System:
     name = law_name(tables)
     law = system.laws.get(name, LAWS.get(name, LAWS["none"])).given(friction)
     opening = system.opening
-    around = tuple(name for name in SURROUNDINGS if name in tables)
+    around = groups_in(tables)
+    given = [name for name in TABLES if name in tables]
     takes = surroundable_systems()
     if around and system.name not in takes:
         raise InputError(
-            f"`{around[0]}` must be of a {' or '.join(takes)}, but the system is {system.name}."
+            f"`{given[0]}` must be of a {' or '.join(takes)}, but the system is {system.name}."
+        )
+    if "turntable" in around and ("tilt" in around or "axis" not in system.vectors):
+        raise InputError(
+            "a plane that turns (`plane.omega`) must be level, without `plane.tilt` and "
+            "`plane.azimuth`, and its body no cylinder."
         )
     if around and not opening:
         return surrounded_rolling(takes[system.name], around).with_records(*user_records(system))
     features = (  # the requirement, whether it is given, and the Opening that has it; "": any
         ("`contact`", "contact" in tables, ""),
         ("`stem`", "stem" in tables, "sphere"),
-        *((f"`{name}`", True, "") for name in around),
+        *((f"`{name}`", True, "") for name in given),
         ('`run.on_liftoff = "fly"`', run.get("on_liftoff") == "fly", ""),
         (f'`friction.law = "{name}"`', bool(law.regions), "rounded"),
         *((f"`friction.{part}`", law.torque and part in friction, "rounded") for part in PARTS),

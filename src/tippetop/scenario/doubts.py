@@ -67,8 +67,10 @@ def doubts(problem: Problem) -> list[str]:
 def starts_at_pole(problem: Problem) -> bool:
     """Return whether the axis starts exactly vertical, with nothing that turns it away."""
     initial = problem.initial
-    if "tilt" in problem.system.initial or problem.surroundings.get("plane.tilt"):
-        return False  # it has no axis of symmetry, or slides
+    if "tilt" in problem.system.initial:  # it has no axis of symmetry
+        return False
+    if any(problem.surroundings.get(key) for key in ("plane.tilt", "plane.omega")):
+        return False
     turning = ["theta_dot"]
     if not is_frictionless(problem.friction):
         turning += ["nu_x", "nu_y"]

@@ -10,7 +10,7 @@ from ..arguments import PlainData
 from ..errors import owner
 from ..mechanics.contact.opening import SETTLED, opened
 from ..mechanics.contact.surrounded import surrounded_rolling
-from ..mechanics.contact.surroundings import tables_of
+from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.event import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.systems import find
@@ -70,7 +70,7 @@ def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...
     registered = find(system.name)
     if registered is not None and system.contact:
         registered = opened(registered, *system.contact)
-    elif registered is not None and (around := tables_of(system.surroundings)):
+    elif registered is not None and (around := groups_of(system.surroundings)):
         registered = surrounded_rolling(registered, around)
     if registered is None or registered is system:
         return (), ()

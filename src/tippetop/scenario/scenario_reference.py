@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 
 from ..mechanics.contact.opening import ABOVE, opened
+from ..mechanics.contact.surroundings import RULES
 from ..mechanics.friction import LAWS, PARTS, FrictionLaw
 from ..mechanics.system import System
 from ..mechanics.systems import (
@@ -16,7 +17,7 @@ from ..mechanics.systems import (
     systems_of_laws,
 )
 from ..problem import ORIENTATION, PSI
-from .schema import AROUND, ContactTable, RunTable, StemTable, number_table, tables_of
+from .schema import ContactTable, RunTable, StemTable, number_table, tables_of
 
 
 class Section(NamedTuple):
@@ -101,7 +102,7 @@ def scenario() -> list[Section]:
         ("[contact]", f"a contact that may open; of {', '.join(opening_systems())}"),
         ("[stem]", "the ball at the end of a stem; of tippe-top"),
         ("[air]", f"a torque that brakes the rotation; of {', '.join(surroundable_systems())}"),
-        ("[plane]", "a plane that is not level; of the same"),
+        ("[plane]", "a plane that is tilted, vibrates or turns; of the same"),
         ("[run]", "end and accuracy of the run, and the rows and columns that are kept"),
     ]
     head = (
@@ -137,9 +138,15 @@ def scenario() -> list[Section]:
             "[air]",
             "The torque about the centre of mass is -(c1 + c2 |omega|) omega.",
             KEYS,
-            keys_of(AROUND["air"]),
+            keys_of(number_table(RULES["air"])),
         ),
-        Section("[plane]", "Space axes are those of the plane.", KEYS, keys_of(AROUND["plane"])),
+        Section(
+            "[plane]",
+            "A plane that is tilted or vibrates, or that turns: give the numbers of what it does. "
+            "Axes, velocities and spins are those seen from the plane.",
+            KEYS,
+            keys_of(number_table(RULES["plane"])),
+        ),
         Section("[run]", "", KEYS, keys_of(RunTable)),
     ]
 

@@ -10,8 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from ..mechanics.contact.restitution import CONTACT, RESTITUTIONS, STEM
-from ..mechanics.contact.surroundings import SURROUNDINGS
-from ..mechanics.contact.surroundings import tables_of as of_surroundings
+from ..mechanics.contact.surroundings import by_table
 from ..mechanics.system import Number, System
 from ..problem import AUTO
 from ..problem.options import HINTS, OPTIONS
@@ -71,7 +70,6 @@ def _run_table() -> Any:
 
 RunTable: Any = _run_table()
 StemTable: Any = number_table(STEM)
-AROUND: dict[str, Any] = {name: number_table(rules) for name, rules in SURROUNDINGS.items()}
 ContactTable: Any = number_table(
     {},
     restitution=(Literal[RESTITUTIONS], Field("energetic", description="the law of impact")),
@@ -95,7 +93,8 @@ def tables_of(system: System, law: Any = None) -> dict[str, Any]:
         tables["contact"] = ContactTable
         if system.opening.sphere:
             tables["stem"] = StemTable
-    tables |= {name: AROUND[name] for name in of_surroundings(system.surroundings)}
+    given = by_table(system.surroundings)
+    tables |= {name: number_table(rules) for name, rules in given.items()}
     return tables | {"run": RunTable}
 
 

@@ -80,7 +80,8 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
                 else _line(f"# {key}", example, text)
             )
     if system.opening and not system.contact:
-        lines += ["", "# [contact] lets it lift off, fly and land: tippetop help scenario."]
+        text = "# [contact] lets it lift off, fly and land; [air] and [plane] are its surroundings"
+        lines += ["", f"{text}: tippetop help scenario."]
     return lines
 
 

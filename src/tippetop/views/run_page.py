@@ -9,7 +9,7 @@ import numpy as np
 
 from ..columns import capitalised, flag_names, flag_words, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
-from ..mechanics.contact.surroundings import dotted_numbers
+from ..mechanics.contact.surroundings import dotted_numbers, moving_axes
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, columns_of, shape
@@ -80,8 +80,7 @@ def page(
     """
     times, kept, rough, notes = read(pieces, attrs, start, until)
     around = dotted_numbers(attrs)
-    if tilt := around.get("plane.tilt"):
-        notes.append(tilted(tilt, around["plane.azimuth"]))
+    notes += moving_axes(around)
     if rough > TOO_FAR:
         notes.append(
             "The rows are far apart: between two of them the drawn attitude may be off by "
@@ -106,14 +105,6 @@ def page(
     system: Any = find(attrs["system"])
     scripts = NO_POTENTIAL if around else potential(system, body_of(attrs))
     return pages.page(f"{attrs['title']} · tippetop", "page_run.js", data, scripts)
-
-
-def tilted(tilt: float, azimuth: float) -> str:
-    """Return a note on a picture whose plane is tilted."""
-    return (
-        f"The picture is in the axes of the plane, which falls by {tilt / DEGREE:.4g}° towards the "
-        f"azimuth {azimuth / DEGREE:.4g}°."
-    )
 
 
 def read(

@@ -1,11 +1,13 @@
 """Samples of a motion from the rows of a run: attitude, velocities, forces, momenta."""
 
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from ..mechanics.contact.body import Touch, tip_inertia
+from ..mechanics.contact.surroundings import at_present, pushing
 from ..mechanics.friction import slip_coefficient
 from ..mechanics.operand import Vector, cross
 from ..mechanics.rotation import Quaternion, axes
@@ -130,8 +132,11 @@ def _force(
         k = slip_coefficient(np.maximum((slip**2).sum(axis=0), 1e-300), z, b.friction)
         return np.stack([*(-k * normal * slip), normal], axis=1)
     push = b.m * np.gradient(velocity, columns["time"], axis=1) if n > 1 else np.zeros((2, n))
-    if b.around and b.around.slope:
-        push = push - b.m * np.reshape(b.around.slope, (2, 1))
+    if b.around:
+        none = np.zeros(n)
+        if b.around.table:
+            b = at_present(b, SimpleNamespace(x=columns["x"], y=columns["y"]))
+        push = push - b.m * np.stack(pushing(Vector(velocity[0], velocity[1], none), none, b)[:2])
     if "phase" in columns:
         change = np.flatnonzero(np.diff(columns["phase"]) | np.diff(columns["ball"]))
         push[:, np.unique(np.clip([change, change + 1], 0, n - 1))] = 0.0

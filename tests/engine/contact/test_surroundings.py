@@ -1,6 +1,7 @@
 """Air and a tilted plane: against an own code by Newton and Euler, and closed forms."""
 
 from collections import namedtuple
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,21 +18,20 @@ from tippetop.mechanics.contact.body import (
     arm,
     axis_rate,
     contact_velocity,
+    momentum_of,
     seen_from_balls,
 )
-from tippetop.mechanics.contact.contact_phases import momentum_of
-from tippetop.mechanics.contact.response import air
-from tippetop.mechanics.contact.surroundings import downhill, rules_of, surrounded_body
+from tippetop.mechanics.contact.response import around_torque
+from tippetop.mechanics.contact.surroundings import at_present, pushing, rules_of, surrounded_body
 from tippetop.mechanics.disc_friction import rolling
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 
 
 QUIET = {"progress": False}
-RULES = rules_of(("air", "plane"))
 NOTHING = namedtuple("Nothing", ())()
 
 
-def random_top(seed: int) -> tuple[dict[str, Any], tilted.Body, Any]:
+def random_top(seed: int, moves: str = "") -> tuple[dict[str, Any], tilted.Body, Any]:
     """A top in the air on a tilted plane: its tables, the same for the own code, and its force."""
     rng = np.random.default_rng(seed)
     system = ("tippe-top", "gliding-heavy-top", "spheroid", "ellipsoid")[seed % 4]
@@ -59,6 +59,10 @@ def random_top(seed: int) -> tuple[dict[str, Any], tilted.Body, Any]:
     body |= {"m": m, "I1": I1, "I3": I3, "g": g}
     air = {"c1": m * R**2 * rng.uniform(0, 1), "c2": m * R**2 * rng.uniform(0, 0.01)}
     plane = {"tilt": rng.uniform(-0.2, 0.2), "azimuth": rng.uniform(0, 6)}
+    if moves == "vibration":
+        plane |= {"amplitude": 2e-4, "frequency": 30.0, "phase": rng.uniform(0, 6)}
+    elif moves == "turntable":
+        plane = {"omega": rng.uniform(-20, 20), "x": 0.02, "y": -0.03}
     initial = {
         "theta": rng.uniform(0.3, 0.8),
         "theta_dot": rng.uniform(-2, 2),
@@ -121,54 +125,84 @@ TOP = dict(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
 OWN = dict(
     m=0.02, inertia=(2.994e-6, 2.994e-6, 3.2e-6), centre=[0, 0, 0.006], half=[0.02] * 3, g=9.82
 )
+
+
+@pytest.mark.parametrize("moves", ["vibration", "turntable"])
+@pytest.mark.parametrize(
+    "seed", [3, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 2, 6, 7, 8))]
+)
+def test_a_top_on_a_plane_that_moves_moves_as_an_own_code_says(seed: int, moves: str) -> None:
+    tables, b, force = random_top(seed, moves)
+    run = tt.run(tables, **QUIET)
+    rows = run.trajectory
+    last = float(rows.time[-1])
+    assert last >= 0.1
+    _, end = tilted.follow(force, b, tilted.state_of(rows.isel(time=0), b), last)
+    assert differences(tilted.state_of(rows.isel(time=-1), b), end) < 1e-10
+    drift = run.attributes["report"]["drift"]
+    assert drift["energy_balance"] < 1e-13
+    if "tippe-top" in tables["system"]:
+        assert drift["jellett"] < 1e-13
+
+
 AROUND: dict[str, Any] = {
     "air": {"c1": 2e-8, "c2": 1e-10},
     "plane": {"tilt": 0.1, "azimuth": 0.7},
 }
 
 
-def test_a_top_flies_and_bounces_in_air_on_a_tilted_plane_as_an_own_code_says() -> None:
+MOVING: dict[str, dict[str, Any]] = {
+    "tilted": AROUND,
+    "vibrating": AROUND
+    | {"plane": {"tilt": 0.1, "azimuth": 0.7, "amplitude": 3e-4, "frequency": 20, "phase": 1.0}},
+    "turning": {"air": AROUND["air"], "plane": {"omega": 8.0, "x": 0.05, "y": 0.02}},
+}
+
+
+@pytest.mark.parametrize("around", MOVING.values(), ids=MOVING)
+def test_a_top_flies_and_bounces_as_an_own_code_says(around: dict[str, Any]) -> None:
     tables = {
         "system": "tippe-top",
         "parameters": TOP,
         "friction": {"law": "viscous", "mu": 0.8},
         "contact": {"restitution": "newton", "e_n": 0.4},
         "initial": dict(theta=0.6, theta_dot=3.0, omega3=60.0, gap=0.004, nu_x=0.1, phi_dot=4.0),
-        "run": {"until": 0.06, "output_step": 0.06},
-        **AROUND,
+        "run": {"until": 0.052, "output_step": 0.052},
+        **around,
     }
     run = tt.run(tables, **QUIET)
     assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
     assert run.attributes["report"]["drift"]["jellett"] < 1e-13
-    b = tilted.Body(**OWN, **AROUND["air"], **AROUND["plane"])
+    b = tilted.Body(**OWN, **around["air"], **around["plane"])
     s = tilted.state_of(run.trajectory.isel(time=0), b)
     now, landings = 0.0, []
     while True:
         lasts, s = tilted.follow(
-            tilted.flying, b, s, 0.06 - now, lambda s, b: tilted.lowest(s, b).gap
+            tilted.flying, b, s, 0.052 - now, lambda s, b: tilted.lowest(s, b).gap
         )
         now += lasts
-        if now >= 0.06:
+        if now >= 0.052:
             break
         landings.append(now)
         s = tilted.struck(s, b, lambda v: 0.8, 0.4)
-    assert len(landings) > 2
+    assert len(landings) >= 2
     assert np.allclose(run.datasets()["impacts"].time, landings, atol=1e-10)
     assert differences(tilted.state_of(run.trajectory.isel(time=-1), b), s) < 1e-8
 
 
-def test_a_top_slides_and_sticks_in_air_on_a_tilted_plane_as_an_own_code_says() -> None:
+@pytest.mark.parametrize("around", MOVING.values(), ids=MOVING)
+def test_a_top_slides_and_sticks_as_an_own_code_says(around: dict[str, Any]) -> None:
     tables = {
         "system": "tippe-top",
         "parameters": TOP,
         "friction": {"law": "coulomb", "mu": 0.3},
         "initial": dict(theta=0.4, omega3=20.0, nu_x=0.04, nu_y=0.02),
         "run": {"until": 0.1, "output_step": 0.1},
-        **AROUND,
+        **around,
     }
     run = tt.run(tables, **QUIET)
     assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
-    b = tilted.Body(**OWN, **AROUND["air"], **AROUND["plane"])
+    b = tilted.Body(**OWN, **around["air"], **around["plane"])
     s = tilted.state_of(run.trajectory.isel(time=0), b)
     slides = tilted.sliding(lambda v: 0.3 / v)
     least = 1e-9
@@ -196,6 +230,25 @@ def test_a_uniform_ball_rolls_down_with_five_sevenths_of_gravity_along_the_plane
     assert np.allclose([end.x, end.y], distance * np.array([np.cos(0.5), np.sin(0.5)]), rtol=1e-12)
     assert np.isclose(end.normal_force, 0.05 * 9.81 * np.cos(tilt), rtol=1e-12)
     assert np.isclose(end.friction_needed, 2 / 7 * np.tan(tilt), rtol=1e-12)
+
+
+def test_a_uniform_ball_on_a_turntable_circles_at_two_sevenths_of_its_speed() -> None:
+    omega = 5.0
+    run = tt.run(
+        tt.Spheroid(m=0.05, a=0.02, b=0.02),
+        system="rolling-spheroid",
+        plane={"omega": omega, "x": 0.03, "y": -0.01},
+        start={"theta": 0.4, "omega3": 0.0, "phi_dot": 1.0, "x": 0.1},
+        until=3.0,
+        **QUIET,
+    )
+    rows = run.trajectory
+    at_rest = (rows.x + 1j * rows.y - 0.03 + 0.01j).values * np.exp(1j * omega * rows.time.values)
+    rate = 2 / 7 * omega
+    known = np.stack([np.ones(len(at_rest)), np.exp(1j * rate * rows.time.values)], axis=1)
+    circle, *_ = np.linalg.lstsq(known, at_rest)
+    assert abs(at_rest - known @ circle).max() < 1e-12
+    assert abs(circle[1]) > 0.05
 
 
 @pytest.mark.filterwarnings("ignore:`parameters.I")  # which are large
@@ -234,8 +287,15 @@ def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
     assert np.isclose(run.trajectory.omega3[-1], expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("law", ["viscous", "coulomb", "contensou"])
-def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
+@pytest.mark.parametrize(
+    ("law", "around"),
+    [
+        ("viscous", AROUND),
+        ("coulomb", AROUND),
+        *(("contensou", one) for one in (MOVING["vibrating"], {"plane": {"omega": 1.0}})),
+    ],
+)
+def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[str, Any]) -> None:
     friction = {"law": law, "mu": 0.3}
     if law == "contensou":
         friction |= {"patch": 5e-4, "mu_r": 1e-5, "mu_d": 1e-5}
@@ -248,7 +308,7 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
             "contact": {"e_n": 0.02},
             "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0, "nu_x": 0.0},
             "run": {"until": 0.05},
-            **AROUND,
+            **around,
         },
         **QUIET,
     )
@@ -258,11 +318,18 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str) -> None:
         assert "both" in report["contact_phases"]["counts"]
 
 
-def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest() -> None:
+@pytest.mark.parametrize(
+    ("group", "plane"), [("tilt", (0.1, 0.3)), ("turntable", (5.0, 0.05, -0.02))]
+)
+def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest(
+    group: str, plane: tuple[float, ...]
+) -> None:
     body = TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
     law = Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)
-    numbers = body._asdict() | dict(zip(RULES, (1e-8, 1e-11, 0.1, 0.3), strict=True))
-    b, other = seen_from_balls(surrounded_body(TippeTop.body_of)(numbers, law), (0.005, 0.013))
+    rules = rules_of(("air", group))
+    numbers = body._asdict() | dict(zip(rules, (1e-8, 1e-11, *plane), strict=True))
+    whole = at_present(surrounded_body(TippeTop.body_of)(numbers, law), SimpleNamespace(x=0, y=0))
+    b, other = seen_from_balls(whole, (0.005, 0.013))
     z = -b.clearance / b.lever
     u = Vector(np.sqrt(1 - z * z), 0.0, z)
 
@@ -272,8 +339,8 @@ def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest() -> None:
             Moving(u, momentum_of(omega, u, b), Vector(0.0, 0.0, 0.0), 0.0, NOTHING), b
         )
         force, torque, *_ = phases.rolled(x, b)
-        turn = plus(plus(cross(arm(u, b), force), torque), air(x, b))
-        push = plus(times(1 / b.m, force), downhill(0.0, b))._replace(z=0.0)
+        turn = plus(plus(cross(arm(u, b), force), torque), around_torque(x, b))
+        push = plus(times(1 / b.m, force), pushing(x.velocity, 0.0, b))._replace(z=0.0)
 
         def later(time: float) -> list:
             state = Moving(

@@ -304,6 +304,12 @@ def angular_velocity(x, b):
     return angular_velocity_of(x, dot(x.L, x.u), b)
 
 
+@or_of_frame(frame.momentum)
+def momentum_of(omega, u, b):
+    """Return L = I omega, (3,)."""
+    return plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, u), u))
+
+
 @formula
 def angular_velocity_of(x, L3, b):
     """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""

@@ -31,6 +31,7 @@ from .body import (
     gained,
     height,
     height_of,
+    momentum_of,
     seen_from_other,
     state,
 )
@@ -39,15 +40,17 @@ from .gliding import VectorState, axis, axis_rate, turning
 from .integrals import integral, place
 from .response import (
     across_and_along,
+    around_torque,
     cone,
     contact_acceleration,
     kicked,
     margin,
     resting,
     sliding,
+    taken,
 )
 from .rolling import spin
-from .surroundings import braking, downhill, taken
+from .surroundings import mean_gravity, pushing
 
 
 def phase_name(label: str, ball: int, *regions: str) -> str:
@@ -107,8 +110,11 @@ def on_ball(
         changes(q, G) -> the rates of that, of the acceleration G of the contact point.
     """
 
+    def moving(q, b):
+        return leave(q, b) if b.around and b.around.table else turning(q)
+
     def acts(q, b):
-        x = turning(q)
+        x = moving(q, b)
         force, torque, *sides = forces(x, q, b)
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
@@ -116,8 +122,8 @@ def on_ball(
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
-            turn = plus(turn, braking(by.omega, b))
-        G = contact_acceleration(turning(q), by.force, by.torque, b)
+            turn = plus(turn, around_torque(turning(q), b))
+        G = contact_acceleration(moving(q, b), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
@@ -134,11 +140,11 @@ def on_ball(
     def power(q, carried, b):
         by = acts(q, b)
         power = by.drilled - dot(by.force, by.velocity)
-        return power + taken(by.omega, leave(q, b).velocity, b) if b.around else power
+        return power + taken(leave(q, b), b) if b.around else power
 
     def jellett_lost(q, carried, b):
         by = acts(q, b)
-        torque = plus(by.torque, braking(by.omega, b)) if b.around else by.torque
+        torque = plus(by.torque, around_torque(turning(q), b)) if b.around else by.torque
         return dot(torque, arm(axis(q), b))
 
     integrals = (
@@ -190,9 +196,14 @@ def free_rates(q, b):
     still = 0 * q.uz
     if not b.around:
         return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
-    along = downhill(still, b)
-    air = braking(angular_velocity(turning(q), b), b)
-    return type(q)(*axis_rate(q, b), *air, along.x, along.y, still - b.g, q.rz_dot)
+    push = pushing(free_velocity(q), still, b)
+    torque = around_torque(turning(q), b)
+    return type(q)(*axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot)
+
+
+def free_leave(q, b):
+    """Return the common state of a body in flight."""
+    return Moving(axis(q), turning(q).L, free_velocity(q), q.height)
 
 
 def free_velocity(q):
@@ -202,12 +213,12 @@ def free_velocity(q):
 
 def free_power(q, carried, b):
     """Return the power that is taken from a body in flight."""
-    return taken(angular_velocity(turning(q), b), free_velocity(q), b)
+    return taken(free_leave(q, b), b)
 
 
 def free_jellett_loss(q, carried, b):
     """Return the rate at which a body in flight loses Jellett's integral."""
-    return dot(braking(angular_velocity(turning(q), b), b), arm(axis(q), b))
+    return dot(around_torque(turning(q), b), arm(axis(q), b))
 
 
 @cache
@@ -234,11 +245,7 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     def enter(x: Moving, b: Any) -> Any:
         return type(units)(*x.u, *x.L, *x.velocity, x.height)
 
-    def leave(q: Any, b: Any) -> Moving:
-        x = turning(q)
-        return Moving(x.u, x.L, free_velocity(q), q.height)
-
-    return Phase(form, (), events, (), enter, leave, lambda q, b: Reaction(none(q)))
+    return Phase(form, (), events, (), enter, free_leave, lambda q, b: Reaction(none(q)))
 
 
 FLIGHT = flight()
@@ -520,7 +527,7 @@ def slide_on_both(law: Any, *names: str) -> Phase:
     def pushed(x, v, b):
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
         if b.around:
-            swing = swing - cross(braking(angular_velocity(x, b), b), x.u).z
+            swing = swing - cross(around_torque(x, b), x.u).z
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
     return replace(with_slip((*LEAVES, *ends_of(law, names)), pushed), axis_stays=True)
@@ -545,9 +552,6 @@ def rolled(x, b):
     share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
     rolls = rolling(omega, b.friction)
     slows = b.m * b.g * dot(rolls, omega) * share
-    if b.around:
-        air = braking(omega, b)
-        slows = slows + dot(air, omega) * share
 
     def rate(a):
         return plus(times(slows, a), cross(turn, a))
@@ -555,8 +559,7 @@ def rolled(x, b):
     L_dot = pushed = rate(x.L)
     V_dot = rate(velocity)
     if b.around:
-        L_dot, V_dot = rolled_downhill(x, L_dot, V_dot, b)
-        pushed = minus(L_dot, air)
+        pushed, V_dot = pushed_on_both(Moving(u, x.L, velocity, 0 * u.z), L_dot, V_dot, b)
     acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
     frictions = [lambda *of: acts] * 2
     swing = cross(pushed, u).z
@@ -565,17 +568,23 @@ def rolled(x, b):
     return force, minus(pushed, cross(arm(u, b), force)), *sides
 
 
-def rolled_downhill(x, L_dot, V_dot, b):
-    """Return L' of a body that rolls on both, and the part of s'' by its contacts, where gravity
-    along the plane acts too: L_dot, V_dot are those without it.
+def pushed_on_both(x, L_dot, V_dot, b):
+    """Return the parts of L' and s'' by the contacts of a body that rolls on both, in surroundings.
+
+    L_dot, V_dot are all of L' and s'' without these.
     """
-    along = downhill(0 * x.u.z, b)
+    torque = around_torque(x, b)
+    push = pushing(x.velocity, 0 * x.u.z, b)
     level = x.u._replace(z=0 * x.u.z)
     n = times(1 / sqrt(horizontal2(level)), level)
     one = Turning(x.u, momentum_of(n, x.u, b))
     velocity = centre_velocity(one, times(0, n), b)
-    rate = b.m * dot(along, velocity) / (dot(n, one.L) + b.m * dot(velocity, velocity))
-    return plus(L_dot, times(rate, one.L)), minus(plus(V_dot, times(rate, velocity)), along)
+    gives = dot(torque, n) + b.m * dot(push, velocity)
+    rate = gives / (dot(n, one.L) + b.m * dot(velocity, velocity))
+    return (
+        minus(plus(L_dot, times(rate, one.L)), torque),
+        minus(plus(V_dot, times(rate, velocity)), push),
+    )
 
 
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
@@ -614,11 +623,6 @@ def phases_under(
 # --- what brings a body onto both ---------------------------------------------------------------
 
 
-def momentum_of(omega: Vector, u: Vector, b: Touch) -> Vector:
-    """Return L of a body that turns with omega."""
-    return plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, u), u))
-
-
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
     along = x.u._replace(z=0 * x.u.z)
@@ -637,4 +641,4 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
     v = contact_velocity(x, b)
     sinks = -(b.m * x.velocity.z)
     p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
-    return gained(kicked(x, b, p, twist), work=b.m * b.g * contact.gap(x, b))
+    return gained(kicked(x, b, p, twist), work=b.m * mean_gravity(b) * contact.gap(x, b))

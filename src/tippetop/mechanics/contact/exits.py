@@ -35,7 +35,7 @@ from .first_slip import first_directions, first_slip
 from .frame import Asymmetric
 from .outline import Ball
 from .response import (
-    air,
+    around_torque,
     bias_vector,
     cone,
     direction,
@@ -46,6 +46,7 @@ from .response import (
     stopping,
     turning,
 )
+from .surroundings import joined_values, mean_gravity
 
 
 CLOSES_AT = 1e-8
@@ -183,7 +184,13 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     """
     v = x.velocity.z
     highest = abs(contact.gap(x, b)) + contact.height_range(b)
-    return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
+    g = mean_gravity(b)
+    if b.around and b.around.shake:
+        _, c, s, rate = b.around.shake
+        speed = (abs(c) + abs(s)) / rate
+        v = abs(v) + speed
+        highest = highest + 2 * speed / rate
+    return (v + sqrt(v * v + 2 * g * highest)) / g * (1 + 1e-6)
 
 
 def gap_rate(x: Moving, b: Any, order: int) -> Any:
@@ -208,8 +215,13 @@ def bias_rate(x: Moving, b: Any) -> Any:
 
     def bias(time: float) -> Any:
         u = moved(x.u, contact.axis_rate(x, b), time)
-        L = moved(x.L, air(x, b), time) if b.around else x.L
+        L = moved(x.L, around_torque(x, b), time) if b.around else x.L
         body = b if isinstance(b, Asymmetric) else contact.by_axis(u, b)
+        if b.around and b.around.shake:
+            _, c, s, rate = b.around.shake
+            known = x.carried
+            turns = s * known.clock_cos - c * known.clock_sin
+            body = body._replace(g=b.g + time * rate * turns)
         return bias_vector(x._replace(u=u, L=L), body).z
 
     return (bias(DIFFERENCE) - bias(-DIFFERENCE)) / (2 * DIFFERENCE)
@@ -259,7 +271,7 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         phase = world.phases[name]
         x = brought_to_rest(x, frictions_of(law, names), b)
         s = phase.form.scalars(phase.enter(x, b), b)
-        if min(side.force.z for side in s.sides) > PRESSES * b.m * b.g:
+        if min(side.force.z for side in s.sides) > PRESSES * b.m * mean_gravity(b):
             return Next(name, x, cause)
     for ball in (0, 1):
         n = on_plane(x, world, ball, cause, 2)
@@ -342,7 +354,8 @@ def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]
 
     P is the rate of the speed, and Q the speed times the turn of the direction.
     """
-    q = type(phase.form.units)(*x.u, *x.L, beta, 1 + 0 * beta)
+    units = phase.form.units
+    q = type(units)(*x.u, *x.L, beta, 1 + 0 * beta, *joined_values(units, x.carried))
     rates = phase.form.rates(q, b)
     return rates.w, rates.beta, phase.reaction(q, b).force.z
 
@@ -376,11 +389,12 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     x = rounded(x)
     b = wide.body[ball]
     units = phase.form.units
-    first = len(units) - 2  # of the integrals
+    first = len(x.u) + len(x.L)  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
         *moved, w, beta = values
-        return type(units)(*moved[:first], beta, w), x.carried._make(moved[first:])
+        carried = x.carried._make(moved[first:])
+        return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read((*state, beta))
@@ -389,7 +403,8 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         return np.array(np.broadcast_arrays(*every)), by.beta
 
     omega = contact.angular_velocity(x, b)
-    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * contact.size(b))))
+    weight = b.m * mean_gravity(b)
+    span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (weight * contact.size(b))))
 
     def lasts(end: np.ndarray) -> bool:
         q, _ = read(end)

@@ -35,7 +35,8 @@ from .rows import (
     planar_theta_dot,
     row,
 )
-from .surrounded import LOSSES, disturbed, in_surroundings
+from .surrounded import LOSSES, disturbed, further, in_surroundings, joined_jump, joined_phase
+from .surroundings import joined_names
 
 
 ABOVE = {
@@ -107,12 +108,13 @@ def in_plane(form: Form) -> Form:
 
 
 def phases_of(
-    opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...], surrounded: bool
+    opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...], around: tuple[str, ...]
 ) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
-    known = phases_under(law, FRAME if opening.framed else AXIS, surrounded)
-    same = lambda one: one  # noqa: E731
-    seen, jumping = (outlined_phase, outlined_jump) if opening.outlined else (same, same)
+    known = phases_under(law, FRAME if opening.framed else AXIS, bool(around))
+    jumped = jumping(opening, around)
+    if joined_names(around):
+        known = {key: joined_phase(phase, around) for key, phase in known.items()}
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
         for (label, *regions), phase in known.items()
@@ -129,19 +131,31 @@ def phases_of(
         if label == "slip" and law.set_valued:
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
-        phase = seen(phase)
+        if opening.outlined:
+            phase = outlined_phase(phase)
         gaps = ("land",) if opening.framed and label == "flight" else phase.form.resolved
         form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(
             phase,
             forms=in_plane(form) if opening.planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(one, tuple(kinds), jumping(jumps[one])) for one in names),
+            exits=tuple(Exit(one, tuple(kinds), jumped(jumps[one])) for one in names),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,
         )
     return phases
+
+
+def jumping(opening: Any, around: tuple[str, ...]) -> Callable:
+    """Return a function that makes jumps of a body, of those of a ball on a plane at rest."""
+
+    def jumped(jump: Callable) -> Callable:
+        if opening.outlined:
+            jump = outlined_jump(jump)
+        return joined_jump(jump) if joined_names(around) else jump
+
+    return jumped
 
 
 def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
@@ -174,7 +188,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     balls
         1, or 2 of a body with a stem.
     around
-        The tables of its surroundings; see `surroundings`.
+        The groups of its surroundings; see `surroundings`.
     """
     opening: Any = system.opening
     torques = law.torque or around
@@ -183,7 +197,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     read = row
     if opening.framed:
         angles, form, read = opening.framed
-    form = replace(form, domains=opening.domains)
+    form = replace(form, domains=opening.domains, integrals=(*form.integrals, *further(around)))
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     jellett = not (opening.planar or opening.outlined or opening.framed)
     quantities = columns(jellett, opening.routh, balls > 1)
@@ -193,7 +207,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     quantities += tuple(one for one in system.quantities if one.name not in known)
     # events of the axis by the few scalars of a phase, if these are enough
     apart = opening.planar or opening.framed
-    phases = phases_of(opening, law, balls, () if apart else of_axis, bool(around))
+    phases = phases_of(opening, law, balls, () if apart else of_axis, around)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -220,7 +234,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         phases=phases,
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
-        begin=outlined_jump(begin) if opening.outlined else begin,
+        begin=jumping(opening, around)(begin),
         read=read,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},

@@ -27,12 +27,13 @@ from .body import (
     arm2,
     axis_rate,
     gained,
+    momentum_of,
     of_outline,
     or_of_frame,
     velocities,
 )
 from .frame import Asymmetric
-from .surroundings import braking, downhill
+from .surroundings import braking, mean_gravity, pushing, turned
 
 
 @formula
@@ -107,18 +108,31 @@ def bias_vector(x, b):
     """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
 
     It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1, and more if
-    the ball changes; with that by the torque of the air, and by gravity along the plane.
+    the ball changes; with those by torque and push of the surroundings.
     """
     bias = own_bias(x, b)
     if not b.around:
         return bias
-    by_air, _ = gains(x.u, times(0, bias), air(x, b), b)
-    return plus(plus(bias, by_air), downhill(0 * bias.z, b))
+    none = times(0, bias)
+    by_torque, _ = gains(x.u, none, around_torque(x, b), b)
+    return plus(plus(bias, by_torque), pushing(getattr(x, "velocity", none), none.z, b))
 
 
-def air(x, b):
-    """Return the torque of the air, (3,) [N m]."""
-    return braking(angular_velocity(x, b), b)
+def around_torque(x, b):
+    """Return the torque of the surroundings, (3,) [N m]."""
+    omega = angular_velocity(x, b)
+    torque = braking(omega, b)
+    if not b.around.table:
+        return torque
+    return plus(torque, turned(omega, x.L, lambda omega: momentum_of(omega, x.u, b), b))
+
+
+def taken(x, b):
+    """Return the power that the surroundings take from a moving body [W]."""
+    omega = angular_velocity(x, b)
+    push = pushing(x.velocity, 0 * omega.z, b)
+    rises = (b.g - mean_gravity(b)) * x.velocity.z if b.around.shake else 0 * omega.z
+    return b.m * (rises - dot(push, x.velocity)) - dot(around_torque(x, b), omega)
 
 
 @formula
@@ -206,7 +220,8 @@ def stopping(x, b):
 @or_of_frame(frame.resting)
 def own_resting(x, b):
     """Return `resting` of a body on a level plane in still air."""
-    return held(x.u, own_bias(x, b), own_turn(x, b), angular_velocity(x, b), b)
+    free = own_turn(x, b)
+    return held(x.u, own_bias(x, b), free, angular_velocity(x, b), b)
 
 
 def own_turn(x, b):
@@ -219,7 +234,7 @@ def resting(x, b):
     if not b.around:
         return own_resting(x, b)
     bias = bias_vector(x, b)
-    _, turns = gains(x.u, times(0, bias), air(x, b), b)
+    _, turns = gains(x.u, times(0, bias), around_torque(x, b), b)
     free = turns.z if isinstance(b, Asymmetric) else own_turn(x, b) + turns.z
     return held(x.u, bias, free, angular_velocity(x, b), b)
 

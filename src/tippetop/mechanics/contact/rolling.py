@@ -10,7 +10,7 @@ parameters as a `contact.body.Touch`.
 
 from dataclasses import replace
 
-from ..operand import cos, dot, formula, plus, sin, sqrt, times
+from ..operand import cos, dot, formula, sin, sqrt, times
 from ..system import Form, Quantity
 from ..units import METRE, NEWTON, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import body as contact
@@ -28,7 +28,7 @@ from .gliding import (
     turning,
 )
 from .integrals import integral, place
-from .response import air, bias_vector, mobility_inverse_times
+from .response import bias_vector, mobility_inverse_times
 
 
 FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
@@ -91,11 +91,13 @@ def friction_needed(s, b):
     return horizontal_force(s, b) / normal_force(s, b)
 
 
+@formula
 def reaction(x, b):
     """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]."""
     return times(-1, mobility_inverse_times(x.u, bias_vector(x, b), b))
 
 
+@formula
 def scalars(x, u_dot, v, b):
     """Return the scalars; u_dot is 3hat', v is the velocity of the centre of mass."""
     F = reaction(x, b)
@@ -162,22 +164,22 @@ def velocity(q, carried, b):
     return times(-1, arm_velocity(turning(q), b))
 
 
+@formula
 def vector_scalars(q, b):
     """Return the scalars of a vector state."""
     return scalars(turning(q), axis_rate(q, b), velocity(q, None, b), b)
 
 
+@formula
 def force(q, b):
     """Return the reaction, (3,) [N]."""
     return reaction(turning(q), b)
 
 
+@formula
 def vector_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = a x F, and the torque of the air. [section 4]"""
-    turn = moment(axis(q), force(q, b), b)
-    if b.around:
-        turn = plus(turn, air(turning(q), b))
-    return VectorState(*axis_rate(q, b), *turn)
+    """Return 3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
+    return VectorState(*axis_rate(q, b), *moment(axis(q), force(q, b), b))
 
 
 @formula

@@ -3,30 +3,36 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
-from ..form import Form
-from ..operand import dot
+from ..form import Form, Integral, Phase
 from ..system import Outlook, System
-from ..units import JELLETT, JOULE
+from ..units import JELLETT, JOULE, ONE
 from . import rolling
-from .body import FRAME, arm, filled
+from .body import FRAME, axis_rate, filled, kinematics
 from .contact_phases import without_slip
 from .framed import form_of
-from .gliding import angles_by, axis, turning
-from .integrals import integral
+from .gliding import angles_by
 from .outline import Ball
 from .outlined import outlined_form
-from .response import air, angular_velocity
-from .surroundings import rules_of, surrounded_body, surrounded_units, taken
+from .surroundings import (
+    COPY,
+    at_present,
+    joined_names,
+    joined_values,
+    rules_of,
+    surrounded_body,
+    surrounded_units,
+)
 
 
-NO_OUTLOOK = "theory is that of a level plane and still air: it predicts nothing here"
+NO_OUTLOOK = "theory is that of a level plane at rest in still air: it predicts nothing here"
 
 
 LOSSES = {
-    "work": "energy taken by friction, the air and gravity along the plane since the start",
-    "jellett_lost": "Jellett's integral taken by torques of contact and air since the start",
+    "work": "energy taken by friction and surroundings since the start",
+    "jellett_lost": "Jellett's integral taken by torques since the start",
 }
 """Words for the integrals that surroundings change."""
 
@@ -57,33 +63,113 @@ def rolls(system: System) -> bool:
     return [*system.phases] == ["roll"] and bool(system.vectors)
 
 
+def clock(rate_of: Callable, name: str, first: int) -> Integral:
+    """Return the integral of this name, `first` at the start."""
+    rate = lambda q, carried, b: rate_of(carried, b.around.shake.rate)  # noqa: E731
+    return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
+
+
+CLOCK = (
+    clock(lambda carried, rate: -(rate * carried.clock_sin), "clock_cos", 1),
+    clock(lambda carried, rate: rate * carried.clock_cos, "clock_sin", 0),
+)
+
+
+def further(around: tuple[str, ...]) -> tuple[Integral, ...]:
+    """Return the integrals that runs in surroundings of these groups have besides."""
+    return CLOCK if "vibration" in around else ()
+
+
+def known(q: Any, names: tuple[str, ...]) -> Any:
+    """Return the copies of these integrals, the last variables of a state, by name."""
+    return SimpleNamespace(**dict(zip(names, q[-len(names) :], strict=True)))
+
+
+def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
+    """Return a function that makes functions(q, .., b) of states with copies of these integrals, of
+    functions of states with these units.
+    """
+
+    def seen(function: Callable) -> Callable:
+        def of_copies(q: Any, *more: Any) -> Any:
+            b = at_present(more[-1], known(q, names))
+            return function(type(units)(*q[: len(units)]), *more[:-1], b)
+
+        return of_copies
+
+    return seen
+
+
+def joined(form: Form, around: tuple[str, ...]) -> Form:
+    """Return a form whose equations read integrals, of which its state then has copies."""
+    names = joined_names(around)
+    every = (*form.integrals, *further(around))
+    integrals = {one.name: one for one in every}
+    copied = [integrals[name] for name in names]
+    units = filled(**form.units._asdict(), **{COPY + one.name: one.unit for one in copied})
+    seen = in_copies(form.units, names)
+
+    def rates(q: Any, b: Any) -> Any:
+        moves = [seen(one.rate)(q, known(q, names), b) for one in copied]
+        return type(units)(*seen(form.rates)(q, b), *moves)
+
+    def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
+        starts = [one.start({}, s, z) if one.start else getattr(e, one.name) for one in copied]
+        return type(units)(*form.of_angles(e, s, z, b), *starts)
+
+    return replace(
+        form,
+        units=units,
+        rates=rates,
+        scalars=seen(form.scalars),
+        of_angles=of_angles,
+        to_angles=seen(form.to_angles),
+        integrals=tuple(replace(one, rate=seen(one.rate)) for one in every),
+    )
+
+
+def joined_phase(phase: Phase, around: tuple[str, ...]) -> Phase:
+    """Return a phase whose equations read integrals."""
+    form = joined(phase.form, around)
+    seen = in_copies(phase.form.units, joined_names(around))
+
+    def enter(x: Any, b: Any) -> Any:
+        q = phase.enter(x, at_present(b, x.carried))
+        return type(form.units)(*q, *joined_values(form.units, x.carried))
+
+    leave = seen(phase.leave)
+    return replace(phase, forms=form, enter=enter, leave=leave, reaction=seen(phase.reaction))
+
+
+def joined_jump(jump: Callable) -> Callable:
+    """Return a jump of bodies whose equations read integrals."""
+
+    def at_once(x: Any, world: Any) -> Any:
+        return jump(x, world._replace(body=tuple(at_present(b, x.carried) for b in world.body)))
+
+    return at_once
+
+
 Scalars = type(filled(**dict.fromkeys((*rolling.FIELDS, "force"))))
 """Those of a body in pure rolling, and the normal force."""
 
 
-def scalars(q: Any, b: Any) -> Any:
-    """Return the scalars of a body in pure rolling."""
-    return Scalars(*rolling.vector_scalars(q, b), rolling.force(q, b).z)
-
-
-def power(q: Any, carried: Any, b: Any) -> Any:
-    """Return the power that is taken from a body in pure rolling."""
-    return taken(angular_velocity(turning(q), b), rolling.velocity(q, carried, b), b)
-
-
-def jellett_loss(q: Any, carried: Any, b: Any) -> Any:
-    """Return the rate at which a body in pure rolling loses Jellett's integral."""
-    return dot(air(turning(q), b), arm(axis(q), b))
-
-
 def rolling_form(angles: Any) -> Form:
     """Return the form of a body with an axis in pure rolling, in surroundings."""
-    losses = integral("work", power), integral("jellett_lost", jellett_loss)
+    phase = without_slip(())
+
+    def scalars(q: Any, b: Any) -> Any:
+        x = phase.leave(q, b)
+        F = phase.reaction(q, b).force
+        v = x.velocity
+        seen = kinematics(x, axis_rate(x, b), b)
+        return Scalars(*seen, v.x**2 + v.y**2, F.x**2 + F.y**2, F.z)
+
     return replace(
-        rolling.VECTOR,
+        phase.form,
         scalars=scalars,
+        of_angles=rolling.vector_of_angles,
         to_angles=angles_by(angles, scalars),
-        integrals=(*rolling.VECTOR.integrals, *losses),
     )
 
 
@@ -108,6 +194,8 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
         known = rolling_form(angles)
         if not isinstance(outline, Ball):
             known = outlined_form(known)
+    if joined_names(around):
+        known = joined(known, around)
 
     def changed(records: Any) -> Any:
         return tuple(

@@ -1,7 +1,7 @@
-"""Surroundings of a body: air that brakes its rotation, and a plane that is tilted.
+"""Surroundings of a body: air that brakes its rotation; a plane that is tilted, vibrates or turns.
 
-Space axes are those of the plane: z is its normal. A body has the gravity across the plane as `g`,
-and the rest in its record of surroundings.
+Everything is seen from the plane: z is its normal, and x and y turn with it. A body has the gravity
+across the plane as `g`, and the rest in its record of surroundings.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -9,23 +9,31 @@ from typing import Any, NamedTuple
 
 from ...errors import InputError
 from ..number import Number
-from ..operand import Operand, Vector, cos, dot, sin, sqrt, times
-from ..units import ANGULAR_MOMENTUM, INERTIA, METRE_PER_SECOND2, RADIAN
+from ..operand import Operand, Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
+from ..units import (
+    ANGULAR_MOMENTUM,
+    INERTIA,
+    METRE,
+    METRE_PER_SECOND2,
+    PER_SECOND,
+    RADIAN,
+    RADIAN_PER_SECOND,
+)
 
 
 STEEPEST = 1.5
 """Inclination of the plane [rad] that must not be reached: beyond it hardly anything presses."""
 
-SURROUNDINGS: Mapping[str, Mapping[str, Number]] = {
+GROUPS: Mapping[str, Mapping[str, Number]] = {
     "air": {
-        "c1": Number(
+        "air.c1": Number(
             ANGULAR_MOMENTUM,
             "torque of the air per angular velocity",
             least=0,
             default=0.0,
             symbol="c_1",
         ),
-        "c2": Number(
+        "air.c2": Number(
             INERTIA,
             "torque of the air per square of the angular velocity",
             least=0,
@@ -33,20 +41,40 @@ SURROUNDINGS: Mapping[str, Mapping[str, Number]] = {
             symbol="c_2",
         ),
     },
-    "plane": {
-        "tilt": Number(
+    "tilt": {
+        "plane.tilt": Number(
             RADIAN,
             "inclination of the plane, which falls towards its azimuth",
             above=-STEEPEST,
             below=STEEPEST,
             default=0.0,
         ),
-        "azimuth": Number(
+        "plane.azimuth": Number(
             RADIAN, "direction along the plane in which it falls, from x towards y", default=0.0
         ),
     },
+    "vibration": {
+        "plane.amplitude": Number(
+            METRE, "amplitude a of a plane that vibrates across itself", least=0
+        ),
+        "plane.frequency": Number(PER_SECOND, "its frequency f", above=0),
+        "plane.phase": Number(
+            RADIAN,
+            "its phase: the plane has the height -a cos(2 pi f t + phase)",
+            default=0.0,
+        ),
+    },
+    "turntable": {
+        "plane.omega": Number(
+            RADIAN_PER_SECOND, "angular velocity of a plane that turns about its normal"
+        ),
+        "plane.x": Number(METRE, "x of its axis of turning", default=0.0),
+        "plane.y": Number(METRE, "y of its axis of turning", default=0.0),
+    },
 }
-"""The numbers of surroundings, by table and name."""
+"""The numbers of surroundings by dotted key, in groups that are given together."""
+
+TABLES = ("air", "plane")
 
 SMOOTH = 1e-7
 """Angular velocity, internal units, below which the torque of c2 is smooth: at one unit this
@@ -67,40 +95,99 @@ class Slope(NamedTuple):
     y: Operand
 
 
+class Shake(NamedTuple):
+    """Gravity across a plane that vibrates: g + c cos(rate t) + s sin(rate t)."""
+
+    g: Operand
+    c: Operand
+    s: Operand
+    rate: Operand
+
+
+class Table(NamedTuple):
+    """A plane that turns about x, y; `at` is the place of the body from there, once it is known."""
+
+    omega: Operand
+    x: Operand
+    y: Operand
+    at: Any = ()
+
+
 class Surroundings(NamedTuple):
     """What acts besides gravity across the plane and the contact; (): nothing."""
 
     air: Any = ()
     slope: Any = ()
+    shake: Any = ()
+    table: Any = ()
 
 
-def rules_of(tables: tuple[str, ...]) -> dict[str, Number]:
-    """Return the numbers of tables of surroundings, by dotted key."""
-    return {f"{t}.{name}": rule for t in tables for name, rule in SURROUNDINGS[t].items()}
+def groups_in(tables: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the groups of surroundings of a scenario: an empty table is air, or a level plane."""
+    given = {name: tables[name] for name in TABLES if isinstance(tables.get(name), Mapping)}
+    groups = {*groups_of(dotted_numbers(given))}
+    groups |= {"air"} & {*tables}
+    if "plane" in tables and groups <= {"air"}:
+        groups.add("tilt")
+    return tuple(name for name in GROUPS if name in groups)
 
 
-def tables_of(keys: Iterable[str]) -> tuple[str, ...]:
-    """Return the tables of numbers of surroundings by dotted key."""
-    return tuple(dict.fromkeys(key.partition(".")[0] for key in keys))
+def groups_of(keys: Iterable[str]) -> tuple[str, ...]:
+    """Return the groups of numbers by dotted key."""
+    return tuple(name for name, rules in GROUPS.items() if not rules.keys().isdisjoint(keys))
+
+
+def rules_of(groups: Iterable[str]) -> dict[str, Number]:
+    """Return the numbers of groups of surroundings, by dotted key."""
+    return {key: rule for name in groups for key, rule in GROUPS[name].items()}
+
+
+def by_table(numbers: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return numbers by table and name, of numbers by dotted key."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, number in numbers.items():
+        table, _, name = key.partition(".")
+        tables.setdefault(table, {})[name] = number
+    return tables
+
+
+RULES = by_table(rules_of(GROUPS))
+"""All numbers of surroundings, by table and name."""
 
 
 def dotted_numbers(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Return the numbers of surroundings among tables, by dotted key."""
-    return {
-        f"{table}.{name}": value
-        for table in SURROUNDINGS
-        for name, value in tables.get(table, {}).items()
-    }
+    return {f"{t}.{name}": v for t in TABLES for name, v in tables.get(t, {}).items()}
 
 
 def require_still(tables: Collection[str], what: str) -> None:
     """Raise InputError for what holds on a level plane in still air only, if there are tables of
     surroundings.
     """
-    if given := [f"[{name}]" for name in SURROUNDINGS if name in tables]:
+    if given := [f"[{name}]" for name in TABLES if name in tables]:
         raise InputError(
-            f"{what} must be on a level plane in still air, but has {' and '.join(given)}."
+            f"{what} must be on a level plane at rest in still air, but has {' and '.join(given)}."
         )
+
+
+WORDS = {
+    "tilt": "falls by {0:.4g} rad towards the azimuth {1:.4g} rad",
+    "vibration": "vibrates with the amplitude {0:.4g} m and {1:.4g} Hz",
+    "turntable": "turns with {0:.4g} rad/s",
+}
+
+
+def moving_axes(numbers: Mapping[str, Any]) -> list[str]:
+    """Return a note on a picture in the axes of a plane that is not level, or moves."""
+    words = [
+        text.format(*map(numbers.get, GROUPS[name]))
+        for name, text in WORDS.items()
+        if name in groups_of(numbers)
+    ]
+    return [f"The picture is in the axes of the plane, which {' and '.join(words)}."] * bool(words)
+
+
+# --- the record of a body -----------------------------------------------------------------------
 
 
 def surrounded_body(body: Callable) -> Callable:
@@ -111,45 +198,116 @@ def surrounded_body(body: Callable) -> Callable:
 
     def surrounded(parameters: Mapping[str, Any], friction: Any) -> Any:
         b = body(parameters, friction)
+        given: Any = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
         g = b.g
         air: Any = ()
         slope: Any = ()
+        shake: Any = ()
+        table: Any = ()
         if "air.c1" in parameters:
-            air = Air(parameters["air.c1"], parameters["air.c2"])
+            air = Air(*given["air"])
         if "plane.tilt" in parameters:
-            tilt = parameters["plane.tilt"]
-            azimuth = parameters["plane.azimuth"]
+            tilt, azimuth = given["tilt"]
             along = g * sin(tilt)
             slope = Slope(along * cos(azimuth), along * sin(azimuth))
             g = g * cos(tilt)
-        return b._replace(g=g, around=Surroundings(air, slope))
+        if "plane.amplitude" in parameters:
+            amplitude, frequency, phase = given["vibration"]
+            rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency  # 2 pi f
+            push = amplitude * rate**2
+            shake = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
+        if "plane.omega" in parameters:
+            table = Table(*given["turntable"])
+        return b._replace(g=g, around=Surroundings(air, slope, shake, table))
 
     return surrounded
 
 
-def surrounded_units(body_units: Callable, tables: tuple[str, ...]) -> Callable:
-    """Return body_units(law) of a body in surroundings of these tables."""
-    air = Air(ANGULAR_MOMENTUM, INERTIA) if "air" in tables else ()
-    slope = Slope(METRE_PER_SECOND2, METRE_PER_SECOND2) if "plane" in tables else ()
-    around = Surroundings(air, slope)
+UNITS = {
+    "air": Air(ANGULAR_MOMENTUM, INERTIA),
+    "tilt": Slope(METRE_PER_SECOND2, METRE_PER_SECOND2),
+    "vibration": Shake(*(METRE_PER_SECOND2,) * 3, PER_SECOND),
+    "turntable": Table(RADIAN_PER_SECOND, METRE, METRE),
+}
+
+
+def surrounded_units(body_units: Callable, groups: tuple[str, ...]) -> Callable:
+    """Return body_units(law) of a body in surroundings of these groups."""
+    around = Surroundings(*(units if name in groups else () for name, units in UNITS.items()))
     return lambda law: body_units(law)._replace(around=around)
 
 
+COPY = "at_"
+"""Begins the names of variables of a state that are copies of integrals."""
+
+JOINED = {"vibration": ("clock_cos", "clock_sin"), "turntable": ("x", "y")}
+"""Integrals of a run that the equations of motion read, by group."""
+
+
+def joined_names(groups: Iterable[str]) -> tuple[str, ...]:
+    """Return the integrals of a run that the equations of motion read."""
+    return tuple(name for group in groups for name in JOINED.get(group, ()))
+
+
+def at_present(b: Any, known: Any) -> Any:
+    """Return the body with gravity and place at present, of a record with `joined_names`."""
+    around = b.around
+    if around.shake:
+        g, c, s, _ = around.shake
+        b = b._replace(g=g + c * known.clock_cos + s * known.clock_sin)
+    if around.table:
+        table = around.table
+        at = Vector(known.x - table.x, known.y - table.y, 0 * known.x)
+        b = b._replace(around=around._replace(table=table._replace(at=at)))
+    return b
+
+
+def joined_values(units: Any, carried: Any) -> list:
+    """Return the values of the variables that copy integrals."""
+    names = [name for name in units._fields if name.startswith(COPY)]
+    return [getattr(carried, name.removeprefix(COPY)) for name in names]
+
+
+def mean_gravity(b: Any) -> Any:
+    """Return gravity across the plane, without the acceleration of the plane [m/s^2]."""
+    return b.around.shake.g if b.around and b.around.shake else b.g
+
+
+# --- torque, acceleration and power -------------------------------------------------------------
+
+
 def braking(omega: Vector, b: Any) -> Vector:
-    """Return the torque of the air on a body, (3,) [N m]."""
-    if not (b.around and b.around.air):
+    """Return the torque of the air, which is at rest, on a body, (3,) [N m]."""
+    if not b.around.air:
         return times(0, omega)
     c1, c2 = b.around.air
+    if b.around.table:
+        omega = omega._replace(z=omega.z + b.around.table.omega)
     return times(-(c1 + c2 * sqrt(dot(omega, omega) + SMOOTH**2)), omega)
 
 
-def downhill(none: Any, b: Any) -> Vector:
-    """Return gravity along the plane, (3,) [m/s^2]; `none` is a zero of the type of its numbers."""
-    x, y = (b.around and b.around.slope) or (none, none)
+def turned(omega: Vector, L: Vector, momentum: Callable, b: Any) -> Vector:
+    """Return the torque on a body that is seen from a table that turns with Omega, (3,) [N m].
+
+    omega and L are those seen from there, and momentum(omega) = I omega: the torque is
+    I(omega x Omega) - omega x I Omega - Omega x (L + I Omega).
+    """
+    turn = Vector(0 * omega.z, 0 * omega.z, b.around.table.omega + 0 * omega.z)
+    own = momentum(turn)
+    of_table = plus(cross(omega, own), cross(turn, plus(L, own)))
+    return minus(momentum(cross(omega, turn)), of_table)
+
+
+def pushing(velocity: Any, none: Any, b: Any) -> Vector:
+    """Return the acceleration of the centre of mass along the plane, (3,) [m/s^2].
+
+    It is that by gravity and, seen from a table, by its turning; `none` is a zero of the type of
+    the numbers, and the velocity is needed on a table only.
+    """
+    x, y = b.around.slope or (none, none)
+    if b.around.table:
+        turn = b.around.table.omega
+        at = b.around.table.at
+        x = x + turn * (turn * at.x + 2 * velocity.y)
+        y = y + turn * (turn * at.y - 2 * velocity.x)
     return Vector(x + none, y + none, none)
-
-
-def taken(omega: Vector, velocity: Vector, b: Any) -> Any:
-    """Return the power that the air and gravity along the plane take from a body [W]."""
-    along = downhill(0 * omega.z, b)
-    return -dot(braking(omega, b), omega) - b.m * dot(along, velocity)

@@ -16,7 +16,7 @@ from ...errors import InputError
 from .. import friction
 from ..contact.opening import kind_of, opened
 from ..contact.surrounded import rolls, surrounded_rolling
-from ..contact.surroundings import tables_of
+from ..contact.surroundings import groups_of
 from ..friction import FrictionLaw
 from ..number import RecordType
 from ..system import System
@@ -162,7 +162,7 @@ def _pickled(system: System) -> tuple:
     """Reduce a system to its name: a pickle contains no formulas."""
     if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
         return opened_by_name, (system.name, *system.contact)
-    around = tables_of(system.surroundings)
+    around = groups_of(system.surroundings)
     if around and surrounded_rolling(SYSTEMS[system.name], around) is system:
         return rolling_by_name, (system.name, around)
     if SYSTEMS.get(system.name) is not system:
