@@ -216,7 +216,7 @@ def fit(
     systematic : bool
         Whether to estimate by how much the numbers would move if the table were tilted by 0.1
         degrees, by the air on a sphere of its size, and for a contact disc of 0.1 mm, unless the
-        scenario has tables [plane], [air], or a law with a disc. False: of a computed motion.
+        scenario has `plane.tilt`, a table [air], or a law with a disc. False: of a computed motion.
     laws : list of str or mappings, optional
         Friction laws under which the film is fitted, by name, or as tables `friction`: the one that
         explains it best is returned, and `laws` has all of them. Free numbers that a law lacks are
