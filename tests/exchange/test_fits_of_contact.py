@@ -53,7 +53,7 @@ def film(path: Path, preset: str, changes: list[str], until: float) -> Path:
 
 
 @pytest.mark.parametrize(
-    "name", ["hops", *map(at_night, ("slides and sticks", "drills", "has parts"))]
+    "name", ["has parts", *map(at_night, ("slides and sticks", "drills", "hops"))]
 )
 def test_numbers_of_contacts_are_recovered(name: str, tmp_path: Path) -> None:
     preset, changes, until, true = FILMS[name]
@@ -116,6 +116,7 @@ def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
     assert "+-" not in str(found)
 
 
+@pytest.mark.slow
 def test_laws_are_compared_by_likelihood(tmp_path: Path) -> None:
     """A short film cannot decide; the sharp law of a long slide is told from a viscous one."""
     start = ["initial.centre_at_rest=true", "initial.theta=0.5"]
