@@ -272,9 +272,8 @@ def fit(
         return fitted(problem, names, within)
     until = float(read(path_of("data", data), wrapped=True).t[-1])
     fits: dict[str, Fitted] = {}
-    for law in sorted(
-        laws.split(",") if isinstance(laws, str) else laws, key=problem.law.key.__ne__
-    ):
+    every = laws.split(",") if isinstance(laws, str) else laws
+    for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
         lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
         found = fitted(one, [n for n in names if n not in lacking], within)
