@@ -110,7 +110,7 @@ def seen_of(kind: str, seed: int, path: Path) -> tuple[tt.Problem, dict[str, flo
         axis = film(t, true["initial.theta"], true["initial.omega3"], mu, world)
         theta = np.arccos(np.clip(axis[:, 2], -1, 1))
         columns = [theta] if random.random() < 0.5 else list(axis.T)
-        preset, within = "inverting", 0.1
+        preset, within = "inverting", 0.05 if sharp else 0.1
         extra = ["initial.centre_at_rest=true", *(["friction.law=coulomb"] if sharp else [])]
     noise = NOISE * random.standard_normal((len(columns), len(t)))
     if len(columns) == 3:
@@ -139,7 +139,7 @@ def main() -> None:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / "film.csv"
                 problem, true, within = seen_of(kind, seed, path)
-                starts = 1 if kind == "wooden" else 12
+                starts = {"wooden": 1, "disc": 3, "all": 3}.get(kind, 12)
                 began = time.process_time()
                 fit = tt.fit(
                     path, problem, list(true), noise=NOISE, within=within, starts=starts,

@@ -79,7 +79,7 @@ def cut_films(sets: int) -> None:
         observation = Observation(tt.load("inverting", [f"initial.phi={phi}"]), list(true), film_of)
         _, best = best_near(observation, true)
         began = time.process_time()
-        found = fit(observation)
+        found = fit(observation, systematic=False)
         seconds = time.process_time() - began
         ratio = float(np.sum(found.residuals["axis"] ** 2)) / best.cost
         errors = {name: (e.value - true[name]) / e.sigma for name, e in found.estimates.items()}
@@ -126,7 +126,7 @@ def main() -> None:
             misfit, end = best_near(observation, start)
             found = judged(misfit, [end], MET, MET)
         else:
-            found = fit(observation)
+            found = fit(observation, systematic=False)
         seconds.append(time.process_time() - began)
         errors = [(e.value - TRUE[name]) / e.sigma for name, e in found.estimates.items()]
         where = "at the truth" if max(map(abs, errors)) < ERRORS else "elsewhere"

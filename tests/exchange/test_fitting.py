@@ -217,7 +217,8 @@ def test_the_command_prints_json_and_writes_a_scenario(
     film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
-    words = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3 --no-systematic"
+    words = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3"
+    words += " --no-systematic"
     assert typed(f"{words} --json --out {out} --figure {figure}") == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03

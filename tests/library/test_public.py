@@ -48,7 +48,7 @@ def test_the_stub_says_what_the_package_has() -> None:
     typed = {alias.asname: node.module for node in imports for alias in node.names if alias.asname}
     functions = [node.name for node in stub.body if isinstance(node, ast.FunctionDef)]
     assert sorted([*typed, *functions, "__version__"]) == dir(tt) == sorted(tt.__all__)
-    assert len(dir(tt)) == 30
+    assert len(dir(tt)) == 32
     for name, module in typed.items():
         place = sys.modules[f"tippetop.{module}"] if module else tt
         assert getattr(tt, name) is (

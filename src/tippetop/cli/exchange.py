@@ -83,7 +83,7 @@ def fit(
     loss: str = "linear",
     starts: Whole = 12,
     within: float = 0.4,
-    systematic: bool = True,
+    no_systematic: bool = False,
     laws: str = "",
     marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quaternion: str | None = None,
@@ -121,9 +121,9 @@ def fit(
         begins at eight points about the scenario.
     within
         How far the numbers may plausibly be from those of the scenario, relative: 0.01 is faster.
-    systematic
-        Estimate by how much the numbers would move if the table were tilted by 0.1 degrees, by the
-        air on a sphere of its size, and for a contact disc of 0.1 mm.
+    no_systematic
+        Do not estimate by how much the numbers would move if the table were tilted by 0.1 degrees,
+        by the air on a sphere of its size, and for a contact disc of 0.1 mm.
     laws
         Friction laws separated by commas, such as viscous,coulomb,contensou: the film is fitted
         under each; the one that explains it best is printed, and which do equally well.
@@ -171,7 +171,7 @@ def fit(
         loss=loss,
         starts=starts,
         within=within,
-        systematic=systematic,
+        systematic=not no_systematic,
         laws=laws,
         marker=marker,
         quaternion=quaternion,

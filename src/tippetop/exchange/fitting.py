@@ -176,7 +176,7 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError("the scenario must move over the time of the table, but cannot.")
     sizes = np.array([np.linalg.norm(some, axis=0) for some in misfit.split(jacobian[0])])
     seen = np.array([np.sqrt(np.nansum(rows**2)) for rows in observation.groups.values()])
-    moves = (sizes > IDLE * seen[:, None]).any(axis=0)
+    moves = np.any(sizes > IDLE * seen[:, None], axis=0).tolist()
     idle = [name for name, does in zip(space.names, moves, strict=True) if not does]
     if idle:
         raise InputError(

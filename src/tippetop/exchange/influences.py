@@ -72,7 +72,7 @@ def moves(
     spin = abs(float(start.get("omega3", 0.0))) or 1.0
     law = tables.get("friction", {}).get("law", "none")
     changes: dict[str, list[dict[str, float]]] = {}
-    if "plane" not in tables:
+    if "tilt" not in tables.get("plane", {}):
         changes[TILTED] = [
             {"plane.tilt": TILT, "plane.azimuth": turn} for turn in (0.0, math.pi / 2)
         ]

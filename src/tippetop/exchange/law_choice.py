@@ -51,10 +51,9 @@ def under(problem: Problem, law: str | Mapping[str, Any], until: float) -> Probl
 def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
     """Return the numbers of a law under which a motion slides about as far."""
     rows = solve(with_rows_at(problem, np.linspace(0, until, ROWS))).columns()
-    power, force, *slip = (
-        rows[column].values for column in ("friction_power", "normal_force", "nu_x", "nu_y")
-    )
-    speed = np.hypot(*slip)
+    power, force = (rows[column].values for column in ("friction_power", "normal_force"))
+    slip = [rows[column].values for column in ("nu_x", "nu_y") if column in rows]
+    speed = np.linalg.norm(slip, axis=0)
     order = 2 if name in ("viscous", "latitude") else 1
     pressed = np.nansum(force * speed**order)
     mu = abs(float(np.nansum(power))) / pressed if pressed > 0 else USUAL_MU

@@ -70,7 +70,8 @@ class LogLikelihood:
         every = self._values(np.concatenate([many, sides.reshape(-1, free)]))
         ahead, behind = every[n:].reshape(2, n, free)
         values = every[:n]
-        slopes = (ahead - behind) / (2 * steps)
+        with np.errstate(invalid="ignore"):
+            slopes = (ahead - behind) / (2 * steps)
         return (values, slopes) if given.ndim > 1 else (float(values[0]), slopes[0])
 
     def _values(self, points: np.ndarray) -> np.ndarray:

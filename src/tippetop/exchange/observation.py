@@ -200,7 +200,7 @@ class Observation:
         model = np.stack([read[name] for name in scalars], axis=-1)
         if group == "marker":
             axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
-            arm = np.einsum("axpr,a->prx", np.array(axes), self.marker)
+            arm = np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
             model = model + arm
         return model
 

@@ -95,7 +95,7 @@ def local_minimum(
         loss=misfit.loss,
         f_scale=size or misfit.size(begin),
         ftol=1e-8 if last else 0.1 / count,
-        gtol=None,
+        gtol=float(np.finfo(float).eps),  # where nothing moves
         max_nfev=MOST if last else FEW,
     )
     residual = result.fun[:count]

@@ -43,11 +43,13 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.set_visible(False)
                 continue
             if row == column:
-                panel.hist(x, BINS, limits[column], weights=weights, color=LIGHT.run, alpha=0.8)
+                panel.hist(
+                    x, BINS, range=limits[column], weights=weights, color=LIGHT.run, alpha=0.8
+                )
                 panel.set_yticks([])
             else:
                 count, *edges = np.histogram2d(
-                    x, y, BINS, (limits[column], limits[row]), weights=weights
+                    x, y, BINS, range=(limits[column], limits[row]), weights=weights
                 )
                 panel.pcolormesh(*edges, count.T, cmap="Blues", rasterized=True)
                 panel.set_ylim(limits[row])

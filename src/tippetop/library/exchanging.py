@@ -226,7 +226,7 @@ def fit(
     systematic : bool
         Whether to estimate by how much the numbers would move if the table were tilted by 0.1
         degrees, by the air on a sphere of its size, and for a contact disc of 0.1 mm, unless the
-        scenario has tables [plane], [air], or a law with a disc. False: of a computed motion.
+        scenario has `plane.tilt`, a table [air], or a law with a disc. False: of a computed motion.
     laws : list of str or mappings, optional
         Friction laws under which the film is fitted, by name, or as tables `friction`: the one that
         explains it best is returned, and `laws` has all of them. Free numbers that a law lacks are
@@ -282,9 +282,8 @@ def fit(
         return fitted(problem, names, within)
     until = float(read(path_of("data", data), wrapped=False, track=track).t[-1])
     fits: dict[str, Fitted] = {}
-    for law in sorted(
-        laws.split(",") if isinstance(laws, str) else laws, key=problem.law.key.__ne__
-    ):
+    every = laws.split(",") if isinstance(laws, str) else laws
+    for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
         lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
         found = fitted(one, [n for n in names if n not in lacking], within)
