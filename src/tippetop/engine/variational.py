@@ -1,20 +1,21 @@
 """The variational equations: derivatives of motions along directions in the space of all numbers
 that a user gives.
 
-The start, the equations of motion, columns and event functions are differentiated as expressions:
-the formulas are those of the run. A number and its direction are parameters of the compiled
+The formulas are those of the run; their operands are expressions with derivatives. A number and its direction are parameters of the compiled
 functions, so that one integrator serves every direction, each in a SIMD lane. Units are those of
 the problem.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import lru_cache
+from itertools import count, starmap
 from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
 from ..mechanics.contact.body import Touch, by_scalars, height
+from ..mechanics.dual import Dual, parts_of, plain
 from ..mechanics.moment import moment
 from ..mechanics.operand import Vector, cos, leaves, refill, sin
 from ..mechanics.rotation import outer
@@ -22,11 +23,9 @@ from ..mechanics.system import System
 from ..mechanics.units import Scales
 from ..mechanics.variables import Variables
 from .code_cache import compiled_once
-from .expressions import AXES, observed, orientation_of
+from .expressions import AXES, Formulas, observed, orientation_of
 
 
-ALONG = hy.make_vars("along")
-"""The parameter of a line; it is zero where a derivative is taken."""
 ZERO = hy.expression(0.0)
 COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
@@ -55,46 +54,30 @@ class Kind(NamedTuple):
     flags: tuple[str, ...]
     order: int
 
-    @property
-    def symbols(self) -> list[Any]:
-        """The variables as symbols, then their first derivatives, then their second ones."""
-        names = self.variables.names
-        orders = range(self.order + 1)
-        return [hy.expression("d_" * k + name) for k in orders for name in names]
-
     def numbers(self) -> tuple[Any, dict[str, Any]]:
-        """Return the body and the initial data of the user's numbers, as symbols."""
+        """Return the body and the initial data of the user's numbers, as symbols with derivatives;
+        second derivatives of numbers are zero.
+        """
+        n = len(self.names)
         tables: dict[str, dict[str, Any]] = {"parameters": {}, "friction": {}, "initial": {}}
-        values = {name: hy.par[i] for i, name in enumerate(self.names)}
-        for name, value in (values | dict.fromkeys(self.flags, True)).items():
+        parts = ([hy.par[i], hy.par[n + i], ZERO][: self.order + 1] for i in range(n))
+        values = zip(self.names, starmap(Dual, parts), strict=True)
+        for name, value in (dict(values) | dict.fromkeys(self.flags, True)).items():
             table, _, key = name.partition(".")
             tables[table][key] = value
         friction = self.friction(**tables["friction"])
         return self.system.body_of(tables["parameters"], friction), tables["initial"]
 
-    def motion(self) -> tuple[list[Any], Any, list[Any]]:
-        """Return the variables, the body and the rates of the variables, as expressions."""
-        variables, (body, _) = self.variables, self.numbers()
-        state = self.symbols[: len(variables.names)]
-        return state, body, variables.rates(*variables.split(state), body)
 
-    def with_derivatives(self, values: Iterable) -> list[Any]:
-        """Return expressions, their first derivatives along a direction, then their second ones."""
-        n = len(self.names)
-        symbols = self.symbols
-        moves = {hy.par[i]: hy.par[n + i] for i in range(n)}
-        moves |= zip(symbols, symbols[len(self.variables.names) :], strict=False)
-        rows = [[ZERO + value for value in values]]
-        for _ in range(self.order):
-            rows.append(_derivatives(rows[-1], moves))
-        return [value for row in rows for value in row]
+def symbols(names: Iterable[str], order: int) -> list[Dual]:
+    """Return symbols with their derivatives."""
+    return [Dual(*(hy.expression("d_" * k + name) for k in range(order + 1))) for name in names]
 
 
-def _derivatives(values: list[Any], moves: Mapping[Any, Any]) -> list[Any]:
-    """Return the derivatives of expressions along a line, by the derivative of each symbol."""
-    ahead = {symbol: symbol + ALONG * move for symbol, move in moves.items()}
-    here = {moved: symbol for symbol, moved in ahead.items()}
-    return hy.subs([hy.diff(value, ALONG) for value in hy.subs(values, ahead)], here)
+def by_order(values: Iterable, order: int) -> list[Any]:
+    """Return values, then their first derivatives, then their second ones."""
+    parts = [[ZERO + part for part in parts_of(value, order)] for value in values]
+    return [one for row in zip(*parts, strict=True) for one in row]
 
 
 @lru_cache(maxsize=16)
@@ -108,19 +91,36 @@ def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> tuple[Any, Any]
     integrator
         heyoka's integrator of them, in lanes.
     """
+    variables = kind.variables
     body, data = kind.numbers()
     theta = ZERO + data.get("theta", 0.0)
     s = sin(theta)
     z = cos(theta)
     angles = kind.system.start(data, s, z, body)
-    start = kind.variables.join(*kind.variables.start(data, angles, s, z, body))
-    starts = compiled_once(hy.cfunc, kind.with_derivatives(start), vars=[])
-    _, _, rates = kind.motion()
-    equations = list(zip(kind.symbols, kind.with_derivatives(rates), strict=True))
+    start = variables.join(*variables.start(data, angles, s, z, body))
+    starts = compiled_once(hy.cfunc, by_order(start, kind.order), vars=[])
+    return starts, _integrator(variables, body, kind.order, lanes, tolerance)
+
+
+@lru_cache(maxsize=128)
+def compiled_flow(formulas: Formulas, variables: Variables, lanes: int, tolerance: float) -> Any:
+    """Return heyoka's integrator of formulas with derivatives along one direction for each lane.
+
+    Its parameters are the numbers of the body, each before its derivative.
+    """
+    body = formulas.body(Dual(hy.par[2 * i], hy.par[2 * i + 1]) for i in count())
+    return _integrator(variables, body, 1, lanes, tolerance)
+
+
+def _integrator(variables: Variables, body: Any, order: int, lanes: int, tolerance: float) -> Any:
+    """Return heyoka's integrator of the variables of a body with derivatives."""
+    state = symbols(variables.names, order)
+    rates = variables.rates(*variables.split(state), body)
+    equations = list(zip(by_order(state, order), by_order(rates, order), strict=True))
     careful = tolerance < COARSE  # compensated sums of steps: a quarter of the cost
     options = {"tol": tolerance, "high_accuracy": careful, "compact_mode": True}
     zero = np.zeros((len(equations), lanes))
-    return starts, compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
+    return compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
 
 
 def expressions_of(kind: Kind, state: list[Any], body: Any) -> dict[str, Any]:
@@ -162,10 +162,14 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
 
     `names`: None for all.
     """
-    state, body, rates = kind.motion()
+    state = symbols(kind.variables.names, kind.order)
+    body, _ = kind.numbers()
     known = expressions_of(kind, state, body)
     names = tuple(known) if names is None else names
-    values = [ZERO + known[name] for name in names]
-    by_time = _derivatives(values, dict(zip(state, rates, strict=True)))
-    outputs = kind.with_derivatives(values) + by_time
-    return names, compiled_once(hy.cfunc, outputs, vars=kind.symbols, compact_mode=True)
+    rates = kind.variables.rates(*kind.variables.split(plain(tuple(state))), plain(body))
+    moving = [Dual(one.value, rate) for one, rate in zip(state, rates, strict=True)]
+    by_time = expressions_of(kind, moving, plain(body))
+    outputs = by_order((known[name] for name in names), kind.order)
+    outputs += [ZERO + parts_of(by_time[name], 1)[1] for name in names]
+    inputs = by_order(state, kind.order)
+    return names, compiled_once(hy.cfunc, outputs, vars=inputs, compact_mode=True)

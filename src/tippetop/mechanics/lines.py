@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from .dual import plain
 from .operand import leaves, refill
 
 
@@ -127,4 +128,4 @@ def unit_of(*values: Any) -> Any:
     if isinstance(values[0], Number):
         largest = reduce(np.maximum, map(abs, values))
         return values[0].program.line("unit", largest, 0.0, unit_of(largest.value))
-    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])
+    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, plain(values)))))[1])
