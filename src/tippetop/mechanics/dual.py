@@ -218,6 +218,11 @@ def plain(value: Any) -> Any:
     return value.value if isinstance(value, Dual) else value
 
 
+def has_derivatives(record: tuple) -> bool:
+    """Return whether there are derivatives in a record."""
+    return any(isinstance(one, Dual) for one in leaves(record))
+
+
 def parts_of(value: Any, order: int) -> tuple:
     """Return a value and its derivatives; those of a constant are 0."""
     return value.parts if isinstance(value, Dual) else (value, *(0.0,) * order)

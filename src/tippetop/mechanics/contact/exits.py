@@ -8,11 +8,12 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
+from ..dual import Dual, has_derivatives, parts_of, plain
 from ..form import CLOCK, Next, Phase
 from ..operand import Vector, atan2, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
@@ -230,7 +231,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         against = (atan2(-F.y, -F.x),) if F.z > 0 else ()
         slides = world.phases[phase_name("slip", ball)]
-        for beta in (*first_directions(partial(pushed, slides, x, b)), *against):
+        for beta in (*first_directions(partial(pushed, slides, *plain((x, b)))), *against):
             return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
     return fly(x, world, ball, 2, "opens-at-once")
 
@@ -363,6 +364,8 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     It is a series, computed with numbers of 80 bits; None if nothing begins to slide. Where it ends
     slow, the phase ends immediately, by its exit `CLOCK`.
     """
+    if has_derivatives((x, world.body, (w,))):
+        return slide_of_duals(x, world, ball, beta, cause, w)
     name = phase_name("slip", ball)
     number = type(world.left)
     phase = world.phases[name]
@@ -402,6 +405,75 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
     end = phase.leave(q, world.body[ball])._replace(carried=carried)
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
+
+
+WEIGHTS = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
+"""Of the points of a difference, by their place."""
+MOVE = 1e-4
+
+
+def slide_of_duals(
+    x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any
+) -> Next | None:
+    """Return a slow slide of numbers with derivatives: differences of such slides with 80 bits."""
+    given = x, world.body, (w,)
+    values = plain(given)
+    plain_world = world._replace(body=values[1], left=plain(world.left))
+    known = slide(values[0], plain_world, ball, plain(beta), cause, plain(w))
+    if known is None:
+        return None
+    derivatives = np.array(np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given))))
+    each = derivatives.reshape(len(derivatives), -1).T
+    steps = [np.longdouble(MOVE / max(np.abs(one).max(), 1e-300)) for one in each]
+    phase = world.phases[known.phase]
+    pattern = known.series([known.delay])
+
+    @cache
+    def near(direction: int, point: int) -> Callable:
+        """Return the series of a slide nearby."""
+        moves = point * steps[direction] * each[direction].astype(np.longdouble)
+        moved = (eighty_bits(one) + move for one, move in zip(leaves(values), moves, strict=True))
+        x, body, (w,) = refill(given, moved)
+        wide = world._replace(body=body, left=eighty_bits(plain(world.left)))
+        n = slide(x, wide, ball, plain(beta), cause, w)
+        if n is None:
+            raise ArithmeticError("a slow slide has no derivative")
+        return n.series
+
+    def series(times: Any) -> tuple[Any, Any]:
+        """Return the motion, also at times with derivatives."""
+        at, moves = parts_of(times, 1)
+        at = np.array(at)
+        step = np.longdouble(MOVE * known.delay)
+        slope = differences(lambda k: leaves(known.series(at + k * step))) / step
+        rest = [
+            differences(lambda k, j=j: leaves(near(j, k)(at))) / size for j, size in enumerate(steps)
+        ]
+        parts = zip(leaves(known.series(at)), slope, *rest, strict=True)
+        made = (
+            Dual(np.array(value, float), np.array(by, float) + np.array(rate * moves, float))
+            for value, rate, *by in parts
+        )
+        return refill(pattern, made)
+
+    def end(delay: Any) -> tuple[Any, Any]:
+        one = series(np.array([1.0]) * delay)
+        return refill(one, (Dual(float(v.value[0]), v.first[:, 0]) for v in leaves(one)))
+
+    delay = known.delay
+    q, carried = end(delay)
+    if q.w.value < STOPS_AT:
+        rates = differences(lambda k: leaves(known.series([delay * (1 + k * MOVE)])))
+        pace = float(rates[len(q) - 1, 0]) / (MOVE * delay)
+        delay = Dual(delay, -q.w.first / pace)
+        q, carried = end(delay)
+    x = phase.leave(q, world.body[ball])._replace(carried=carried)
+    return replace(known, x=x, delay=delay, series=series)
+
+
+def differences(function: Callable) -> np.ndarray:
+    """Return the slope of function(place), arrays, at 0."""
+    return sum(weight * np.array(function(k)) for k, weight in WEIGHTS.items())
 
 
 # --- exits of the phases ------------------------------------------------------------------------
