@@ -7,17 +7,16 @@ the numbers, and no jump has derivatives of its own.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from contextlib import suppress
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...errors import InputError
-from ...mechanics.contact import impact_motion
 from ...mechanics.contact.contact_phases import STICK
-from ...mechanics.dual import COMPARED, Dual, parts_of, plain
+from ...mechanics.dual import Dual, parts_of, plain
 from ...mechanics.form import CLOCK, Phase
-from ...mechanics.operand import cos, leaves, refill, sin
+from ...mechanics.operand import cos, kinds, leaves, refill, sin
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
@@ -27,9 +26,11 @@ from ..hybrid import QUIET, HybridDriver, Leg, Track, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..variational import compiled_flow
+from .tape import Tape
 
 
 MOST_LANES = 8
+BRANCHES = 32
 PROJECTED_AT = 1e-2, 1e-5, 1e-9
 """Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
 
@@ -108,47 +109,131 @@ def valued(record: Any, values: Sequence) -> Any:
     return refill(record, made)
 
 
-def joined(values: np.ndarray, moves: np.ndarray) -> list[Dual]:
+def joined(values: Sequence, moves: np.ndarray) -> list[Dual]:
     """Return numbers of values (n, ...) and derivatives (n, directions, ...)."""
     return [Dual(*pair) for pair in zip(values, moves, strict=True)]
 
 
-def derivatives(numbers: Sequence, directions: int) -> np.ndarray:
-    """Return the derivatives of numbers, (n, directions)."""
-    return np.array([parts_of(one, 1)[1] + np.zeros(directions) for one in numbers])
+def parted(numbers: Sequence, directions: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the values (n,) and derivatives (n, directions) of numbers."""
+    pairs = [parts_of(one, 1) for one in numbers]
+    values = np.array([value for value, _ in pairs], float)
+    return values, np.array([by + np.zeros(directions) for _, by in pairs])
 
 
-# --- flows ----------------------------------------------------------------------------------------
+class Motion(NamedTuple):
+    """The equations of a phase or of an impact, and the numbers of the body in them."""
+
+    formulas: Formulas
+    variables: Variables
+    pars: np.ndarray
+    moves: np.ndarray
+
+    def flow(
+        self, values: np.ndarray, moves: np.ndarray, times: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the values (n, times) and derivatives (n, directions, times) of a state that moves
+        for these times, ascending.
+        """
+        n, directions = moves.shape
+        lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
+        key = self.formulas, self.variables, lanes, 2.0**-52
+        ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
+        both = np.empty((2 * len(self.pars), directions))
+        both[::2] = self.pars[:, None]
+        both[1::2] = self.moves
+        found = np.empty((2 * n, directions, len(times)))
+        for first in range(0, directions, lanes):
+            some = np.arange(first, first + lanes).clip(max=directions - 1)
+            ta.set_time(0.0)
+            ta.state[:n] = values[:, None]
+            ta.state[n:] = moves[:, some]
+            ta.pars[:] = both[: len(ta.pars), some]
+            ta.propagate_until(times[0])
+            found[:, some, 0] = ta.state
+            if len(times) > 1:
+                _, rows = ta.propagate_grid(np.repeat(times[:, None], lanes, axis=1))
+                found[:, some] = np.moveaxis(rows, 0, -1)
+        return found[:n, 0], found[n:]
+
+    def rates(self, values: np.ndarray) -> np.ndarray:
+        """Return the rates of the variables."""
+
+        def rates(_: Any, pars: tuple, state: tuple) -> tuple:
+            q, carried = self.variables.split(state)
+            return self.variables.rates(q, carried, self.formulas.body(iter(pars))), None
+
+        given = np.concatenate([self.pars, values])
+        key = self.formulas, self.variables
+        made = evaluated(key, rates, (tuple(self.pars), tuple(values)), given, given[:, None][:, :0])
+        return made[0]
+
+    def shift(self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray) -> Any:
+        """Return the derivative of the time at which an event happens, from that at which it does
+        without a change of the numbers; and the event function with its derivative by time last.
+        """
+
+        def function(_: Any, pars: tuple, state: tuple) -> tuple:
+            b = self.formulas.body(iter(pars))
+            q, _ = self.variables.split(state)
+            return [event.formula(self.formulas.form.scalars(q, b), b)], None
+
+        records = tuple(self.pars), tuple(values)
+        given = np.concatenate([self.pars, values])
+        ways = np.zeros((len(given), moves.shape[1] + 1))
+        ways[: len(self.pars), :-1] = self.moves
+        ways[len(self.pars) :] = np.c_[moves, rates]
+        _, ((*by, pace),), _ = evaluated((self.formulas, event), function, records, given, ways)
+        return -np.array(by) / pace
 
 
-def flow(
-    formulas: Formulas, variables: Variables, state: Sequence, body: Any, times: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the values (n, times) and derivatives (n, directions, times) of a state that moves for
-    these times, ascending.
+@lru_cache(maxsize=1024)
+def tapes_of(key: tuple) -> list[Tape]:
+    """Return the records of a function, which has been called so far on these branches."""
+    return []
+
+
+def evaluated(
+    key: tuple,
+    function: Callable,
+    records: tuple,
+    values: np.ndarray,
+    moves: np.ndarray,
+    follow: Callable | None = None,
+) -> tuple[np.ndarray, np.ndarray, Any]:
+    """Return the numbers that a function returns, their derivatives, and its second result.
+
+    Parameters
+    ----------
+    key
+        By which the function is known.
+    function
+        function(call, *records) -> numbers, and what they depend on; call(place, function, *inputs)
+        follows a motion.
+    records, values, moves
+        The inputs: as records, their values, and derivatives (inputs, directions).
+    follow
+        follow(place, values, moves) of a motion.
     """
-    moves = np.array([one.first for one in state])
-    n, directions = moves.shape
-    pars = leaves(body)
-    lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-    key = formulas, variables, lanes, 2.0**-52
-    ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
-    both = np.empty((2 * len(pars), directions))
-    both[::2] = np.array([plain(one) for one in pars], float)[:, None]
-    both[1::2] = derivatives(pars, directions)
-    found = np.empty((2 * n, directions, len(times)))
-    for first in range(0, directions, lanes):
-        some = np.arange(first, first + lanes).clip(max=directions - 1)
-        ta.set_time(0.0)
-        ta.state[:n] = np.array([one.value for one in state])[:, None]
-        ta.state[n:] = moves[:, some]
-        ta.pars[:] = both[: len(ta.pars), some]
-        ta.propagate_until(times[0])
-        found[:, some, 0] = ta.state
-        if len(times) > 1:
-            _, rows = ta.propagate_grid(np.repeat(times[:, None], lanes, axis=1))
-            found[:, some] = np.moveaxis(rows, 0, -1)
-    return found[:n, 0], found[n:]
+    tapes = tapes_of(key)
+    for tape in tapes:
+        if made := tape(values, moves, follow):
+            return *made, tape.about
+    if len(tapes) < BRANCHES:
+        with suppress(Exception):  # whatever it does that is no line of a tape
+            tape = Tape(function, *records)
+            made = tape(values, moves, follow)
+            if made:
+                tapes.append(tape)
+                return *made, tape.about
+
+    def call(place: int, _: Any, *given: Any) -> list:
+        numbers = parted(leaves(given), moves.shape[1])
+        return joined(*follow(place, *numbers))
+
+    duals = iter(joined(values, moves))
+    results, about = function(call, *refill(records, duals))
+    return *parted(results, moves.shape[1]), about
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -177,15 +262,14 @@ class Pass:
         status = driver.ended
         while status is None and driver.clock[0] <= end:
             status = driver.advance(self, STEPS_PER_SLICE).status
-        if not driver.legs or driver.legs[-1].jump is not None and status is None:
+        if not driver.legs or (driver.legs[-1].jump is not None and status is None):
             driver.last_rows()
         self.numbers = numbers_of(problem, wrt, driver)
-        self.bodies = dict[str, Any]()
+        self.directions = len(wrt)
         rules = self.numbers.rules
-        struck = driver.world.struck
-        if struck:
-            struck = partial(struck, piece=self._piece)
-        self.world = driver.world._replace(body=self.numbers.body, rules=rules, struck=struck)
+        self.rules = () if rules is None else (rules.e_n,)
+        self.motions = dict[str, Motion]()
+        self.regions = [*driver.impacts.stages] if self.rules else []
 
     def wanted(self) -> np.ndarray:
         """Return the times of rows of the plain run: none."""
@@ -195,124 +279,130 @@ class Pass:
     def follow(self) -> None:
         """Follow the run."""
         driver = self.driver
-        begin = driver.problem.system.begin or begin_in_first
+        begin = self.problem.system.begin or begin_in_first
         phase = completed(self.problem.system.phase, self.problem.variables)
-        zero = np.zeros(self.numbers.directions)
-        now: Any = Dual(0.0, zero)
+        now: Any = Dual(0.0, np.zeros(self.directions))
         self.times = []
-        n, state = self._jumped(phase, begin, self.numbers.state, now)
+        start = parted(self.numbers.state, self.directions)
+        name, delay, lasts, *state = self._jumped(phase, begin, start, now)
         for leg in driver.legs:
-            began = now + n.delay
-            assert n.phase == leg.track.name, (n.phase, leg.track.name)
-            state, now = self._ended(leg, state, began, n.lasts)
+            began = now + delay
+            assert name == leg.track.name, (name, leg.track.name)
+            last, now = self._ended(leg, state, began, lasts)
             self.times.append(now)
-            self.state, self.track = state, leg.track
+            self.state, self.track = joined(*last), leg.track
             if leg.jump is None:
                 break
-            n, state = self._jumped(leg.track.phase, leg.jump.exit.jump, state, now)
-            if n.ends:
+            name, delay, lasts, *state = self._jumped(
+                leg.track.phase, leg.jump.exit.jump, last, now
+            )
+            if not name:
                 break
 
-    def _body(self, phase: Phase) -> Any:
-        """Return the body of the formulas of a phase."""
-        return phase.parameters(self.world.body)
-
-    def _jumped(self, phase: Phase, jump: Callable, state: Sequence, now: Dual) -> tuple:
-        """Return what follows a phase that ended in a state, and the variables in which the next
-        one begins.
+    def _jumped(self, phase: Phase, jump: Callable, state: tuple, now: Dual) -> list:
+        """Return the phase that follows one that ended in a state; how long until it begins and
+        how long it lasts at most; and its variables.
         """
-        q, carried = variables_of(phase.form).split(state)
-        x = phase.leave(q, self._body(phase))
-        if hasattr(x, "carried"):
-            x = x._replace(carried=carried)
-        n = jump(x, self.world._replace(phase=phase, left=float(self.driver.end) - now))
-        if n.phase not in self.driver.phases:
-            return n, None
-        to = self.driver.track_of(n.phase)
-        carried = getattr(n.x, "carried", carried)
-        q = to.phase.enter(n.x, self._body(to.phase))
-        zero = 0 * now
-        return n, [zero + one for one in to.variables.join(q, carried)]
+        driver = self.driver
+        world = driver.world._replace(phase=phase)
+        impacts = getattr(driver, "impacts", None)
 
-    def _rates(self, track: Track, values: Sequence) -> np.ndarray:
-        """Return the rates of the variables of a phase."""
-        return np.array(track.variables.rates(*track.variables.split(values), track.b), float)
+        def jumped(call: Callable, body: Any, rules: tuple, left: tuple, state: tuple) -> tuple:
+            def piece(region: str, *given: Any) -> list:
+                place = self.regions.index(region)
+                return call(place, partial(impacts.piece, region), *given)
 
-    def _ended(self, leg: Leg, state: Sequence, began: Dual, lasts: Any) -> tuple[list, Dual]:
+            now = world._replace(body=body, left=left[0])
+            if rules:
+                e_n = world.rules._replace(e_n=rules[0])
+                now = now._replace(rules=e_n, struck=partial(impacts.struck, piece=piece))
+            q, carried = variables_of(phase.form).split(state)
+            x = phase.leave(q, phase.parameters(body))
+            if hasattr(x, "carried"):
+                x = x._replace(carried=carried)
+            n = jump(x, now)
+            if n.ends:
+                return [n.delay], ""
+            to = driver.track_of(n.phase)
+            carried = getattr(n.x, "carried", carried)
+            q = to.phase.enter(n.x, to.phase.parameters(body))
+            return [n.delay, n.lasts, *to.variables.join(q, carried)], n.phase
+
+        given = self.numbers.body, self.rules, (float(driver.end) - now,)
+        known = parted(leaves(given), self.directions)
+        inputs = map(np.concatenate, zip(known, state, strict=True))
+        records = *plain(given), tuple(state[0])
+        restitution = self.numbers.rules and self.numbers.rules.restitution
+        key = phase, jump, restitution, kinds(world.body)
+        values, moves, name = evaluated(key, jumped, records, *inputs, self._motion)
+        delay, *lasts = joined(values[:2], moves[:2])
+        return [name, delay, *lasts, values[2:], moves[2:]]
+
+    def _motion_of(self, track: Track) -> Motion:
+        """Return the equations of a phase."""
+        if track.name not in self.motions:
+            b = track.phase.parameters(self.numbers.body)
+            known = parted(leaves(b), self.directions)
+            self.motions[track.name] = Motion(track.formulas, track.variables, *known)
+        return self.motions[track.name]
+
+    def _ended(self, leg: Leg, state: tuple, began: Dual, lasts: Any) -> tuple[tuple, Dual]:
         """Return the state where a phase ends, and the time, of the state where it begins."""
-        track = leg.track
-        body = self._body(track.phase)
-        directions = self.numbers.directions
-        values = [one.value for one in state]
-        moves = np.array([one.first for one in state])
-        moves = moves - np.outer(self._rates(track, values), began.first)  # at a fixed time
-        more = np.zeros(directions)
+        motion = self._motion_of(leg.track)
+        values, moves = state
+        moves = moves - np.outer(motion.rates(values), began.first)  # at a fixed time
+        more = np.zeros(self.directions)
         done = 0.0
         span = leg.ended - leg.began
         last = np.array(leg.last)
-        rates = self._rates(track, leg.last)
+        rates = motion.rates(last)
         event = leg.jump and leg.jump.exit.event
-        if span > 0:
-            stops = []
-            if event == STICK.name:
-                w = track.variables.names.index("w")
-                stops = [span + speed / rates[w] for speed in PROJECTED_AT]
-            for stop in (*(stop for stop in stops if stop > span / 2), span):
-                state = joined(np.array(values), moves)
-                found, after = flow(
-                    track.formulas, track.variables, state, body, np.array([stop - done])
-                )
-                values, moves = found[:, 0], after[..., 0]
-                done = stop
-                if stop < span:
-                    at = self._rates(track, values)
-                    by = -moves[w] / at[w]
-                    moves = moves + np.outer(at, by)
-                    more = more + by
+        stops = []
+        if event == STICK.name:
+            w = motion.variables.names.index("w")
+            stops = [span + speed / rates[w] for speed in PROJECTED_AT]
+            stops = [stop for stop in stops if stop > span / 2]
+        for stop in (*stops, span) if span > 0 else ():
+            found, after = motion.flow(values, moves, np.array([stop - done]))
+            values, moves = found[:, 0], after[..., 0]
+            done = stop
+            if stop < span:
+                at = motion.rates(values)
+                by = -moves[w] / at[w]
+                moves = moves + np.outer(at, by)
+                more = more + by
         if event is None:
             shift = 0 * more
         elif event == CLOCK:
             shift = (began + lasts).first - more
         else:
-            ending = next(one for one in track.phase.events if one.name == event)
-            h = self._value(ending, track, last, np.c_[moves, rates])
-            shift = -h.first[:-1] / h.first[-1]
-        return joined(last, moves + np.outer(rates, shift)), Dual(leg.ended, shift + more)
+            ending = next(one for one in leg.track.phase.events if one.name == event)
+            shift = motion.shift(ending, last, moves, rates)
+        return (last, moves + np.outer(rates, shift)), Dual(leg.ended, shift + more)
 
-    def _value(self, event: Any, track: Track, values: np.ndarray, moves: np.ndarray) -> Dual:
-        """Return an event function and its derivatives; the last one is that by time."""
-        padded = (
-            Dual(one.value, np.append(one.first, 0.0)) if isinstance(one, Dual) else one
-            for one in leaves(self._body(track.phase))
-        )
-        b = refill(track.b, padded)
-        q, _ = track.variables.split(joined(values, moves))
-        return event.formula(track.phase.form.scalars(q, b), b)
-
-    def _piece(self, region: str, end: Any, most: int, signs: tuple, zeros: tuple, *given: Any):
-        """Follow a motion of an impact, as `ImpactMotions.piece`."""
+    def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
+        """Follow a motion of an impact, of the inputs of `ImpactMotions.piece`."""
         impacts = self.driver.impacts
-        state, pars = given
-        made = impacts.piece(region, end, most, signs, zeros, *map(plain, given))
-        status, steps, k, *after = made
-        lasts = float(impacts.driver(region).reached()[0])
-        zero = np.zeros(self.numbers.directions)
+        region = self.regions[place]
         formulas = formulas_of_impact(impacts.law, region, *impacts.pattern)
         variables = variables_of(formulas.form, False)
+        count = len(formulas.events)
         size = len(variables.names)
-        first = [Dual(*parts_of(one, 1)) + Dual(0.0, zero) for one in state[:size]]
-        _, moves = flow(formulas, variables, first, pars, np.array([lasts]))
-        moves = moves[..., 0]
-        values = np.array(after[:size])
-        if k >= 0:
-            body = formulas.body(iter([plain(one) for one in pars]))
-            q, _ = variables.split(values)
-            rates = np.array(formulas.form.rates(q, body), float)
-            padded = (
-                Dual(one.value, np.append(one.first, 0.0)) if isinstance(one, Dual) else one
-                for one in pars
-            )
-            q, _ = variables.split(joined(values, np.c_[moves, rates]))
-            h = formulas.events[int(k)].formula(q, formulas.body(padded))
-            moves = moves - np.outer(rates, h.first[:-1] / h.first[-1])
-        return [status, steps, k, *joined(values, moves), *after[size:]]
+        end, most, *rest = values
+        signs, zeros, state, pars = np.split(
+            rest, [count, 2 * count, 2 * count + impacts.driver(region).width]
+        )
+        made = impacts.piece(region, end, int(most), signs, zeros, state, pars)
+        results = np.zeros((len(made), self.directions))
+        at = 2 + 2 * count
+        motion = Motion(formulas, variables, pars, moves[-len(pars) :])
+        elapsed = float(impacts.driver(region).reached()[0])
+        _, after = motion.flow(state[:size], moves[at : at + size], np.array([elapsed]))
+        after = after[..., 0]
+        if made[2] >= 0:
+            last = np.array(made[3 : 3 + size])
+            rates = motion.rates(last)
+            shift = motion.shift(formulas.events[int(made[2])], last, after, rates)
+            after = after + np.outer(rates, shift)
+        results[3 : 3 + size] = after
+        return np.array(made, float), results
