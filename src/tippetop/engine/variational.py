@@ -6,7 +6,7 @@ functions, so that one integrator serves every direction, each in a SIMD lane. U
 the problem.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from itertools import count, starmap
 from typing import Any, NamedTuple
@@ -123,25 +123,34 @@ def _integrator(variables: Variables, body: Any, order: int, lanes: int, toleran
     return compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
 
 
-def expressions_of(kind: Kind, state: list[Any], body: Any) -> dict[str, Any]:
+def expressions_of(
+    system: System, variables: Variables, state: Sequence[Any], body: Any
+) -> dict[str, Any]:
     """Return functions of the state by name: columns, the height of the centre of mass, axes of the
-    body, event functions.
+    body.
     """
-    form, (q, carried) = kind.variables.form, kind.variables.split(state)
-    values = observed(kind.system, form, q, carried, body)
+    form = variables.form
+    q, carried = variables.split(state)
+    values = observed(system, form, q, carried, body)
     if isinstance(body, Touch):
         scalars = form.scalars(q, body)
         values |= {"height": height(scalars.z, by_scalars(scalars, body))}
-    if kind.variables.orientation and form.orientation:
-        values |= orientation_of(kind.system, form, q, carried, body)
+    if variables.orientation and form.orientation:
+        values |= orientation_of(system, form, q, carried, body)
         first, third = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
         values |= zip(TURN, leaves(outer(first, third)), strict=True)
+    return values
+
+
+def with_events(kind: Kind, state: Sequence[Any], body: Any) -> dict[str, Any]:
+    """Return functions of the state by name, and event functions."""
     own_state, own_body = _own_units(kind, state, body)
-    now = moment(form, *kind.variables.split(own_state), own_body)
+    now = moment(kind.variables.form, *kind.variables.split(own_state), own_body)
+    values = expressions_of(kind.system, kind.variables, state, body)
     return values | {f"event {e.name}": e.formula(now, own_body) for e in kind.system.events}
 
 
-def _own_units(kind: Kind, state: list[Any], body: Any) -> tuple[list[Any], Any]:
+def _own_units(kind: Kind, state: Sequence[Any], body: Any) -> tuple[list[Any], Any]:
     """Return state and body in the units in which a run with these numbers would be integrated:
     events are looked for there, and one whose level is not zero moves with them. The unit of time
     is a power of two, and stays.
@@ -164,11 +173,11 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
     """
     state = symbols(kind.variables.names, kind.order)
     body, _ = kind.numbers()
-    known = expressions_of(kind, state, body)
+    known = with_events(kind, state, body)
     names = tuple(known) if names is None else names
     rates = kind.variables.rates(*kind.variables.split(plain(tuple(state))), plain(body))
     moving = [Dual(one.value, rate) for one, rate in zip(state, rates, strict=True)]
-    by_time = expressions_of(kind, moving, plain(body))
+    by_time = with_events(kind, moving, plain(body))
     outputs = by_order((known[name] for name in names), kind.order)
     outputs += [ZERO + parts_of(by_time[name], 1)[1] for name in names]
     inputs = by_order(state, kind.order)

@@ -118,8 +118,9 @@ class Tape:
 
     def __call__(
         self, values: np.ndarray, moves: np.ndarray, follow: Callable | None = None
-    ) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return the results and their derivatives; None if a comparison turns out otherwise.
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """Return the results, their derivatives, and the least change along each direction at which a
+        comparison turns out otherwise; None if one does.
 
         Parameters
         ----------
@@ -145,4 +146,5 @@ class Tape:
             registers[results] = made
             tangents[results] = by
             k = _execute(self.lines, k + 1, registers, tangents, least)
-        return None if k < 0 else (registers[-self.length :], tangents[-self.length :])
+        results = slice(-self.length, None)
+        return None if k < 0 else (registers[results], tangents[results], least)

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...mechanics.contact.contact_phases import STICK
-from ...mechanics.dual import Dual, parts_of, plain
-from ...mechanics.form import CLOCK, Phase
+from ...mechanics.dual import COMPARED, Dual, parts_of, plain
+from ...mechanics.form import CLOCK, Exit, Phase
 from ...mechanics.operand import cos, kinds, leaves, refill, sin
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
@@ -31,6 +31,8 @@ from .tape import Tape
 
 MOST_LANES = 8
 BRANCHES = 32
+AHEAD = 1e-6
+PER_LEG, PER_TIME = 4, 6
 PROJECTED_AT = 1e-2, 1e-5, 1e-9
 """Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
 
@@ -158,33 +160,57 @@ class Motion(NamedTuple):
 
     def rates(self, values: np.ndarray) -> np.ndarray:
         """Return the rates of the variables."""
+        return self.moving(values, np.zeros((len(values), 0)))[0]
+
+    def moving(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the rates of the variables and of their derivatives."""
 
         def rates(_: Any, pars: tuple, state: tuple) -> tuple:
             q, carried = self.variables.split(state)
             return self.variables.rates(q, carried, self.formulas.body(iter(pars))), None
 
-        given = np.concatenate([self.pars, values])
+        of_pars = self.moves[:, : moves.shape[1]]
+        given = np.concatenate([self.pars, values]), np.concatenate([of_pars, moves])
         key = self.formulas, self.variables
-        made = evaluated(key, rates, (tuple(self.pars), tuple(values)), given, given[:, None][:, :0])
-        return made[0]
+        return evaluated(key, rates, (tuple(self.pars), tuple(values)), *given)[:2]
 
-    def shift(self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray) -> Any:
-        """Return the derivative of the time at which an event happens, from that at which it does
-        without a change of the numbers; and the event function with its derivative by time last.
+    def shift(
+        self, event: Any, values: np.ndarray, moves: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the derivative of the time of an event, and the change of the numbers, along each
+        direction, by which its zero is lost.
+
+        It is lost where the extreme of the event function that follows the zero reaches it.
         """
+        rates, turns = self.moving(values, moves)
+        ahead = values + AHEAD * rates
+        ways = np.c_[moves, rates], np.c_[moves + AHEAD * turns, self.rates(ahead)]
+        (*by, pace), later = (
+            self.value(event, *one)[1] for one in zip((values, ahead), ways, strict=True)
+        )
+        *turns, bend = (later - [*by, pace]) / AHEAD
+        by = np.array(by)
+        at_extreme = by - pace / bend * np.array(turns)
+        return -by / pace, abs(pace**2 / (2 * bend * at_extreme))
+
+    def value(self, event: Any, values: np.ndarray, ways: np.ndarray) -> tuple[float, np.ndarray]:
+        """Return an event function, and its derivatives along those of the state, (n, ways), of
+        which the last is that by time.
+        """
+        events = self.formulas.events
 
         def function(_: Any, pars: tuple, state: tuple) -> tuple:
             b = self.formulas.body(iter(pars))
-            q, _ = self.variables.split(state)
+            q, carried = self.variables.split(state)
+            if event in events:
+                return [self.formulas.functions(q, carried, b)[events.index(event)]], None
             return [event.formula(self.formulas.form.scalars(q, b), b)], None
 
         records = tuple(self.pars), tuple(values)
-        given = np.concatenate([self.pars, values])
-        ways = np.zeros((len(given), moves.shape[1] + 1))
-        ways[: len(self.pars), :-1] = self.moves
-        ways[len(self.pars) :] = np.c_[moves, rates]
-        _, ((*by, pace),), _ = evaluated((self.formulas, event), function, records, given, ways)
-        return -np.array(by) / pace
+        of_pars = np.c_[self.moves, np.zeros(len(self.pars))]
+        given = np.concatenate([self.pars, values]), np.concatenate([of_pars, ways])
+        (value,), (slopes,), *_ = evaluated((self.formulas, event), function, records, *given)
+        return value, slopes
 
 
 @lru_cache(maxsize=1024)
@@ -200,8 +226,9 @@ def evaluated(
     values: np.ndarray,
     moves: np.ndarray,
     follow: Callable | None = None,
-) -> tuple[np.ndarray, np.ndarray, Any]:
-    """Return the numbers that a function returns, their derivatives, and its second result.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Any]:
+    """Return the numbers that a function returns, their derivatives, the least change along each
+    direction at which a comparison turns out otherwise, and its second result.
 
     Parameters
     ----------
@@ -222,21 +249,40 @@ def evaluated(
     if len(tapes) < BRANCHES:
         with suppress(Exception):  # whatever it does that is no line of a tape
             tape = Tape(function, *records)
-            made = tape(values, moves, follow)
-            if made:
+            if made := tape(values, moves, follow):
                 tapes.append(tape)
                 return *made, tape.about
 
     def call(place: int, _: Any, *given: Any) -> list:
-        numbers = parted(leaves(given), moves.shape[1])
-        return joined(*follow(place, *numbers))
+        return joined(*follow(place, *parted(leaves(given), moves.shape[1])))
 
-    duals = iter(joined(values, moves))
-    results, about = function(call, *refill(records, duals))
-    return *parted(results, moves.shape[1]), about
+    least = [np.full(moves.shape[1], np.inf)]
+    token = COMPARED.set(lambda one: least.append(abs(one.value) / abs(one.first)))
+    try:
+        results, about = function(call, *refill(records, iter(joined(values, moves))))
+    finally:
+        COMPARED.reset(token)
+    return *parted(results, moves.shape[1]), np.fmin.reduce(least), about
 
 
 # --- the pass -------------------------------------------------------------------------------------
+
+
+class Note(NamedTuple):
+    """By how much numbers may change before something turns out otherwise: see `Pass.notes`."""
+
+    time: float
+    what: str
+    least: np.ndarray  # relative change along each direction
+
+
+class Samples(NamedTuple):
+    """States in a phase at some of the times."""
+
+    track: Track
+    which: Any  # of the times
+    values: np.ndarray  # (n, times)
+    moves: np.ndarray  # (n, directions, times)
 
 
 class Pass:
@@ -248,19 +294,28 @@ class Pass:
         The run.
     wrt
         Dotted names of numbers.
-    end
-        How far [internal units].
+    times
+        Internal times of states, ascending; the run is followed to the last.
+
+    Attributes
+    ----------
+    legs, shifts
+        The phases that end in this time, and the derivatives of the times at which they do.
+    samples
+        States with derivatives at the times.
+    notes
+        What could turn out otherwise.
     """
 
     steps = False
 
-    def __init__(self, problem: Problem, wrt: Sequence[str], end: float):
+    def __init__(self, problem: Problem, wrt: Sequence[str], times: np.ndarray):
         self.problem = problem
+        self.times = times
         self.driver = driver = HybridDriver(problem)
         driver.legs = []
-        self.end = end
         status = driver.ended
-        while status is None and driver.clock[0] <= end:
+        while status is None and driver.clock[0] <= times[-1]:
             status = driver.advance(self, STEPS_PER_SLICE).status
         if not driver.legs or (driver.legs[-1].jump is not None and status is None):
             driver.last_rows()
@@ -270,42 +325,48 @@ class Pass:
         self.rules = () if rules is None else (rules.e_n,)
         self.motions = dict[str, Motion]()
         self.regions = [*driver.impacts.stages] if self.rules else []
+        self.legs = list[Leg]()
+        self.shifts = list[np.ndarray]()
+        self.samples = list[Samples]()
+        self.notes = list[Note]()
+        self.between = list[Samples]()  # states in each phase, for what nearly happened
+        self._follow()
 
     def wanted(self) -> np.ndarray:
         """Return the times of rows of the plain run: none."""
         return np.zeros(0)
 
     @QUIET
-    def follow(self) -> None:
+    def _follow(self) -> None:
         """Follow the run."""
-        driver = self.driver
-        begin = self.problem.system.begin or begin_in_first
+        begin = Exit("start", (), self.problem.system.begin or begin_in_first)
         phase = completed(self.problem.system.phase, self.problem.variables)
-        now: Any = Dual(0.0, np.zeros(self.directions))
-        self.times = []
-        start = parted(self.numbers.state, self.directions)
-        name, delay, lasts, *state = self._jumped(phase, begin, start, now)
-        for leg in driver.legs:
+        now = Dual(0.0, np.zeros(self.directions))
+        state = parted(self.numbers.state, self.directions)
+        name, delay, lasts, *state = self._jumped(phase, begin, state, now)
+        for leg in self.driver.legs:
+            if name != leg.track.name:
+                self.notes.append(Note(now.value, "what follows", 0 * now.first))
+                return
             began = now + delay
-            assert name == leg.track.name, (name, leg.track.name)
-            last, now = self._ended(leg, state, began, lasts)
-            self.times.append(now)
-            self.state, self.track = joined(*last), leg.track
-            if leg.jump is None:
-                break
-            name, delay, lasts, *state = self._jumped(
-                leg.track.phase, leg.jump.exit.jump, last, now
-            )
+            self._in_delay(leg.track, state, now, began)
+            state, now = self._ended(leg, state, began, lasts)
+            if leg.jump is None or not leg.ended <= self.times[-1]:
+                return
+            self.legs.append(leg)
+            self.shifts.append(now.first)
+            name, delay, lasts, *state = self._jumped(leg.track.phase, leg.jump.exit, state, now)
             if not name:
-                break
+                return
 
-    def _jumped(self, phase: Phase, jump: Callable, state: tuple, now: Dual) -> list:
+    def _jumped(self, phase: Phase, exit: Exit, state: Sequence, now: Dual) -> list:
         """Return the phase that follows one that ended in a state; how long until it begins and
         how long it lasts at most; and its variables.
         """
         driver = self.driver
         world = driver.world._replace(phase=phase)
         impacts = getattr(driver, "impacts", None)
+        self.series = None
 
         def jumped(call: Callable, body: Any, rules: tuple, left: tuple, state: tuple) -> tuple:
             def piece(region: str, *given: Any) -> list:
@@ -320,9 +381,11 @@ class Pass:
             x = phase.leave(q, phase.parameters(body))
             if hasattr(x, "carried"):
                 x = x._replace(carried=carried)
-            n = jump(x, now)
+            n = exit.jump(x, now)
             if n.ends:
                 return [n.delay], ""
+            if isinstance(left[0], Dual):
+                self.series = n.series
             to = driver.track_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             q = to.phase.enter(n.x, to.phase.parameters(body))
@@ -333,8 +396,10 @@ class Pass:
         inputs = map(np.concatenate, zip(known, state, strict=True))
         records = *plain(given), tuple(state[0])
         restitution = self.numbers.rules and self.numbers.rules.restitution
-        key = phase, jump, restitution, kinds(world.body)
-        values, moves, name = evaluated(key, jumped, records, *inputs, self._motion)
+        key = phase, exit.jump, restitution, kinds(world.body)
+        values, moves, least, name = evaluated(key, jumped, records, *inputs, self._motion)
+        if not exit.smooth:
+            self.notes.append(Note(now.value, f"what follows `{exit.event}`", least))
         delay, *lasts = joined(values[:2], moves[:2])
         return [name, delay, *lasts, values[2:], moves[2:]]
 
@@ -346,38 +411,76 @@ class Pass:
             self.motions[track.name] = Motion(track.formulas, track.variables, *known)
         return self.motions[track.name]
 
-    def _ended(self, leg: Leg, state: tuple, began: Dual, lasts: Any) -> tuple[tuple, Dual]:
+    def _within(self, began: float, ended: float) -> slice:
+        """Return which of the times lie after one time, and not after another."""
+        first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
+        return slice(first, max(first, np.searchsorted(self.times, ended, side="right")))
+
+    def _in_delay(self, track: Track, state: Sequence, now: Dual, began: Dual) -> None:
+        """Take in the states in a jump that takes time."""
+        which = self._within(now.value, began.value)
+        if which.start == which.stop or not began.value > now.value:
+            return
+        times = self.times[which]
+        values, moves = (np.repeat(one[..., None], len(times), axis=-1) for one in state)
+        if self.series:
+            since = Dual(times - now.value, np.repeat(-now.first[:, None], len(times), axis=1))
+            every = track.variables.join(*self.series(since))
+            values, moves = (np.array(one) for one in zip(*(v.parts for v in every), strict=True))
+        self.samples.append(Samples(track, which, values, moves))
+
+    def _ended(self, leg: Leg, state: Sequence, began: Dual, lasts: Any) -> tuple[Any, Dual]:
         """Return the state where a phase ends, and the time, of the state where it begins."""
-        motion = self._motion_of(leg.track)
+        track = leg.track
+        motion = self._motion_of(track)
         values, moves = state
         moves = moves - np.outer(motion.rates(values), began.first)  # at a fixed time
         more = np.zeros(self.directions)
-        done = 0.0
-        span = leg.ended - leg.began
+        done = leg.began
+        end = min(leg.ended, self.times[-1])
         last = np.array(leg.last)
         rates = motion.rates(last)
-        event = leg.jump and leg.jump.exit.event
+        exit = leg.jump and leg.jump.exit
         stops = []
-        if event == STICK.name:
+        if exit and exit.event == STICK.name:
             w = motion.variables.names.index("w")
-            stops = [span + speed / rates[w] for speed in PROJECTED_AT]
-            stops = [stop for stop in stops if stop > span / 2]
-        for stop in (*stops, span) if span > 0 else ():
-            found, after = motion.flow(values, moves, np.array([stop - done]))
-            values, moves = found[:, 0], after[..., 0]
+            stops = [leg.ended + speed / rates[w] for speed in PROJECTED_AT]
+            stops = [stop for stop in stops if (done + end) / 2 < stop < end]
+        for stop in (*stops, end) if end > done else ():
+            which = self._within(done, stop)
+            count = PER_LEG + int(PER_TIME * (stop - done))
+            apart = np.linspace(done, stop, count + 1)[1:]
+            times, back = np.unique(
+                np.concatenate([self.times[which], apart]), return_inverse=True
+            )
+            values, moves = motion.flow(values, moves, times - done)
+            at = moves
+            if more.any():
+                rows = np.stack([motion.rates(one) for one in values.T], axis=-1)
+                at = moves - rows[:, None] * more[:, None]
+            of_rows, others = np.split(back, [len(back) - count])
+            for found, some, place in (
+                (self.samples, of_rows, which),
+                (self.between, others, len(self.legs)),
+            ):
+                found.append(Samples(track, place, values[:, some], at[..., some]))
+            values = values[:, -1]
+            moves = moves[..., -1]
             done = stop
-            if stop < span:
-                at = motion.rates(values)
-                by = -moves[w] / at[w]
-                moves = moves + np.outer(at, by)
+            if stop < end:
+                slopes = motion.rates(values)
+                by = -moves[w] / slopes[w]
+                moves = moves + np.outer(slopes, by)
                 more = more + by
-        if event is None:
+        if not exit or end < leg.ended:
             shift = 0 * more
-        elif event == CLOCK:
+        elif exit.event == CLOCK:
             shift = (began + lasts).first - more
         else:
-            ending = next(one for one in leg.track.phase.events if one.name == event)
-            shift = motion.shift(ending, last, moves, rates)
+            ending = next(one for one in track.phase.events if one.name == exit.event)
+            shift, least = motion.shift(ending, last, moves)
+            if not exit.smooth:
+                self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
         return (last, moves + np.outer(rates, shift)), Dual(leg.ended, shift + more)
 
     def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
@@ -402,7 +505,7 @@ class Pass:
         if made[2] >= 0:
             last = np.array(made[3 : 3 + size])
             rates = motion.rates(last)
-            shift = motion.shift(formulas.events[int(made[2])], last, after, rates)
+            shift, _ = motion.shift(formulas.events[int(made[2])], last, after)
             after = after + np.outer(rates, shift)
         results[3 : 3 + size] = after
         return np.array(made, float), results
