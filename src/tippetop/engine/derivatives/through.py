@@ -6,9 +6,10 @@ by numbers with derivatives, which the formulas take as they are. So where a pha
 the numbers, and no jump has derivatives of its own.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import lru_cache, partial
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
 from ...mechanics.form import CLOCK, Exit, Phase
 from ...mechanics.operand import cos, kinds, leaves, refill, sin
-from ...mechanics.units import SECOND, Scales
+from ...mechanics.units import SECOND, Scales, Unit
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
 from ..driver import STEPS_PER_SLICE
@@ -25,7 +26,7 @@ from ..expressions import Formulas
 from ..hybrid import QUIET, HybridDriver, Leg, Track, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
-from ..variational import compiled_flow
+from ..variational import compiled_flow, expressions_of
 from .tape import Tape
 
 
@@ -280,7 +281,7 @@ class Samples(NamedTuple):
     """States in a phase at some of the times."""
 
     track: Track
-    which: Any  # of the times
+    which: np.ndarray  # of the times, or the number of the phase for each of them
     values: np.ndarray  # (n, times)
     moves: np.ndarray  # (n, directions, times)
 
@@ -411,15 +412,15 @@ class Pass:
             self.motions[track.name] = Motion(track.formulas, track.variables, *known)
         return self.motions[track.name]
 
-    def _within(self, began: float, ended: float) -> slice:
-        """Return which of the times lie after one time, and not after another."""
+    def _within(self, began: float, ended: float) -> np.ndarray:
+        """Return which of the times lie after one time, or at the start, and not after another."""
         first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
-        return slice(first, max(first, np.searchsorted(self.times, ended, side="right")))
+        return np.arange(first, np.searchsorted(self.times, ended, side="right"))
 
     def _in_delay(self, track: Track, state: Sequence, now: Dual, began: Dual) -> None:
         """Take in the states in a jump that takes time."""
         which = self._within(now.value, began.value)
-        if which.start == which.stop or not began.value > now.value:
+        if not (len(which) and began.value > now.value):
             return
         times = self.times[which]
         values, moves = (np.repeat(one[..., None], len(times), axis=-1) for one in state)
@@ -449,7 +450,7 @@ class Pass:
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
             count = PER_LEG + int(PER_TIME * (stop - done))
-            apart = np.linspace(done, stop, count + 1)[1:]
+            apart = np.linspace(done, stop, count + 2)[1:]
             times, back = np.unique(
                 np.concatenate([self.times[which], apart]), return_inverse=True
             )
@@ -458,12 +459,9 @@ class Pass:
             if more.any():
                 rows = np.stack([motion.rates(one) for one in values.T], axis=-1)
                 at = moves - rows[:, None] * more[:, None]
-            of_rows, others = np.split(back, [len(back) - count])
-            for found, some, place in (
-                (self.samples, of_rows, which),
-                (self.between, others, len(self.legs)),
-            ):
-                found.append(Samples(track, place, values[:, some], at[..., some]))
+            of_rows, others, _ = np.split(back, [len(which), -1])
+            self.samples.append(Samples(track, which, values[:, of_rows], at[..., of_rows]))
+            self._look(track, values[:, others], at[..., others])
             values = values[:, -1]
             moves = moves[..., -1]
             done = stop
@@ -481,7 +479,14 @@ class Pass:
             shift, least = motion.shift(ending, last, moves)
             if not exit.smooth:
                 self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
-        return (last, moves + np.outer(rates, shift)), Dual(leg.ended, shift + more)
+        moves = moves + np.outer(rates, shift)
+        self._look(track, last[:, None], moves[..., None])
+        return (last, moves), Dual(leg.ended, shift + more)
+
+    def _look(self, track: Track, values: np.ndarray, moves: np.ndarray) -> None:
+        """Keep states of the present phase, for what nearly happened."""
+        which = np.full(values.shape[1], len(self.legs))
+        self.between.append(Samples(track, which, values, moves))
 
     def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
         """Follow a motion of an impact, of the inputs of `ImpactMotions.piece`."""
@@ -509,3 +514,99 @@ class Pass:
             after = after + np.outer(rates, shift)
         results[3 : 3 + size] = after
         return np.array(made, float), results
+
+    # --- what was found ---------------------------------------------------------------------------
+
+    def _together(self, samples: list[Samples]) -> Iterator[tuple]:
+        """Yield each phase, the body in it, and all samples there as state and numbers."""
+        for track in self.driver.tracks.values():
+            if mine := [one for one in samples if one.track is track]:
+                which, *parts = (np.concatenate(some, axis=-1) for some in zip(*(one[1:] for one in mine), strict=True))
+                b = _columned(track.phase.parameters(self.numbers.body))
+                yield track, b, track.variables.split(joined(*parts)), which
+
+    @QUIET
+    def read(self) -> dict[str, np.ndarray]:
+        """Return the columns and other functions of the state at all times by name, (2, times,
+        directions) each: values and derivatives, in internal units.
+        """
+        system = self.problem.system
+        variables = self.problem.variables
+        shape = self.directions, len(self.times)
+        rows = np.full((len(variables.names), 2, *shape), np.nan)
+        for track, b, (q, carried), which in self._together(self.samples):
+            read, _ = system.read(track.phase, q, carried, b)
+            every = variables.join(read[: variables.moving], carried)
+            for row, one in zip(rows, every, strict=True):
+                for part, values in zip(row, parts_of(one, 1), strict=True):
+                    part[:, which] = values
+        state = [Dual(value[0], moves) for value, moves in rows]
+        found = expressions_of(system, variables, state, _columned(self.numbers.first))
+        return {
+            name: np.array([np.broadcast_to(part, shape).T for part in parts_of(value, 1)])
+            for name, value in found.items()
+        }
+
+    def in_units(self, table: np.ndarray, unit: Unit) -> np.ndarray:
+        """Return values and derivatives in units that do not change with the numbers."""
+        value, moves = parts_of(self.numbers.scales.of(unit) / self.problem.unit(unit), 1)
+        return np.array([table[0] * value, table[1] * value + table[0] * moves])
+
+    @QUIET
+    def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the times of events, (events, directions): of the end of a
+        phase where one ends, or of the zero of the event function.
+        """
+        shifts = np.zeros((len(times), self.directions))
+        ends = [leg.ended for leg in self.legs]
+        for k, (name, time) in enumerate(zip(names, times, strict=True)):
+            leg = np.searchsorted(ends, time)
+            if leg < len(ends) and ends[leg] == time:
+                shifts[k] = self.shifts[leg]
+                continue
+            row = np.searchsorted(self.times, time)
+            one = next(one for one in self.samples if row in one.which)
+            column = one.which.tolist().index(row)
+            motion = self._motion_of(one.track)
+            for event in motion.formulas.events:
+                if event.name == name:
+                    state = one.values[:, column], one.moves[..., column]
+                    shifts[k], _ = motion.shift(event, *state)
+        return shifts
+
+    @QUIET
+    def margins(self) -> list[Note]:
+        """Return what could turn out otherwise, with exits of phases that nearly happened."""
+        notes = list(self.notes)
+        ends = [*self.legs, *self.driver.legs[len(self.legs) :][:1]]
+        for track, b, (q, carried), which in self._together(self.between):
+            functions = track.formulas.functions(q, carried, b)
+            exits = {one.event: one for one in track.phase.exits if not one.smooth}
+            for event, function in zip(track.formulas.events, functions, strict=True):
+                if event.name not in exits:
+                    continue
+                h, by = parts_of(function, 1)
+                size = np.abs(h)
+                least = size / np.abs(by)
+                for k in _lows(size, which):
+                    leg = ends[which[k]]
+                    is_end = k + 1 == len(which) or which[k + 1] != which[k]
+                    if not (is_end and leg.jump and leg.jump.exit.event == event.name):
+                        notes.append(Note(leg.began, f"`{event.name}`", least[:, k]))
+        return sorted(notes, key=attrgetter("time"))
+
+
+def _columned(record: Any) -> Any:
+    """Return numbers of a record for arithmetic with arrays."""
+    numbers = (
+        Dual(one.value, one.first[:, None]) if isinstance(one, Dual) else one
+        for one in leaves(record)
+    )
+    return refill(record, numbers)
+
+
+def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Return where a function has a minimum in a phase that it does not begin with."""
+    falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
+    rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)
+    return np.flatnonzero(falls & rises)
