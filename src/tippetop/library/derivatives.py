@@ -94,8 +94,7 @@ def sensitivities(
     Raises
     ------
     InputError
-        If a name is wrong, or the run has no derivatives: its contact changes, or its law is
-        set-valued.
+        If a name is wrong, or the run has no derivatives.
 
     Notes
     -----
@@ -177,7 +176,7 @@ def lyapunov(
     Raises
     ------
     InputError
-        If the run has no derivatives: its contact changes, or its law is set-valued.
+        If the run has no derivatives.
 
     Examples
     --------

@@ -84,7 +84,7 @@ def differentiate(
     n = len(wrt)
     i = j = np.arange(n)
     every = np.unique(np.concatenate([[0.0], times, events.time]))
-    passed = None
+    passed: Any = None
     if problem.system.is_hybrid:
         passed = Pass(problem, wrt, every / problem.unit(SECOND))
         sizes = passed.numbers.sizes

@@ -146,17 +146,15 @@ class Motion(NamedTuple):
         both[::2] = self.pars[:, None]
         both[1::2] = self.moves
         found = np.empty((2 * n, directions, len(times)))
+        grid = np.repeat(np.union1d(0.0, times)[:, None], lanes, axis=1)
         for first in range(0, directions, lanes):
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             ta.set_time(0.0)
             ta.state[:n] = values[:, None]
             ta.state[n:] = moves[:, some]
             ta.pars[:] = both[: len(ta.pars), some]
-            ta.propagate_until(times[0])
-            found[:, some, 0] = ta.state
-            if len(times) > 1:
-                _, rows = ta.propagate_grid(np.repeat(times[:, None], lanes, axis=1))
-                found[:, some] = np.moveaxis(rows, 0, -1)
+            _, rows = ta.propagate_grid(grid)
+            found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
         return found[:n, 0], found[n:]
 
     def rates(self, values: np.ndarray) -> np.ndarray:
@@ -526,22 +524,30 @@ class Pass:
                 yield track, b, track.variables.split(joined(*parts)), which
 
     @QUIET
-    def read(self) -> dict[str, np.ndarray]:
-        """Return the columns and other functions of the state at all times by name, (2, times,
-        directions) each: values and derivatives, in internal units.
+    def rows(self) -> np.ndarray:
+        """Return the rows of the run at all times, (variables, 2, directions, times): values and
+        derivatives, in internal units.
         """
-        system = self.problem.system
         variables = self.problem.variables
         shape = self.directions, len(self.times)
         rows = np.full((len(variables.names), 2, *shape), np.nan)
         for track, b, (q, carried), which in self._together(self.samples):
-            read, _ = system.read(track.phase, q, carried, b)
+            read, _ = self.problem.system.read(track.phase, q, carried, b)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
                 for part, values in zip(row, parts_of(one, 1), strict=True):
                     part[:, which] = values
-        state = [Dual(value[0], moves) for value, moves in rows]
-        found = expressions_of(system, variables, state, _columned(self.numbers.first))
+        return rows
+
+    @QUIET
+    def read(self) -> dict[str, np.ndarray]:
+        """Return the columns and other functions of the state at all times by name, (2, times,
+        directions) each.
+        """
+        state = [Dual(value[0], moves) for value, moves in self.rows()]
+        first = _columned(self.numbers.first)
+        found = expressions_of(self.problem.system, self.problem.variables, state, first)
+        shape = self.directions, len(self.times)
         return {
             name: np.array([np.broadcast_to(part, shape).T for part in parts_of(value, 1)])
             for name, value in found.items()
@@ -559,14 +565,13 @@ class Pass:
         """
         shifts = np.zeros((len(times), self.directions))
         ends = [leg.ended for leg in self.legs]
+        at = {self.times[k]: (one, c) for one in self.samples for c, k in enumerate(one.which)}
         for k, (name, time) in enumerate(zip(names, times, strict=True)):
             leg = np.searchsorted(ends, time)
             if leg < len(ends) and ends[leg] == time:
                 shifts[k] = self.shifts[leg]
                 continue
-            row = np.searchsorted(self.times, time)
-            one = next(one for one in self.samples if row in one.which)
-            column = one.which.tolist().index(row)
+            one, column = at[time]
             motion = self._motion_of(one.track)
             for event in motion.formulas.events:
                 if event.name == name:
