@@ -34,6 +34,10 @@ MOST_LANES = 8
 BRANCHES = 32
 AHEAD = 1e-6
 PER_LEG, PER_TIME = 4, 6
+"""States in a phase, and in a unit of time, by which it is seen what nearly happens."""
+NOISE = 1e-12
+"""Event functions nearer to zero are rounding: of the last hops of a ball, nobody knows the number.
+"""
 PROJECTED_AT = 1e-2, 1e-5, 1e-9
 """Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
 
@@ -189,8 +193,9 @@ class Motion(NamedTuple):
         )
         *turns, bend = (later - [*by, pace]) / AHEAD
         by = np.array(by)
-        at_extreme = by - pace / bend * np.array(turns)
-        return -by / pace, abs(pace**2 / (2 * bend * at_extreme))
+        extreme = pace**2 / (2 * abs(bend))
+        least = extreme / abs(by - pace / bend * np.array(turns))
+        return -by / pace, least if extreme > NOISE else np.inf * least
 
     def value(self, event: Any, values: np.ndarray, ways: np.ndarray) -> tuple[float, np.ndarray]:
         """Return an event function, and its derivatives along those of the state, (n, ways), of
@@ -276,9 +281,13 @@ class Note(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """States in a phase at some of the times."""
+    """States in a phase at some times since it began.
+
+    `shift` is the derivative of these times, as the beginning moves.
+    """
 
     track: Track
+    shift: np.ndarray
     which: np.ndarray  # of the times, or the number of the phase for each of them
     values: np.ndarray  # (n, times)
     moves: np.ndarray  # (n, directions, times)
@@ -426,14 +435,13 @@ class Pass:
             since = Dual(times - now.value, np.repeat(-now.first[:, None], len(times), axis=1))
             every = track.variables.join(*self.series(since))
             values, moves = (np.array(one) for one in zip(*(v.parts for v in every), strict=True))
-        self.samples.append(Samples(track, which, values, moves))
+        self.samples.append(Samples(track, 0 * now.first, which, values, moves))
 
     def _ended(self, leg: Leg, state: Sequence, began: Dual, lasts: Any) -> tuple[Any, Dual]:
         """Return the state where a phase ends, and the time, of the state where it begins."""
         track = leg.track
         motion = self._motion_of(track)
         values, moves = state
-        moves = moves - np.outer(motion.rates(values), began.first)  # at a fixed time
         more = np.zeros(self.directions)
         done = leg.began
         end = min(leg.ended, self.times[-1])
@@ -449,17 +457,14 @@ class Pass:
             which = self._within(done, stop)
             count = PER_LEG + int(PER_TIME * (stop - done))
             apart = np.linspace(done, stop, count + 2)[1:]
-            times, back = np.unique(
-                np.concatenate([self.times[which], apart]), return_inverse=True
-            )
+            every = np.concatenate([self.times[which], apart])
+            times, back = np.unique(every, return_inverse=True)
             values, moves = motion.flow(values, moves, times - done)
-            at = moves
-            if more.any():
-                rows = np.stack([motion.rates(one) for one in values.T], axis=-1)
-                at = moves - rows[:, None] * more[:, None]
-            of_rows, others, _ = np.split(back, [len(which), -1])
-            self.samples.append(Samples(track, which, values[:, of_rows], at[..., of_rows]))
-            self._look(track, values[:, others], at[..., others])
+            for found, some, of, shift in (
+                (self.samples, back[: len(which)], which, began.first + more),
+                (self.between, back[len(which) : -1], np.full(count, len(self.legs)), 0 * more),
+            ):
+                found.append(Samples(track, shift, of, values[:, some], moves[..., some]))
             values = values[:, -1]
             moves = moves[..., -1]
             done = stop
@@ -468,23 +473,19 @@ class Pass:
                 by = -moves[w] / slopes[w]
                 moves = moves + np.outer(slopes, by)
                 more = more + by
-        if not exit or end < leg.ended:
-            shift = 0 * more
-        elif exit.event == CLOCK:
-            shift = (began + lasts).first - more
-        else:
-            ending = next(one for one in track.phase.events if one.name == exit.event)
-            shift, least = motion.shift(ending, last, moves)
-            if not exit.smooth:
-                self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
-        moves = moves + np.outer(rates, shift)
-        self._look(track, last[:, None], moves[..., None])
-        return (last, moves), Dual(leg.ended, shift + more)
-
-    def _look(self, track: Track, values: np.ndarray, moves: np.ndarray) -> None:
-        """Keep states of the present phase, for what nearly happened."""
-        which = np.full(values.shape[1], len(self.legs))
-        self.between.append(Samples(track, which, values, moves))
+        by = 0 * more
+        if exit and end == leg.ended:
+            if exit.event == CLOCK:
+                by = lasts.first - more
+            else:
+                ending = next(one for one in track.phase.events if one.name == exit.event)
+                by, least = motion.shift(ending, last, moves)
+                if not exit.smooth:
+                    self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
+        moves = moves + np.outer(rates, by)
+        of = np.full(1, len(self.legs))
+        self.between.append(Samples(track, 0 * by, of, last[:, None], moves[..., None]))
+        return (last, moves), Dual(leg.ended, began.first + more + by)
 
     def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
         """Follow a motion of an impact, of the inputs of `ImpactMotions.piece`."""
@@ -519,9 +520,17 @@ class Pass:
         """Yield each phase, the body in it, and all samples there as state and numbers."""
         for track in self.driver.tracks.values():
             if mine := [one for one in samples if one.track is track]:
-                which, *parts = (np.concatenate(some, axis=-1) for some in zip(*(one[1:] for one in mine), strict=True))
+                which, values, moves = (
+                    np.concatenate([one[k] for one in mine], axis=-1) for k in (2, 3, 4)
+                )
+                split = track.variables.split
+                rates = np.array(
+                    [rate + 0 * values[0] for rate in track.variables.rates(*split(values), track.b)]
+                )
+                shifts = [np.repeat(one.shift[:, None], len(one.which), axis=1) for one in mine]
+                moves = moves - rates[:, None] * np.concatenate(shifts, axis=-1)
                 b = _columned(track.phase.parameters(self.numbers.body))
-                yield track, b, track.variables.split(joined(*parts)), which
+                yield track, b, split(joined(values, moves)), which
 
     @QUIET
     def rows(self) -> np.ndarray:
@@ -576,7 +585,7 @@ class Pass:
             for event in motion.formulas.events:
                 if event.name == name:
                     state = one.values[:, column], one.moves[..., column]
-                    shifts[k], _ = motion.shift(event, *state)
+                    shifts[k] = one.shift + motion.shift(event, *state)[0]
         return shifts
 
     @QUIET
@@ -594,6 +603,8 @@ class Pass:
                 size = np.abs(h)
                 least = size / np.abs(by)
                 for k in _lows(size, which):
+                    if size[k] < NOISE:
+                        continue
                     leg = ends[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
                     if not (is_end and leg.jump and leg.jump.exit.event == event.name):
