@@ -5,12 +5,14 @@ differentiated decides what the parts are: numbers, arrays or heyoka expressions
 """
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from functools import reduce
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from . import operand
 from .operand import cos, leaves, log, refill, sin, sqrt
@@ -18,11 +20,44 @@ from .operand import cos, leaves, log, refill, sin, sqrt
 
 PASCAL = ((1,), (1, 1), (1, 2, 1), (1, 3, 3, 1))
 CONSTANT = 0
+"""The derivative of a constant."""
 
-COMPARED: ContextVar[Callable | None] = ContextVar("compared", default=None)
-"""Takes the difference of two numbers that are compared, a Dual, where somebody wants to know by
-how much the result could have been another one.
-"""
+COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda difference: None)
+"""Called with the difference of two numbers that are compared, a Dual."""
+
+
+def _sum(a: Sequence, b: Sequence) -> list:
+    return [y if x is None else x if y is None else x + y for x, y in zip_longest(a, b)]
+
+
+def _product(a: Sequence, b: Sequence) -> list:
+    made = []
+    for n in range(max(len(a), len(b))):
+        some = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
+        terms = (PASCAL[n][k] * (a[n - k] * b[k]) for k in some)
+        made.append(reduce(operator.add, terms))
+    return made
+
+
+def _quotient(a: Sequence, b: Sequence) -> list:
+    made = list[Any]()
+    for n in range(max(len(a), len(b))):
+        rest = a[n] if n < len(a) else CONSTANT
+        for k in range(1, min(n + 1, len(b))):
+            rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
+        made.append(rest / b[0])
+    return made
+
+
+ARITHMETIC: dict[str, Callable] = {
+    "add": _sum,
+    "subtract": lambda a, b: _sum(a, [-one for one in b]),
+    "multiply": _product,
+    "divide": _quotient,
+    "negative": lambda a: [-one for one in a],
+    "absolute": lambda a: [np.sign(a[0]) * one for one in a],
+}
+"""Functions of NumPy, of the parts of their operands; a constant has one part."""
 
 
 def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
@@ -42,22 +77,10 @@ RULES: dict[str, Callable] = {
     "power": _power,
 }
 """The derivative of a function of NumPy, of its operands, its result and their derivatives."""
-
-REFLECTED = {
-    "add": operator.add,
-    "subtract": lambda b, a: -b + a,
-    "multiply": operator.mul,
-    "divide": lambda b, a: b.__rtruediv__(a),
-    "less": operator.gt,
-    "less_equal": operator.ge,
-    "greater": operator.lt,
-    "greater_equal": operator.le,
-    "equal": operator.eq,
-}
-"""Operations of NumPy on another number and a Dual, by the Dual and the number."""
+COMPARISONS = "less", "less_equal", "greater", "greater_equal", "equal", "not_equal"
 
 
-class Dual:
+class Dual(NDArrayOperatorsMixin):
     """A value and its derivatives: the first, the second, ..., as `parts`.
 
     A derivative may be an array along several directions, (directions, ...), where the value is a
@@ -66,7 +89,8 @@ class Dual:
 
     __slots__ = ("parts",)
     level = 0
-    """Of two numbers, the one of the lower level is a constant for the other one."""
+    """A number of a lower level is a constant."""
+    __hash__ = object.__hash__
 
     def __init__(self, *parts: Any):
         self.parts = parts
@@ -84,131 +108,38 @@ class Dual:
         """Return the first derivative."""
         return self.parts[1]
 
-    def _like(self, other: Any) -> Any:
-        """Return the parts of a number of this level; None: it is constant."""
-        if not isinstance(other, Dual) or other.level < self.level:
-            return None
-        return other.parts if other.level == self.level else NotImplemented
-
-    def __add__(self, other: Any) -> Any:
-        more = self._like(other)
-        if more is NotImplemented:
-            return more
-        if more is None:
-            return type(self)(self.parts[0] + other, *self.parts[1:])
-        return type(self)(*(a + b for a, b in zip(self.parts, more, strict=True)))
-
-    def __sub__(self, other: Any) -> Any:
-        more = self._like(other)
-        if more is NotImplemented:
-            return more
-        if more is None:
-            return type(self)(self.parts[0] - other, *self.parts[1:])
-        return type(self)(*(a - b for a, b in zip(self.parts, more, strict=True)))
-
-    def __mul__(self, other: Any) -> Any:
-        a = self.parts
-        b = self._like(other)
-        if b is NotImplemented:
-            return b
-        if b is None:
-            return type(self)(*(one * other for one in a))
-        if len(a) == 2:
-            return type(self)(a[0] * b[0], a[1] * b[0] + a[0] * b[1])
-        made = []
-        for n in range(len(a)):
-            total = a[n] * b[0]
-            for k in range(1, n + 1):
-                total = total + PASCAL[n][k] * (a[n - k] * b[k])
-            made.append(total)
-        return type(self)(*made)
-
-    def __truediv__(self, other: Any) -> Any:
-        b = self._like(other)
-        if b is NotImplemented:
-            return b
-        if b is None:
-            return type(self)(*(one / other for one in self.parts))
-        made = list[Any]()
-        for n, rest in enumerate(self.parts):
-            for k in range(1, n + 1):
-                rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
-            made.append(rest / b[0])
-        return type(self)(*made)
-
-    def __neg__(self) -> Any:
-        return type(self)(*(-one for one in self.parts))
-
-    def __abs__(self) -> Any:
-        return self * np.sign(self.parts[0])
+    def __bool__(self) -> bool:
+        return bool(self != 0)
 
     def __pow__(self, power: Any) -> Any:
         if type(power) is int and power > 0:
             return reduce(operator.mul, [self] * power)
         return np.power(self, power)
 
-    def __rsub__(self, other: Any) -> Any:
-        return -self + other
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return type(self)(other, *(0 * one for one in self.parts[1:])) / self
-
-    def __rpow__(self, other: Any) -> Any:
-        return np.power(other, self)
-
-    __radd__ = __add__
-    __rmul__ = __mul__
-
-    def _compared(self, other: Any) -> Any:
-        """Return the value of a number with which this one is compared."""
-        if compared := COMPARED.get():
-            compared(self - other)
-        return plain(other)
-
-    def __lt__(self, other: Any) -> Any:
-        return self.value < self._compared(other)
-
-    def __le__(self, other: Any) -> Any:
-        return self.value <= self._compared(other)
-
-    def __gt__(self, other: Any) -> Any:
-        return self.value > self._compared(other)
-
-    def __ge__(self, other: Any) -> Any:
-        return self.value >= self._compared(other)
-
-    def __eq__(self, other: Any) -> Any:
-        return self.value == self._compared(other)
-
-    __hash__ = object.__hash__
-
-    def __bool__(self) -> bool:
-        return bool(self != 0)
-
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, **options: Any) -> Any:
         name = function.__name__
-        if name == "absolute":
-            return abs(self)
-        if name in REFLECTED and not isinstance(inputs[0], Dual):
-            return REFLECTED[name](inputs[1], inputs[0])
+        if name in COMPARISONS:
+            COMPARED.get()(np.subtract(*inputs))
+            return function(*map(plain, inputs))
+        kind = type(max((one for one in inputs if isinstance(one, Dual)), key=LEVEL))
+        every = [one.parts if type(one) is kind else (one,) for one in inputs]
+        if name in ARITHMETIC:
+            return kind(*ARITHMETIC[name](*every))
         if name not in RULES:
             return NotImplemented
-        level = max(one.level for one in inputs if isinstance(one, Dual))
-        kind = next(type(one) for one in inputs if isinstance(one, Dual) and one.level == level)
 
-        def less(one: Any, part: slice, constant: Any) -> Any:
-            if not isinstance(one, Dual) or one.level < level:
-                return constant
-            some = one.parts[part]
-            return some[0] if len(some) == 1 else kind(*some)
+        def joined(parts: Sequence) -> Any:
+            return parts[0] if len(parts) == 1 else kind(*parts)
 
-        heads = [less(one, slice(-1), one) for one in inputs]
-        tails = [less(one, slice(1, None), CONSTANT) for one in inputs]
-        lifted = getattr(operand, name.replace("arc", "a"), function)
-        r = lifted(*heads)
+        heads = [joined(parts[:-1] or parts) for parts in every]
+        tails = [joined(parts[1:] or (CONSTANT,)) for parts in every]
+        r = getattr(operand, name.replace("arc", "a"), function)(*heads)
         rest = RULES[name](*heads, r, *tails)
-        rest = rest.parts if type(rest) is kind else (rest,)
-        return kind(r.parts[0] if type(r) is kind else r, *rest)
+        first, *_ = r.parts if type(r) is kind else (r,)
+        return kind(first, *(rest.parts if type(rest) is kind else (rest,)))
+
+
+LEVEL = operator.attrgetter("level")
 
 
 def plain(value: Any) -> Any:

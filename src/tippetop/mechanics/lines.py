@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from .dual import plain
+from .dual import Dual, plain
 from .operand import leaves, refill
 
 
@@ -47,6 +47,8 @@ class Number(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
         """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""
+        if any(isinstance(one, Dual) for one in inputs):
+            return NotImplemented
         values = (one.value if isinstance(one, Number) else one for one in inputs)
         name = function.__name__
         a = inputs[0]

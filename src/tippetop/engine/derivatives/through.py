@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
 from ...mechanics.form import CLOCK, Exit, Phase
@@ -35,6 +36,8 @@ BRANCHES = 32
 AHEAD = 1e-6
 PER_LEG, PER_TIME = 4, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
+BRIEF = 1e-9
+"""Time of a jump in which the state stays; there are no derivatives in a longer one."""
 NOISE = 1e-12
 """Event functions nearer to zero are rounding: of the last hops of a ball, nobody knows the number.
 """
@@ -357,7 +360,10 @@ class Pass:
                 self.notes.append(Note(now.value, "what follows", 0 * now.first))
                 return
             began = now + delay
-            self._in_delay(leg.track, state, now, began)
+            which = self._within(now.value, leg.began)
+            if leg.began - now.value < BRIEF:
+                rows = (np.repeat(one[..., None], len(which), axis=-1) for one in state)
+                self.samples.append(Samples(leg.track, began.first, which, *rows))
             state, now = self._ended(leg, state, began, lasts)
             if leg.jump is None or not leg.ended <= self.times[-1]:
                 return
@@ -374,7 +380,6 @@ class Pass:
         driver = self.driver
         world = driver.world._replace(phase=phase)
         impacts = getattr(driver, "impacts", None)
-        self.series = None
 
         def jumped(call: Callable, body: Any, rules: tuple, left: tuple, state: tuple) -> tuple:
             def piece(region: str, *given: Any) -> list:
@@ -392,8 +397,6 @@ class Pass:
             n = exit.jump(x, now)
             if n.ends:
                 return [n.delay], ""
-            if isinstance(left[0], Dual):
-                self.series = n.series
             to = driver.track_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             q = to.phase.enter(n.x, to.phase.parameters(body))
@@ -405,7 +408,17 @@ class Pass:
         records = *plain(given), tuple(state[0])
         restitution = self.numbers.rules and self.numbers.rules.restitution
         key = phase, exit.jump, restitution, kinds(world.body)
-        values, moves, least, name = evaluated(key, jumped, records, *inputs, self._motion)
+        try:
+            values, moves, least, name = evaluated(key, jumped, records, *inputs, self._motion)
+        except ArithmeticError as error:
+            self.notes.append(Note(now.value, f"what follows `{exit.event}`", 0 * now.first))
+            return [str(error), now, now, *state]
+        except (TypeError, AttributeError, ValueError) as error:
+            raise InputError(
+                f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers with "
+                "derivatives: use operators and NumPy's functions, not `math` or `float`, but "
+                f"{type(error).__name__}: {error}"
+            ) from error
         if not exit.smooth:
             self.notes.append(Note(now.value, f"what follows `{exit.event}`", least))
         delay, *lasts = joined(values[:2], moves[:2])
@@ -423,19 +436,6 @@ class Pass:
         """Return which of the times lie after one time, or at the start, and not after another."""
         first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
         return np.arange(first, np.searchsorted(self.times, ended, side="right"))
-
-    def _in_delay(self, track: Track, state: Sequence, now: Dual, began: Dual) -> None:
-        """Take in the states in a jump that takes time."""
-        which = self._within(now.value, began.value)
-        if not (len(which) and began.value > now.value):
-            return
-        times = self.times[which]
-        values, moves = (np.repeat(one[..., None], len(times), axis=-1) for one in state)
-        if self.series:
-            since = Dual(times - now.value, np.repeat(-now.first[:, None], len(times), axis=1))
-            every = track.variables.join(*self.series(since))
-            values, moves = (np.array(one) for one in zip(*(v.parts for v in every), strict=True))
-        self.samples.append(Samples(track, 0 * now.first, which, values, moves))
 
     def _ended(self, leg: Leg, state: Sequence, began: Dual, lasts: Any) -> tuple[Any, Dual]:
         """Return the state where a phase ends, and the time, of the state where it begins."""

@@ -8,7 +8,7 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -409,71 +409,54 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
 
 WEIGHTS = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
 """Of the points of a difference, by their place."""
+
 MOVE = 1e-4
+"""Between these points, relative: the error of the difference is its fourth power."""
 
 
-def slide_of_duals(
-    x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any
-) -> Next | None:
-    """Return a slow slide of numbers with derivatives: differences of such slides with 80 bits."""
+def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any) -> Next | None:
+    """Return a slow slide of numbers with derivatives: differences of slides with 80 bits."""
     given = x, world.body, (w,)
     values = plain(given)
-    plain_world = world._replace(body=values[1], left=plain(world.left))
-    known = slide(values[0], plain_world, ball, plain(beta), cause, plain(w))
+    left = plain(world.left)
+
+    def begun(numbers: Any, left: Any) -> Next | None:
+        x, body, (w,) = numbers
+        return slide(x, world._replace(body=body, left=left), ball, plain(beta), cause, w)
+
+    known = begun(values, left)
     if known is None:
         return None
-    derivatives = np.array(np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given))))
-    each = derivatives.reshape(len(derivatives), -1).T
-    steps = [np.longdouble(MOVE / max(np.abs(one).max(), 1e-300)) for one in each]
-    phase = world.phases[known.phase]
+    derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
+    ways = [*np.array(derivatives, np.longdouble).T]
+    sizes = [MOVE / max(np.max(np.abs(way)), 1e-300) for way in ways]
     pattern = known.series([known.delay])
 
-    @cache
-    def near(direction: int, point: int) -> Callable:
-        """Return the series of a slide nearby."""
-        moves = point * steps[direction] * each[direction].astype(np.longdouble)
-        moved = (eighty_bits(one) + move for one, move in zip(leaves(values), moves, strict=True))
-        x, body, (w,) = refill(given, moved)
-        wide = world._replace(body=body, left=eighty_bits(plain(world.left)))
-        n = slide(x, wide, ball, plain(beta), cause, w)
-        if n is None:
-            raise ArithmeticError("a slow slide has no derivative")
-        return n.series
+    def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
+        """Return how the state at the end changes if numbers and time do."""
+        total = 0.0
+        for k, weight in WEIGHTS.items():
+            numbers = map(eighty_bits, leaves(values))
+            moved = [one + k * size * by for one, by in zip(numbers, way, strict=True)]
+            n = begun(refill(given, iter(moved)), eighty_bits(left))
+            if n is None:
+                raise ArithmeticError("a slow slide has no derivative")
+            total = total + weight * np.array(leaves(n.series([known.delay + k * size * pace])))
+        return np.array(total[:, 0] / size, float)
 
-    def series(times: Any) -> tuple[Any, Any]:
-        """Return the motion, also at times with derivatives."""
-        at, moves = parts_of(times, 1)
-        at = np.array(at)
-        step = np.longdouble(MOVE * known.delay)
-        slope = differences(lambda k: leaves(known.series(at + k * step))) / step
-        rest = [
-            differences(lambda k, j=j: leaves(near(j, k)(at))) / size for j, size in enumerate(steps)
-        ]
-        parts = zip(leaves(known.series(at)), slope, *rest, strict=True)
-        made = (
-            Dual(np.array(value, float), np.array(by, float) + np.array(rate * moves, float))
-            for value, rate, *by in parts
-        )
-        return refill(pattern, made)
-
-    def end(delay: Any) -> tuple[Any, Any]:
-        one = series(np.array([1.0]) * delay)
-        return refill(one, (Dual(float(v.value[0]), v.first[:, 0]) for v in leaves(one)))
-
-    delay = known.delay
-    q, carried = end(delay)
-    if q.w.value < STOPS_AT:
-        rates = differences(lambda k: leaves(known.series([delay * (1 + k * MOVE)])))
-        pace = float(rates[len(q) - 1, 0]) / (MOVE * delay)
-        delay = Dual(delay, -q.w.first / pace)
-        q, carried = end(delay)
+    by = np.array([slope(way, size, 0.0) for way, size in zip(ways, sizes, strict=True)])
+    delay: Any = known.delay
+    end = np.array([one[0] for one in leaves(pattern)], float)
+    speed = len(pattern[0]) - 1
+    if end[speed] < STOPS_AT:
+        rates = slope(0 * ways[0], MOVE, delay) / delay
+        shift = -by[:, speed] / rates[speed]
+        by = by + np.outer(shift, rates)
+        delay = Dual(delay, shift)
+    phase = world.phases[known.phase]
+    q, carried = refill(pattern, map(Dual, end, by.T))
     x = phase.leave(q, world.body[ball])._replace(carried=carried)
-    return replace(known, x=x, delay=delay, series=series)
-
-
-def differences(function: Callable) -> np.ndarray:
-    """Return the slope of function(place), arrays, at 0."""
-    return sum(weight * np.array(function(k)) for k, weight in WEIGHTS.items())
+    return replace(known, x=x, delay=delay)
 
 
 # --- exits of the phases ------------------------------------------------------------------------
