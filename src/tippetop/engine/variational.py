@@ -1,9 +1,9 @@
 """The variational equations: derivatives of motions along directions in the space of all numbers
 that a user gives.
 
-The formulas are those of the run; their operands are expressions with derivatives. A number and its direction are parameters of the compiled
-functions, so that one integrator serves every direction, each in a SIMD lane. Units are those of
-the problem.
+The formulas are those of the run; their operands are expressions with derivatives. A number and its
+direction are parameters of the compiled functions, so that one integrator serves every direction,
+each in a SIMD lane. Units are those of the problem.
 """
 
 from collections.abc import Iterable, Sequence

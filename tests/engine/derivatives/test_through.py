@@ -25,7 +25,9 @@ from tippetop.mechanics.units import SECOND
 TESTS = Path(__file__).parents[2]
 CASES = json.loads((TESTS / "reference/derivatives_through_contact.json").read_text())["cases"]
 PAGE = TESTS.parent / "docs/how-to/a-hybrid-system.md"
-SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in CASES if "toy" in name or "drill" in name]
+SLOW = [
+    pytest.param(name, marks=pytest.mark.slow) for name in CASES if "toy" in name or "drill" in name
+]
 
 
 # --- numbers with derivatives -------------------------------------------------------------------
@@ -76,7 +78,9 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
             np.testing.assert_allclose(found[part], known, rtol=0, atol=1e-9 * np.abs(known).max())
         known = np.array(expected["times"])
         mine = times[:, k] / made.numbers.sizes[k]
-        np.testing.assert_allclose(mine, known, rtol=0, atol=1e-9 * np.abs(known).max(), err_msg=key)
+        np.testing.assert_allclose(
+            mine, known, rtol=0, atol=1e-9 * np.abs(known).max(), err_msg=key
+        )
 
 
 def test_columns_along_a_run_are_those_of_differences() -> None:
@@ -97,7 +101,9 @@ def test_columns_along_a_run_are_those_of_differences() -> None:
     for name in ("theta", "omega3", "L", "energy", "x", "normal_force", "orientation"):
         slope = ((ahead.trajectory[name] - behind.trajectory[name]) / (2 * h)).values
         mine = found.trajectory[name].isel(parameter=0).values
-        np.testing.assert_allclose(mine, slope, rtol=0, atol=1e-6 * np.abs(slope).max(), err_msg=name)
+        np.testing.assert_allclose(
+            mine, slope, rtol=0, atol=1e-6 * np.abs(slope).max(), err_msg=name
+        )
     for table, column in (("events", "time"), ("events", "theta"), ("phases", "start")):
         slope = (getattr(ahead, table)[column] - getattr(behind, table)[column]).values / (2 * h)
         own = getattr(found, table)["time" if column == "start" else column].values[:, 0]

@@ -52,7 +52,7 @@ def differentiate(
     times: np.ndarray,
     events: Any,
     order: int = 1,
-    moments: Mapping[str, np.ndarray] = {},  # noqa: B006
+    moments: Mapping[str, np.ndarray] = {},
 ) -> Derivatives:
     """Return the derivatives of the columns and events of a run by some of its numbers.
 
@@ -145,7 +145,9 @@ def differentiate(
             shift = passed.times_of([""] * len(some), some / second) * second / sizes
             moved = _column(shift[None], "s", "the time, as the numbers change", (by, PARAMETER))
             found.moments[by] = {"time": moved}
-        _limit(found, passed.margins(), wrt, second, {"time": times, "event": events.time, **moments})
+        _limit(
+            found, passed.margins(), wrt, second, {"time": times, "event": events.time, **moments}
+        )
     return found
 
 

@@ -4,7 +4,7 @@ A formula or a jump takes milliseconds in numbers with derivatives, and its reco
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -119,8 +119,8 @@ class Tape:
     def __call__(
         self, values: np.ndarray, moves: np.ndarray, follow: Callable | None = None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """Return the results, their derivatives, and the least change along each direction at which a
-        comparison turns out otherwise; None if one does.
+        """Return the results, their derivatives, and the least change along each direction at which
+        a comparison turns out otherwise; None if one does.
 
         Parameters
         ----------

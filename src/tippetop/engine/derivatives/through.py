@@ -164,46 +164,19 @@ class Motion(NamedTuple):
             found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
         return found[:n, 0], found[n:]
 
-    def rates(self, values: np.ndarray) -> np.ndarray:
-        """Return the rates of the variables."""
-        return self.moving(values, np.zeros((len(values), 0)))[0]
-
-    def moving(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rates(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the rates of the variables and of their derivatives."""
 
         def rates(_: Any, pars: tuple, state: tuple) -> tuple:
             q, carried = self.variables.split(state)
             return self.variables.rates(q, carried, self.formulas.body(iter(pars))), None
 
-        of_pars = self.moves[:, : moves.shape[1]]
-        given = np.concatenate([self.pars, values]), np.concatenate([of_pars, moves])
-        key = self.formulas, self.variables
-        return evaluated(key, rates, (tuple(self.pars), tuple(values)), *given)[:2]
+        return self._evaluated(None, rates, values, self.moves[:, : moves.shape[1]], moves)
 
-    def shift(
-        self, event: Any, values: np.ndarray, moves: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the derivative of the time of an event, and the change of the numbers, along each
-        direction, by which its zero is lost.
-
-        It is lost where the extreme of the event function that follows the zero reaches it.
-        """
-        rates, turns = self.moving(values, moves)
-        ahead = values + AHEAD * rates
-        ways = np.c_[moves, rates], np.c_[moves + AHEAD * turns, self.rates(ahead)]
-        (*by, pace), later = (
-            self.value(event, *one)[1] for one in zip((values, ahead), ways, strict=True)
-        )
-        *turns, bend = (later - [*by, pace]) / AHEAD
-        by = np.array(by)
-        extreme = pace**2 / (2 * abs(bend))
-        least = extreme / abs(by - pace / bend * np.array(turns))
-        return -by / pace, least if extreme > NOISE else np.inf * least
-
-    def value(self, event: Any, values: np.ndarray, ways: np.ndarray) -> tuple[float, np.ndarray]:
-        """Return an event function, and its derivatives along those of the state, (n, ways), of
-        which the last is that by time.
-        """
+    def slopes(
+        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray
+    ) -> np.ndarray:
+        """Return the derivatives of an event function, and last that by time."""
         events = self.formulas.events
 
         def function(_: Any, pars: tuple, state: tuple) -> tuple:
@@ -213,11 +186,39 @@ class Motion(NamedTuple):
                 return [self.formulas.functions(q, carried, b)[events.index(event)]], None
             return [event.formula(self.formulas.form.scalars(q, b), b)], None
 
+        ways = np.concatenate([moves, rates[:, None]], axis=1)
+        of_pars = np.concatenate([self.moves, 0 * self.pars[:, None]], axis=1)
+        return self._evaluated(event, function, values, of_pars, ways)[1][0]
+
+    def _evaluated(self, what: Any, function: Callable, values: np.ndarray, *moves: Any) -> tuple:
+        """Return numbers that are function(_, numbers of the body, state), and derivatives."""
         records = tuple(self.pars), tuple(values)
-        of_pars = np.c_[self.moves, np.zeros(len(self.pars))]
-        given = np.concatenate([self.pars, values]), np.concatenate([of_pars, ways])
-        (value,), (slopes,), *_ = evaluated((self.formulas, event), function, records, *given)
-        return value, slopes
+        key = self.formulas, self.variables, what
+        given = np.concatenate([self.pars, values]), np.concatenate(moves)
+        return evaluated(key, function, records, *given)[:2]
+
+    def happens(
+        self, event: Any, values: np.ndarray, moves: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the derivative of the time at which an event happens, and the state there."""
+        rates, _ = self.rates(values, moves[:, :0])
+        *by, pace = self.slopes(event, values, moves, rates)
+        shift = -np.array(by) / pace
+        return shift, moves + np.outer(rates, shift)
+
+    def lost(self, event: Any, values: np.ndarray, moves: np.ndarray) -> np.ndarray:
+        """Return the change of the numbers along each direction by which the zero of an event is
+        lost: the extreme of its function that follows comes to zero.
+        """
+        rates, turns = self.rates(values, moves)
+        now = self.slopes(event, values, moves, rates)
+        ahead = values + AHEAD * rates
+        later = self.slopes(event, ahead, moves + AHEAD * turns, self.rates(ahead, moves[:, :0])[0])
+        *turns, bend = (later - now) / AHEAD
+        *by, pace = now
+        extreme = pace**2 / (2 * abs(bend))
+        least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
+        return least if extreme > NOISE else np.inf * least
 
 
 @lru_cache(maxsize=1024)
@@ -333,9 +334,11 @@ class Pass:
         self.numbers = numbers_of(problem, wrt, driver)
         self.directions = len(wrt)
         rules = self.numbers.rules
-        self.rules = () if rules is None else (rules.e_n,)
+        given = self.numbers.body, () if rules is None else (rules.e_n,)
+        self.plain = plain(given)
+        self.known = parted(leaves(given), self.directions)
         self.motions = dict[str, Motion]()
-        self.regions = [*driver.impacts.stages] if self.rules else []
+        self.regions = [*driver.impacts.stages] if rules else []
         self.legs = list[Leg]()
         self.shifts = list[np.ndarray]()
         self.samples = list[Samples]()
@@ -402,10 +405,10 @@ class Pass:
             q = to.phase.enter(n.x, to.phase.parameters(body))
             return [n.delay, n.lasts, *to.variables.join(q, carried)], n.phase
 
-        given = self.numbers.body, self.rules, (float(driver.end) - now,)
-        known = parted(leaves(given), self.directions)
-        inputs = map(np.concatenate, zip(known, state, strict=True))
-        records = *plain(given), tuple(state[0])
+        left = float(driver.end) - now
+        of_left = np.array([left.value]), left.first[None]
+        inputs = map(np.concatenate, zip(self.known, of_left, state, strict=True))
+        records = *self.plain, tuple(of_left[0]), tuple(state[0])
         restitution = self.numbers.rules and self.numbers.rules.restitution
         key = phase, exit.jump, restitution, kinds(world.body)
         try:
@@ -415,8 +418,8 @@ class Pass:
             return [str(error), now, now, *state]
         except (TypeError, AttributeError, ValueError) as error:
             raise InputError(
-                f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers with "
-                "derivatives: use operators and NumPy's functions, not `math` or `float`, but "
+                f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
+                "with derivatives: use operators and NumPy's functions, not `math` or `float`, but "
                 f"{type(error).__name__}: {error}"
             ) from error
         if not exit.smooth:
@@ -445,13 +448,13 @@ class Pass:
         more = np.zeros(self.directions)
         done = leg.began
         end = min(leg.ended, self.times[-1])
-        last = np.array(leg.last)
-        rates = motion.rates(last)
         exit = leg.jump and leg.jump.exit
+        last = np.array(leg.last)
         stops = []
         if exit and exit.event == STICK.name:
             w = motion.variables.names.index("w")
-            stops = [leg.ended + speed / rates[w] for speed in PROJECTED_AT]
+            pace = motion.rates(last, moves[:, :0])[0][w]
+            stops = [leg.ended + speed / pace for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
@@ -469,20 +472,21 @@ class Pass:
             moves = moves[..., -1]
             done = stop
             if stop < end:
-                slopes = motion.rates(values)
-                by = -moves[w] / slopes[w]
-                moves = moves + np.outer(slopes, by)
+                rates, _ = motion.rates(values, moves[:, :0])
+                by = -moves[w] / rates[w]
+                moves = moves + np.outer(rates, by)
                 more = more + by
         by = 0 * more
         if exit and end == leg.ended:
             if exit.event == CLOCK:
                 by = lasts.first - more
+                moves = moves + np.outer(motion.rates(last, moves[:, :0])[0], by)
             else:
                 ending = next(one for one in track.phase.events if one.name == exit.event)
-                by, least = motion.shift(ending, last, moves)
                 if not exit.smooth:
+                    least = motion.lost(ending, last, moves)
                     self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
-        moves = moves + np.outer(rates, by)
+                by, moves = motion.happens(ending, last, moves)
         of = np.full(1, len(self.legs))
         self.between.append(Samples(track, 0 * by, of, last[:, None], moves[..., None]))
         return (last, moves), Dual(leg.ended, began.first + more + by)
@@ -508,9 +512,7 @@ class Pass:
         after = after[..., 0]
         if made[2] >= 0:
             last = np.array(made[3 : 3 + size])
-            rates = motion.rates(last)
-            shift, _ = motion.shift(formulas.events[int(made[2])], last, after)
-            after = after + np.outer(rates, shift)
+            _, after = motion.happens(formulas.events[int(made[2])], last, after)
         results[3 : 3 + size] = after
         return np.array(made, float), results
 
@@ -525,7 +527,10 @@ class Pass:
                 )
                 split = track.variables.split
                 rates = np.array(
-                    [rate + 0 * values[0] for rate in track.variables.rates(*split(values), track.b)]
+                    [
+                        rate + 0 * values[0]
+                        for rate in track.variables.rates(*split(values), track.b)
+                    ]
                 )
                 shifts = [np.repeat(one.shift[:, None], len(one.which), axis=1) for one in mine]
                 moves = moves - rates[:, None] * np.concatenate(shifts, axis=-1)
@@ -585,7 +590,7 @@ class Pass:
             for event in motion.formulas.events:
                 if event.name == name:
                     state = one.values[:, column], one.moves[..., column]
-                    shifts[k] = one.shift + motion.shift(event, *state)[0]
+                    shifts[k] = one.shift + motion.happens(event, *state)[0]
         return shifts
 
     @QUIET
