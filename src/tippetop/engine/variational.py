@@ -27,6 +27,7 @@ from .expressions import AXES, Formulas, observed, orientation_of
 
 
 ZERO = hy.expression(0.0)
+EXACT = 2.0**-52
 COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
 """Entries of 4 q q^t of the orientation q."""
@@ -99,25 +100,28 @@ def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> tuple[Any, Any]
     angles = kind.system.start(data, s, z, body)
     start = variables.join(*variables.start(data, angles, s, z, body))
     starts = compiled_once(hy.cfunc, by_order(start, kind.order), vars=[])
-    return starts, _integrator(variables, body, kind.order, lanes, tolerance)
+    careful = tolerance < COARSE  # compensated sums of steps: a quarter of the cost
+    return starts, _integrator(variables, body, kind.order, lanes, tolerance, careful)
 
 
 @lru_cache(maxsize=128)
-def compiled_flow(formulas: Formulas, variables: Variables, lanes: int, tolerance: float) -> Any:
+def compiled_flow(formulas: Formulas, variables: Variables, lanes: int) -> Any:
     """Return heyoka's integrator of formulas with derivatives along one direction for each lane.
 
-    Its parameters are the numbers of the body, each before its derivative.
+    Its parameters are the numbers of the body, each before its derivative. It is for short phases,
+    with steps that are not summed in double length.
     """
     body = formulas.body(Dual(hy.par[2 * i], hy.par[2 * i + 1]) for i in count())
-    return _integrator(variables, body, 1, lanes, tolerance)
+    return _integrator(variables, body, 1, lanes, EXACT, False)
 
 
-def _integrator(variables: Variables, body: Any, order: int, lanes: int, tolerance: float) -> Any:
+def _integrator(
+    variables: Variables, body: Any, order: int, lanes: int, tolerance: float, careful: bool
+) -> Any:
     """Return heyoka's integrator of the variables of a body with derivatives."""
     state = symbols(variables.names, order)
     rates = variables.rates(*variables.split(state), body)
     equations = list(zip(by_order(state, order), by_order(rates, order), strict=True))
-    careful = tolerance < COARSE  # compensated sums of steps: a quarter of the cost
     options = {"tol": tolerance, "high_accuracy": careful, "compact_mode": True}
     zero = np.zeros((len(equations), lanes))
     return compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)

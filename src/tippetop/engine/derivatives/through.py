@@ -34,7 +34,7 @@ from .tape import Tape
 MOST_LANES = 8
 BRANCHES = 32
 AHEAD = 1e-6
-PER_LEG, PER_TIME = 4, 6
+PER_LEG, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
 BRIEF = 1e-9
 """Time of a jump in which the state stays; there are no derivatives in a longer one."""
@@ -147,7 +147,7 @@ class Motion(NamedTuple):
         """
         n, directions = moves.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes, 2.0**-52
+        key = self.formulas, self.variables, lanes
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         both = np.empty((2 * len(self.pars), directions))
         both[::2] = self.pars[:, None]
