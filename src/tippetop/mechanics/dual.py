@@ -31,6 +31,8 @@ def _sum(a: Sequence, b: Sequence) -> list:
 
 
 def _product(a: Sequence, b: Sequence) -> list:
+    if len(b) == 1:
+        return [one * b[0] for one in a]
     made = []
     for n in range(max(len(a), len(b))):
         some = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]

@@ -598,13 +598,13 @@ class Pass:
         """Return what could turn out otherwise, with exits of phases that nearly happened."""
         notes = list(self.notes)
         ends = [*self.legs, *self.driver.legs[len(self.legs) :][:1]]
-        for track, b, (q, carried), which in self._together(self.between):
-            functions = track.formulas.functions(q, carried, b)
-            exits = {one.event: one for one in track.phase.exits if not one.smooth}
-            for event, function in zip(track.formulas.events, functions, strict=True):
-                if event.name not in exits:
+        for track, b, (q, _), which in self._together(self.between):
+            scalars = track.phase.form.scalars(q, b)
+            exits = {one.event for one in track.phase.exits if not one.smooth}
+            for event in track.phase.events:
+                if event.name not in exits or event.sampled:
                     continue
-                h, by = parts_of(function, 1)
+                h, by = parts_of(event.formula(scalars, b), 1)
                 size = np.abs(h)
                 least = size / np.abs(by)
                 for k in _lows(size, which):
