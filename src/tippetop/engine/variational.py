@@ -27,7 +27,7 @@ from .expressions import AXES, Formulas, observed, orientation_of
 
 
 ZERO = hy.expression(0.0)
-EXACT = 2.0**-52
+EXACT = 1e-14  # tolerance of a step, of a phase that takes few
 COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
 """Entries of 4 q q^t of the orientation q."""

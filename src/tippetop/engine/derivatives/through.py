@@ -149,20 +149,21 @@ class Motion(NamedTuple):
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
         key = self.formulas, self.variables, lanes
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
+        sizes = np.abs(moves).max(axis=0).clip(min=1.0)  # the largest numbers decide the errors
         both = np.empty((2 * len(self.pars), directions))
         both[::2] = self.pars[:, None]
-        both[1::2] = self.moves
+        both[1::2] = self.moves / sizes
+        state = np.concatenate([np.repeat(values[:, None], directions, axis=1), moves / sizes])
         found = np.empty((2 * n, directions, len(times)))
-        grid = np.repeat(np.union1d(0.0, times)[:, None], lanes, axis=1)
+        grid = times if times[0] == 0 else np.append(0.0, times)
         for first in range(0, directions, lanes):
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             ta.set_time(0.0)
-            ta.state[:n] = values[:, None]
-            ta.state[n:] = moves[:, some]
+            ta.state[:] = state[:, some]
             ta.pars[:] = both[: len(ta.pars), some]
-            _, rows = ta.propagate_grid(grid)
+            _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
             found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
-        return found[:n, 0], found[n:]
+        return found[:n, 0], found[n:] * sizes[:, None]
 
     def rates(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the rates of the variables and of their derivatives."""
