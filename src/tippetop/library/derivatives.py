@@ -132,11 +132,10 @@ def sensitivities(
         moments["impact"] = run.impacts.time.values
     derived = differentiate(problem, wrt, solution.times, solution.events, order, moments)
     columns = derived.trajectory, derived.events, derived.second
-    tables = [
-        _table(problem, wrt, table, run)
-        for table in (*columns, *(derived.moments.get(by, {}) for by in ("interval", "impact")))
-    ]
-    return Sensitivities(run, *tables, tuple(derived.sentences))
+    others = (derived.moments.get(by, {}) for by in ("interval", "impact"))
+    tables: Any = [_table(problem, wrt, table, run) for table in (*columns, *others)]
+    tables.append(tuple(derived.sentences))
+    return Sensitivities(run, *tables)
 
 
 def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> "xr.Dataset":

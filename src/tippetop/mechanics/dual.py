@@ -116,7 +116,7 @@ class Dual(NDArrayOperatorsMixin):
     def __pow__(self, power: Any) -> Any:
         if type(power) is int and power > 0:
             return reduce(operator.mul, [self] * power)
-        return np.power(self, power)
+        return self.__array_ufunc__(np.power, "__call__", self, power)
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, **options: Any) -> Any:
         name = function.__name__

@@ -56,7 +56,7 @@ def _lift(name: str) -> Callable:
     """Return a function of operands. Of doubles it has the bits of the C library: those of NumPy
     depend on the processor, and the loop repeats jumps (see `lines`).
     """
-    symbolic = getattr(hy, name, None)
+    symbolic: Any = getattr(hy, name, None)
     numeric = getattr(np, f"arc{name[1:]}" if name[0] == "a" else name)
     scalar = getattr(math, name)
     doubles = DOUBLES if name != "sqrt" else ()  # it is exact everywhere

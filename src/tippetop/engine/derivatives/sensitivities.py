@@ -141,10 +141,10 @@ def differentiate(
         theta=_column(by_theta[None], "rad", f"theta {OF_EVENT}", ("event", PARAMETER)),
     )
     if passed:
-        for by, some in moments.items():
+        for name, some in moments.items():
             shift = passed.times_of([""] * len(some), some / second) * second / sizes
-            moved = _column(shift[None], "s", "the time, as the numbers change", (by, PARAMETER))
-            found.moments[by] = {"time": moved}
+            moved = _column(shift[None], "s", "the time, as the numbers change", (name, PARAMETER))
+            found.moments[name] = {"time": moved}
         _limit(
             found, passed.margins(), wrt, second, {"time": times, "event": events.time, **moments}
         )

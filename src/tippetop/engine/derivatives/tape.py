@@ -5,6 +5,7 @@ A formula or a jump takes milliseconds in numbers with derivatives, and its reco
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +118,7 @@ class Tape:
         self.constants = np.array(constants)
 
     def __call__(
-        self, values: np.ndarray, moves: np.ndarray, follow: Callable | None = None
+        self, values: np.ndarray, moves: np.ndarray, follow: Any = None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         """Return the results, their derivatives, and the least change along each direction at which
         a comparison turns out otherwise; None if one does.

@@ -64,13 +64,13 @@ class Numbers(NamedTuple):
 def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Numbers:
     """Return the numbers of a run with derivatives; values are those of its driver."""
     system = problem.system
-    given = {name: 0.0 for name in wrt if name.startswith("initial.")}
+    given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
     for table, numbers in problem.tables.items():
         given |= {f"{table}.{name}": value for name, value in numbers.items()}
     sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
     for name, size, one in zip(wrt, sizes, np.eye(len(wrt)), strict=True):
         given[name] = Dual(float(given[name]), size * one)
-    tables = {
+    tables: dict[str, dict[str, Any]] = {
         t: {n.partition(".")[2]: v for n, v in given.items() if n.startswith(f"{t}.")}
         for t in ("parameters", "friction", "initial", "contact", "stem")
     }
@@ -86,7 +86,7 @@ def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Nu
     body = first
     rules = problem.contact
     if rules is not None:
-        rules = rules._replace(**tables["contact"], **tables["stem"])
+        rules = rules._replace(**(tables["contact"] | tables["stem"]))
     if system.assembled is not None:
         body, _ = system.assembled(first, rules, internal)
     data = tables["initial"]
@@ -109,7 +109,7 @@ def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Nu
     )
 
 
-def valued(record: Any, values: Sequence) -> Any:
+def valued(record: Any, values: Any) -> Any:
     """Return a record with other values, and its derivatives."""
     pairs = zip(leaves(record), values, strict=True)
     made = (
@@ -119,7 +119,7 @@ def valued(record: Any, values: Sequence) -> Any:
     return refill(record, made)
 
 
-def joined(values: Sequence, moves: np.ndarray) -> list[Dual]:
+def joined(values: Any, moves: np.ndarray) -> list[Dual]:
     """Return numbers of values (n, ...) and derivatives (n, directions, ...)."""
     return [Dual(*pair) for pair in zip(values, moves, strict=True)]
 
@@ -234,7 +234,7 @@ def evaluated(
     records: tuple,
     values: np.ndarray,
     moves: np.ndarray,
-    follow: Callable | None = None,
+    follow: Any = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Any]:
     """Return the numbers that a function returns, their derivatives, the least change along each
     direction at which a comparison turns out otherwise, and its second result.
@@ -326,11 +326,11 @@ class Pass:
         self.problem = problem
         self.times = times
         self.driver = driver = HybridDriver(problem)
-        driver.legs = []
+        self.runs = driver.legs = list[Leg]()
         status = driver.ended
         while status is None and driver.clock[0] <= times[-1]:
             status = driver.advance(self, STEPS_PER_SLICE).status
-        if not driver.legs or (driver.legs[-1].jump is not None and status is None):
+        if not self.runs or (self.runs[-1].jump is not None and status is None):
             driver.last_rows()
         self.numbers = numbers_of(problem, wrt, driver)
         self.directions = len(wrt)
@@ -351,6 +351,9 @@ class Pass:
         """Return the times of rows of the plain run: none."""
         return np.zeros(0)
 
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Take no rows of the plain run."""
+
     @QUIET
     def _follow(self) -> None:
         """Follow the run."""
@@ -358,8 +361,8 @@ class Pass:
         phase = completed(self.problem.system.phase, self.problem.variables)
         now = Dual(0.0, np.zeros(self.directions))
         state = parted(self.numbers.state, self.directions)
-        name, delay, lasts, *state = self._jumped(phase, begin, state, now)
-        for leg in self.driver.legs:
+        name, delay, lasts, state = self._jumped(phase, begin, state, now)
+        for leg in self.runs:
             if name != leg.track.name:
                 self.notes.append(Note(now.value, "what follows", 0 * now.first))
                 return
@@ -373,17 +376,17 @@ class Pass:
                 return
             self.legs.append(leg)
             self.shifts.append(now.first)
-            name, delay, lasts, *state = self._jumped(leg.track.phase, leg.jump.exit, state, now)
+            name, delay, lasts, state = self._jumped(leg.track.phase, leg.jump.exit, state, now)
             if not name:
                 return
 
-    def _jumped(self, phase: Phase, exit: Exit, state: Sequence, now: Dual) -> list:
+    def _jumped(self, phase: Phase, exit: Exit, state: tuple, now: Dual) -> tuple:
         """Return the phase that follows one that ended in a state; how long until it begins and
         how long it lasts at most; and its variables.
         """
         driver = self.driver
         world = driver.world._replace(phase=phase)
-        impacts = getattr(driver, "impacts", None)
+        impacts: Any = getattr(driver, "impacts", None)
 
         def jumped(call: Callable, body: Any, rules: tuple, left: tuple, state: tuple) -> tuple:
             def piece(region: str, *given: Any) -> list:
@@ -400,7 +403,7 @@ class Pass:
                 x = x._replace(carried=carried)
             n = exit.jump(x, now)
             if n.ends:
-                return [n.delay], ""
+                return [n.delay, 0.0], ""
             to = driver.track_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             q = to.phase.enter(n.x, to.phase.parameters(body))
@@ -408,25 +411,25 @@ class Pass:
 
         left = float(driver.end) - now
         of_left = np.array([left.value]), left.first[None]
-        inputs = map(np.concatenate, zip(self.known, of_left, state, strict=True))
+        inputs = [*map(np.concatenate, zip(self.known, of_left, state, strict=True))]
         records = *self.plain, tuple(of_left[0]), tuple(state[0])
         restitution = self.numbers.rules and self.numbers.rules.restitution
         key = phase, exit.jump, restitution, kinds(world.body)
         try:
-            values, moves, least, name = evaluated(key, jumped, records, *inputs, self._motion)
+            made = evaluated(key, jumped, records, inputs[0], inputs[1], self._motion)
         except ArithmeticError as error:
             self.notes.append(Note(now.value, f"what follows `{exit.event}`", 0 * now.first))
-            return [str(error), now, now, *state]
+            return str(error), now, now, state
         except (TypeError, AttributeError, ValueError) as error:
             raise InputError(
                 f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
                 "with derivatives: use operators and NumPy's functions, not `math` or `float`, but "
                 f"{type(error).__name__}: {error}"
             ) from error
+        values, moves, least, name = made
         if not exit.smooth:
             self.notes.append(Note(now.value, f"what follows `{exit.event}`", least))
-        delay, *lasts = joined(values[:2], moves[:2])
-        return [name, delay, *lasts, values[2:], moves[2:]]
+        return name, *joined(values[:2], moves[:2]), (values[2:], moves[2:])
 
     def _motion_of(self, track: Track) -> Motion:
         """Return the equations of a phase."""
@@ -441,7 +444,7 @@ class Pass:
         first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
         return np.arange(first, np.searchsorted(self.times, ended, side="right"))
 
-    def _ended(self, leg: Leg, state: Sequence, began: Dual, lasts: Any) -> tuple[Any, Dual]:
+    def _ended(self, leg: Leg, state: tuple, began: Dual, lasts: Any) -> tuple[Any, Dual]:
         """Return the state where a phase ends, and the time, of the state where it begins."""
         track = leg.track
         motion = self._motion_of(track)
@@ -500,11 +503,12 @@ class Pass:
         variables = variables_of(formulas.form, False)
         count = len(formulas.events)
         size = len(variables.names)
-        end, most, *rest = values
+        end, most = values[:2]
         signs, zeros, state, pars = np.split(
-            rest, [count, 2 * count, 2 * count + impacts.driver(region).width]
+            values[2:], [count, 2 * count, 2 * count + impacts.driver(region).width]
         )
-        made = impacts.piece(region, end, int(most), signs, zeros, state, pars)
+        given: Any = signs, zeros, state, pars
+        made = impacts.piece(region, end, int(most), *given)
         results = np.zeros((len(made), self.directions))
         at = 2 + 2 * count
         motion = Motion(formulas, variables, pars, moves[-len(pars) :])
@@ -598,7 +602,7 @@ class Pass:
     def margins(self) -> list[Note]:
         """Return what could turn out otherwise, with exits of phases that nearly happened."""
         notes = list(self.notes)
-        ends = [*self.legs, *self.driver.legs[len(self.legs) :][:1]]
+        ends = self.runs
         for track, b, (q, _), which in self._together(self.between):
             scalars = track.phase.form.scalars(q, b)
             exits = {one.event for one in track.phase.exits if not one.smooth}

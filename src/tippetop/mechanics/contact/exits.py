@@ -434,7 +434,7 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
         """Return how the state at the end changes if numbers and time do."""
-        total = 0.0
+        total: Any = 0.0
         for k, weight in WEIGHTS.items():
             numbers = map(eighty_bits, leaves(values))
             moved = [one + k * size * by for one, by in zip(numbers, way, strict=True)]
