@@ -62,7 +62,7 @@ class Kind(NamedTuple):
         n = len(self.names)
         tables: dict[str, dict[str, Any]] = {"parameters": {}, "friction": {}, "initial": {}}
         parts = ([hy.par[i], hy.par[n + i], ZERO][: self.order + 1] for i in range(n))
-        values = zip(self.names, starmap(Dual, parts), strict=True)
+        values = zip(self.names, starmap(number, parts), strict=True)
         for name, value in (dict(values) | dict.fromkeys(self.flags, True)).items():
             table, _, key = name.partition(".")
             tables[table][key] = value
@@ -70,9 +70,14 @@ class Kind(NamedTuple):
         return self.system.body_of(tables["parameters"], friction), tables["initial"]
 
 
-def symbols(names: Iterable[str], order: int) -> list[Dual]:
+def number(*parts: Any) -> Any:
+    """Return a number with its derivatives, if it has any."""
+    return Dual(*parts) if len(parts) > 1 else parts[0]
+
+
+def symbols(names: Iterable[str], order: int) -> list[Any]:
     """Return symbols with their derivatives."""
-    return [Dual(*(hy.expression("d_" * k + name) for k in range(order + 1))) for name in names]
+    return [number(*(hy.expression("d_" * k + name) for k in range(order + 1))) for name in names]
 
 
 def by_order(values: Iterable, order: int) -> list[Any]:
@@ -180,7 +185,7 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
     known = with_events(kind, state, body)
     names = tuple(known) if names is None else names
     rates = kind.variables.rates(*kind.variables.split(plain(tuple(state))), plain(body))
-    moving = [Dual(one.value, rate) for one, rate in zip(state, rates, strict=True)]
+    moving = [Dual(plain(one), rate) for one, rate in zip(state, rates, strict=True)]
     by_time = with_events(kind, moving, plain(body))
     outputs = by_order((known[name] for name in names), kind.order)
     outputs += [ZERO + parts_of(by_time[name], 1)[1] for name in names]
