@@ -51,11 +51,22 @@ def _quotient(a: Sequence, b: Sequence) -> list:
     return made
 
 
+def _root(a: Sequence) -> list:
+    made = [sqrt(a[0])]
+    for n in range(1, len(a)):
+        rest = a[n]
+        for k in range(1, n):
+            rest = rest - PASCAL[n][k] * (made[k] * made[n - k])
+        made.append(rest / (2 * made[0]))
+    return made
+
+
 ARITHMETIC: dict[str, Callable] = {
     "add": _sum,
     "subtract": lambda a, b: _sum(a, [-one for one in b]),
     "multiply": _product,
     "divide": _quotient,
+    "sqrt": _root,
     "negative": lambda a: [-one for one in a],
     "absolute": lambda a: [np.sign(a[0]) * one for one in a],
 }
@@ -68,7 +79,6 @@ def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
 
 
 RULES: dict[str, Callable] = {
-    "sqrt": lambda a, r, da: da / (2 * r),
     "sin": lambda a, r, da: cos(a) * da,
     "cos": lambda a, r, da: -(sin(a) * da),
     "exp": lambda a, r, da: r * da,
