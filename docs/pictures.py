@@ -55,6 +55,33 @@ def momentum() -> Any:
     return figure
 
 
+def through_contact() -> Any:
+    """Draw the inclination of `flying` with the band of a change of mu by 0.1 %."""
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    import tippetop as tt
+
+    wrt = ["friction.mu"]
+    made = tt.derivatives.sensitivities("flying", wrt, until=12.0, output_step=0.004)
+    rows = made.run.trajectory
+    change = 1e-3 * made.run.attributes["friction"]["mu"]
+    theta = np.degrees(rows.theta)
+    half = np.degrees(change * abs(made.trajectory.theta.sel(parameter="friction.mu")))
+    figure = Figure(figsize=(7, 5), layout="constrained")
+    top, bottom = figure.subplots(2, 1)
+    top.fill_between(rows.time, theta - half, theta + half, color="C1", alpha=0.5, lw=0)
+    top.plot(rows.time, theta, color="0.2", lw=0.7)
+    top.set(xlim=(7.5, 9.5), ylim=(40, 180), ylabel="θ (degrees)")
+    bottom.semilogy(rows.time, half, color="C1", lw=0.7)
+    bottom.set(xlim=(0, 12), ylim=(1e-5, 30), xlabel="t (s)", ylabel="width to each side (degrees)")
+    return figure
+
+
+OWN = momentum, through_contact
+"""Pictures whose code is here; each is called as its function."""
+
+
 def blocks(page: Path) -> list[tuple[str, str]]:
     """Return the Python of a page, each block with the name of the picture below it, or ""."""
     text = page.read_text(encoding="utf-8")
@@ -65,7 +92,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 def sources() -> dict[str, str]:
     """Return the code of each picture by its name."""
     named = {name: code for page in GALLERIES for code, name in blocks(page) if name}
-    return named | {"momentum": inspect.getsource(momentum)}
+    return named | {one.__name__: inspect.getsource(one) for one in OWN}
 
 
 def save(figure: Any, name: str, source: str) -> None:
@@ -83,7 +110,8 @@ def save(figure: Any, name: str, source: str) -> None:
 def draw() -> None:
     """Draw all pictures."""
     PICTURES.mkdir(exist_ok=True)
-    save(momentum(), "momentum", inspect.getsource(momentum))
+    for one in OWN:
+        save(one(), one.__name__, inspect.getsource(one))
     for page in GALLERIES:
         draw_page(page)
 

@@ -3,10 +3,8 @@ unless asked for.
 """
 
 import numpy as np
-import pytest
 
 import tippetop as tt
-from tippetop.errors import InputError
 from tippetop.sweeps import chunk
 from tippetop.sweeps.plan import Plan
 
@@ -51,10 +49,9 @@ def test_a_sweep_keeps_it_where_it_is_named() -> None:
     assert "lyapunov" not in chunk.column_schema(plan.base, None)
 
 
-def test_a_contact_that_opens_has_none() -> None:
-    with pytest.raises(
-        InputError, match=r"`keep` must not have lyapunov here: the contact must never change"
-    ):
-        Plan.from_tables({"scenario": "flying", "keep": ["lyapunov"], "axis": AXES})
-    with pytest.raises(InputError, match="the contact must never change"):
-        tt.ensemble("flying", {"mu": [0.1]}, until=0.01, lyapunov=True)
+def test_a_top_whose_contact_opens_has_one_too() -> None:
+    rows = tt.ensemble("flying", {"mu": [0.1, 0.3]}, until=0.05, lyapunov=True)
+    alone = tt.derivatives.lyapunov("flying", {"mu": 0.3}, until=0.05, rows=2)
+    assert float(rows.lyapunov[1]) == float(alone.exponent[-1])
+    plan = Plan.from_tables({"scenario": "flying", "keep": ["lyapunov"], "axis": AXES})
+    assert list(chunk.column_schema(plan.base, plan.keep)) == ["status", "lyapunov"]

@@ -34,8 +34,8 @@ PATIENCE = 16
 has made."""
 BRANCHES = 8
 """Most programs of a jump."""
-NUMBERS = 24
-"""Most numbers that a change may pass to the tables."""
+NUMBERS, STATE = 24, 40
+"""Most numbers that a change may pass to the tables, and variables where its phase ended."""
 START = "start"
 """How a phase before the first one ends, from which tops in lanes begin."""
 NODES = 8
@@ -82,6 +82,7 @@ class Written(NamedTuple):
     phase: str  # the next one
     cause: str  # of the change; empty if the table of phases gets no row
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
+    jump: Any
 
 
 def numbers_of(world: Any) -> list:
@@ -114,7 +115,7 @@ class Changes:
         # start comes after all phases
         self.programs = [list[Any]() for _ in range((len(run.phases) + 1) * (self.events + 1))]
         self.table = np.zeros(len(self.programs), np.uint64)
-        self.made = np.zeros((PER_SLICE, 4 + NUMBERS))
+        self.made = np.zeros((PER_SLICE, 4 + NUMBERS + STATE))
         self.body = np.array(numbers_of(run.world))
         arrays = self.loops, self.table, run.all_events.events, self.body, self.made
         sizes = 0, 0, 0, 0, len(self.body), self.made.shape[1]
@@ -200,11 +201,13 @@ class Changes:
             return None
         pad = [0.0] * (len(to.place.motion.state) - len(after))
         times = n.lasts, n.delay
-        first = program.joined([*sides, *zeros, *after, *pad, *times, *ranges, *numbers])
+        ended = state[: len(track.variables.names)]
+        results = [*sides, *zeros, *after, *pad, *times, *ranges, *numbers, *ended]
+        first = program.joined(results)
         lines = program.code()
         constants = [*program.constants.values()]
         result = program.count + len(constants)
-        registers = np.zeros(result + len(lines) + NUMBERS)
+        registers = np.zeros(result + len(lines) + NUMBERS + STATE)
         registers[program.count : result] = constants
         places = result, first.place + len(constants), to.at, 0
         events = [run.numbers[name] for name in n.logged], passed, ranged
@@ -215,6 +218,7 @@ class Changes:
             n.phase,
             n.cause,
             [(name, len(row)) for name, rows in n.rows.items() for row in rows],
+            jump,
         )
 
     def drive(self, steps: int, changes: int) -> int:
@@ -230,14 +234,18 @@ class Changes:
         record.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)
+        track = run.track
+        began = run.began
         for time, number, lasts, delay, *numbers in self.made[: record.length].tolist():
             program = self.known[int(number)]
             rest = iter(numbers)
+            before = track
             track = run.tracks[program.phase]
             if program.cause:
                 run.tables.begin(time, track, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
+            run.keep_leg(before, began, time, rest, program.jump)
             began = min(time + delay, run.end)
             run.until = began + lasts
         if record.length:

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from itertools import repeat
+from itertools import islice, repeat
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -258,6 +258,16 @@ def wrong_root(n: Next, to: "Track", q: Any, carried: Any, values: Sequence) -> 
 # --- runs ---------------------------------------------------------------------------------------
 
 
+class Leg(NamedTuple):
+    """A phase that a run went through: internal times, where it ended, and how."""
+
+    track: "Track"
+    began: float
+    ended: float
+    last: list[float]
+    jump: Jump | None  # None: by the end of the run
+
+
 class Track:
     """A phase that a run may have, and where its steps are made.
 
@@ -370,6 +380,7 @@ class HybridDriver(Driver):
 
     track: Track
     last: np.ndarray  # the state where the last phase ended
+    legs: list[Leg] | None = None  # of the run, if they are to be kept
     short = 0  # phases in a row that were too short
     changes = 0  # of phase, in a slice
     series: Any = None  # of the jump to the present phase, if it takes time
@@ -512,6 +523,14 @@ class HybridDriver(Driver):
         self.time[0] = self.began
         self.until = time + self.number(n.lasts)
 
+    def keep_leg(
+        self, track: Track, began: float, ended: Any, state: Iterable, jump: Jump | None
+    ) -> None:
+        """Keep a phase that has ended, in a state that begins with its variables."""
+        if self.legs is not None:
+            last = [float(one) for one in islice(state, len(track.variables.names))]
+            self.legs.append(Leg(track, began, float(ended), last, jump))
+
     # --- steps -----------------------------------------------------------------------------------
 
     @QUIET
@@ -552,6 +571,8 @@ class HybridDriver(Driver):
             self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
+            if not jump:
+                self.keep_leg(self.track, self.began, when, self.last, None)
         return steps, when, self.last, status
 
     def end_next(self) -> None:
@@ -585,6 +606,7 @@ class HybridDriver(Driver):
         last = self.last
         if self.upto[0] < 1.0:
             self.logged[0] -= 1  # the jump logs it
+        self.keep_leg(track, self.began, when, last, jump)
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, _, state, _ = jump(self, *given)
         if self.copies:
@@ -709,6 +731,7 @@ class HybridDriver(Driver):
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
         """End the phase that is under way; return its row."""
+        self.keep_leg(self.track, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
 

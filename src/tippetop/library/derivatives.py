@@ -37,12 +37,27 @@ class Sensitivities:
     second : xarray.Dataset
         Second derivatives of the columns, along `time`, `parameter` and `parameter_2`; empty unless
         `order=2`.
+    phases, impacts : xarray.Dataset
+        Of each phase and each impact, the derivative of the time at which it begins; empty where
+        the contact cannot change.
+    sentences : tuple of str
+        Why derivatives are NaN: from when on, by which number, and because of which event.
+
+    Notes
+    -----
+    Where the contact may change, each table has `valid_within`: the relative change of a number (of
+    its unit in the run, if it is 0) up to which the phases follow each other as they do; beyond
+    it, the motion is another one. It is an estimate to first order. Derivatives are NaN where it is
+    less than 1e-9.
     """
 
     run: Run
     trajectory: xr.Dataset
     events: xr.Dataset
     second: xr.Dataset
+    phases: xr.Dataset
+    impacts: xr.Dataset
+    sentences: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         names = ", ".join(map(str, self.trajectory.parameter.values))
@@ -81,8 +96,7 @@ def sensitivities(
     Raises
     ------
     InputError
-        If a name is wrong, or the run has no derivatives: its contact changes, or its law is
-        set-valued.
+        If a name is wrong, or the run has no derivatives.
 
     Notes
     -----
@@ -97,7 +111,7 @@ def sensitivities(
     >>> s = tt.derivatives.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
-    from ..engine.derivatives.sensitivities import OTHER, PARAMETER, differentiate
+    from ..engine.derivatives.sensitivities import differentiate
     from ..problem import refuse
     from ..runs.run import solve
 
@@ -109,17 +123,30 @@ def sensitivities(
         raise InputError('`output` must keep rows for derivatives, but is "keyframes".')
     wrt = tuple(dotted_keys(wrt, problem.rules))
     refuse(problem, wrt)
+    if order == 2 and problem.system.is_hybrid:
+        raise InputError("`order` must be 1 where the contact may change, but is 2.")
     solution = solve(problem)
-    derived = differentiate(problem, wrt, solution.times, solution.events, order)
     run = Run(solution)
-    tables = []
-    for columns in (derived.trajectory, derived.events, derived.second):
-        table = attributes.dataset(columns, run.attributes)
-        names = {name: (name, list(wrt)) for name in (PARAMETER, OTHER) if name in table.dims}
-        if PARAMETER in names:
-            names["unit"] = (PARAMETER, [problem.rules[name].unit.symbol for name in wrt])
-        tables.append(table.assign_coords(names))
+    moments = {}
+    if problem.system.tables:
+        moments["interval"] = run.phases.start.values
+    if problem.contact is not None:
+        moments["impact"] = run.impacts.time.values
+    derived = differentiate(problem, wrt, solution.times, solution.events, order, moments)
+    columns = derived.trajectory, derived.events, derived.second
+    others = (derived.moments.get(by, {}) for by in ("interval", "impact"))
+    tables: Any = [_table(problem, wrt, table, run) for table in (*columns, *others)]
+    tables.append(tuple(derived.sentences))
     return Sensitivities(run, *tables)
+
+
+def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
+    """Return columns of derivatives with the names of the numbers."""
+    table = attributes.dataset(columns, run.attributes)
+    names = {name: (name, list(wrt)) for name in ("parameter", "parameter_2") if name in table.dims}
+    if names:
+        names["unit"] = ("parameter", [problem.rules[name].unit.symbol for name in wrt])
+    return table.assign_coords(names)
 
 
 @takes(problem_of)
@@ -148,7 +175,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     Raises
     ------
     InputError
-        If the run has no derivatives: its contact changes, or its law is set-valued.
+        If the run has no derivatives.
 
     Examples
     --------

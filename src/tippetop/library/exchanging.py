@@ -134,7 +134,7 @@ class Fitted:
         before: Problem,
         observation: Any,
         result: Any,
-        laws: "Mapping[str, Fitted] | None" = None,
+        laws: Mapping[str, Fitted] | None = None,
     ):
         self._before = before
         self._observation = observation

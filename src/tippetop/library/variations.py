@@ -15,7 +15,7 @@ from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import ONE, SECOND
-from ..problem import Problem, derivative_faults
+from ..problem import Problem
 from ..progress import reporting
 from ..runs import attributes
 from ..runs.certificate import broken_by_tops
@@ -114,8 +114,6 @@ def ensemble(
     flag("orientation", orientation)
     flag("lyapunov", lyapunov)
     flag("event_table", event_table)
-    if lyapunov and (sentences := derivative_faults(base)):
-        raise InputError(sentences)
     tops = vary(base, dotted, orientation=orientation)
     if tops.valid[:1].any():
         warn(doubts(one_of(tops, 0)), 3)

@@ -253,11 +253,15 @@ class Exit:
         `rates(phase, q, carried)` (the rates of the integrals of the run). If a jump raises
         ArithmeticError(message), the run ends as `stalled`; any other exception becomes an
         InputError that names the jump.
+    smooth
+        Whether the motion goes on smoothly, so that it does not matter much where it happens, or
+        whether it does.
     """
 
     event: str
     to: tuple[str, ...]
     jump: Callable
+    smooth: bool = False
 
     def fault(self, n: Any, x: Any, known: Mapping[str, Any]) -> str:
         """Return what the result of the jump must be and is not, of a state `x` and with the words

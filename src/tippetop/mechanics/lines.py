@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from .dual import Dual, plain
 from .operand import leaves, refill
 
 
@@ -46,6 +47,8 @@ class Number(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
         """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""
+        if any(isinstance(one, Dual) for one in inputs):
+            return NotImplemented
         values = (one.value if isinstance(one, Number) else one for one in inputs)
         name = function.__name__
         a = inputs[0]
@@ -127,4 +130,4 @@ def unit_of(*values: Any) -> Any:
     if isinstance(values[0], Number):
         largest = reduce(np.maximum, map(abs, values))
         return values[0].program.line("unit", largest, 0.0, unit_of(largest.value))
-    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])
+    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, plain(values)))))[1])

@@ -56,8 +56,8 @@ def _lift(name: str) -> Callable:
     """Return a function of operands. Of doubles it has the bits of the C library: those of NumPy
     depend on the processor, and the loop repeats jumps (see `lines`).
     """
-    symbolic = getattr(hy, name)
-    numeric = getattr(np, name.replace("atan", "arctan"))
+    symbolic: Any = getattr(hy, name, None)
+    numeric = getattr(np, f"arc{name[1:]}" if name[0] == "a" else name)
     scalar = getattr(math, name)
     doubles = DOUBLES if name != "sqrt" else ()  # it is exact everywhere
 
@@ -87,6 +87,8 @@ cos = _lift("cos")
 exp = _lift("exp")
 log = _lift("log")
 atan2 = _lift("atan2")
+asin = _lift("asin")
+hypot = _lift("hypot")
 
 
 def product_error(x: Operand, y: Operand) -> Operand:

@@ -11,24 +11,11 @@ if TYPE_CHECKING:
     from .problem import Problem
 
 
-EXCLUDED = ("run.", "contact.", "stem.")  # tables: a motion has no derivatives by their numbers
+EXCLUDED = ("run.",)  # tables: a motion has no derivatives by their numbers
 
 
 def derivative_faults(problem: "Problem") -> list[str]:
     """Return why a run has no derivatives, or none that is computed; empty if it has."""
-    if problem.system.is_hybrid:
-        why = (
-            "is a disc, which may come to rest"
-            if problem.law.regions
-            else "sticks and slips under a set-valued law"
-            if problem.law.set_valued
-            else "may open and close"
-        )
-        return [
-            "the contact must never change for derivatives to exist along the run, but this "
-            f"one {why}: give a smooth law (a Coulomb law with `eps`), and no [contact], no "
-            '[stem], no `on_liftoff = "fly"`.'
-        ]
     if problem.precision != "double":
         return [f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".']
     if problem.origin is not None:

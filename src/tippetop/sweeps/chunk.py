@@ -11,7 +11,7 @@ from ..ensembles.top_events import event_table
 from ..mechanics.event import Event
 from ..mechanics.system import Quantity
 from ..mechanics.variables import Variables
-from ..problem import Problem, derivative_faults
+from ..problem import Problem
 from ..scenario import build
 from ..store import provenance
 
@@ -113,10 +113,9 @@ def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
 
 
 def column_names(base: Problem) -> list[str]:
-    """Return the valid names of `keep`: columns, groups of columns, and `lyapunov` if it exists."""
+    """Return the valid names of `keep`: columns, groups of columns, and `lyapunov`."""
     oriented = [ORIENTATION, *outcomes.ORIENTATION] if base.form.orientation else []
-    chaos = [] if derivative_faults(base) else [outcomes.LYAPUNOV]
-    return [*column_schema(base, None), FINAL, DRIFT, EVENTS, *oriented, *chaos]
+    return [*column_schema(base, None), FINAL, DRIFT, EVENTS, *oriented, outcomes.LYAPUNOV]
 
 
 def _group(name: str) -> str:

@@ -14,12 +14,11 @@ from pydantic import Field, ValidationError
 
 from ..arguments import PlainData, path_of
 from ..ensembles import ensemble
-from ..ensembles.outcomes import LYAPUNOV
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..mechanics.quantity import number_of
 from ..mechanics.units import ONE, Unit
-from ..problem import Problem, derivative_faults, key_faults
+from ..problem import Problem, key_faults
 from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
@@ -366,12 +365,7 @@ def _keep_faults(plan: Plan) -> list[str]:
         return []
     known = column_names(plan.base)
     unknown = [name for name in plan.keep if name not in known]
-    faults = derivative_faults(plan.base) if LYAPUNOV in unknown else []
-    return [f"`keep` must not have lyapunov here: {fault}" for fault in faults] + [
-        f"`keep` must be of {', '.join(known)}, but has {name!r}."
-        for name in unknown
-        if name != LYAPUNOV
-    ]
+    return [f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in unknown]
 
 
 def scenario_sentence(error: Any) -> str:

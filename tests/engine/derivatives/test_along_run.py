@@ -190,7 +190,6 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
         ("inverting", ["run.until"], "must be one of parameters.m"),
         ("inverting", ["initial.psi_dot"], "must be given alone"),
         ("inverting", ["friction.mu", "friction.mu"], "must be given once"),
-        ("leine-glocker-stem", ["friction.mu"], "set-valued"),
         ("inverting", [], "must be names such as"),
     ],
 )

@@ -77,8 +77,3 @@ def test_the_horizon_is_where_the_error_is_a_thousandth() -> None:
     assert "grows to 1e-3 at t = 7.4834 s: double precision" in growth.sentence()
     assert math.isnan(Growth(t, np.exp(t)).horizon)
     assert "at most 2.2e-12 (Lyapunov exponent 1 1/s" in Growth(t, np.exp(t)).sentence()
-
-
-def test_a_contact_that_opens_has_no_growth() -> None:
-    with pytest.raises(tt.InputError, match="the contact must never change"):
-        tt.derivatives.lyapunov("flying", until=0.1)

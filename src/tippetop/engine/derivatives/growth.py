@@ -6,9 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...mechanics.contact.rows import LOWEST, NUMBERS
+from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..observables import ALONE, values_of
 from ..tangent import Tangents
+from .through import Pass
 
 
 ROUNDING = 1e-16  # the error of the start
@@ -76,7 +79,7 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     Raises
     ------
     InputError
-        If the run has no derivatives: its contact changes, or its law is set-valued.
+        If the run has no derivatives.
     """
     system = problem.system
     data = dict(problem.initial)
@@ -89,10 +92,17 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     start = {name: float(value) for name, value in angles.items() if name in system.initial}
     form = system.forms.get("vector", problem.form)
     given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
-    wrt = [f"initial.{name}" for name in start if name not in ("x", "y")]
-    tangents = Tangents(given, wrt)
-    states = tangents.states(1, tangents.parameters(tangents.directions), times[:, None])
-    counted = [i for i, name in enumerate(form.units._fields) if name != "L3"]  # it is L.3hat
+    left_out = {"x", "y"}
+    if system.is_hybrid and not start.get("gap", 0.0) > 0:
+        left_out |= LOWEST.keys()  # errors of a body on the plane leave it there
+    wrt = [f"initial.{name}" for name in start if name not in left_out]
+    if system.is_hybrid:
+        states = Pass(given, wrt, times / given.unit(SECOND)).rows().transpose(1, 0, 3, 2)
+    else:
+        tangents = Tangents(given, wrt)
+        states = tangents.states(1, tangents.parameters(tangents.directions), times[:, None])
+    without = {"L3", *NUMBERS}  # L3 is L.3hat
+    counted = [i for i, name in enumerate(form.units._fields) if name not in without]
     moves = states[1, counted].swapaxes(0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]

@@ -1,6 +1,6 @@
 """Derivatives of every column, and of the times and angles of events, along a run."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,10 +12,13 @@ from ..observables import sources
 from ..orientation import quaternion
 from ..tangent import Tangents
 from ..variational import TURN
+from .through import Pass
 
 
 PARAMETER = "parameter"
 OTHER = "parameter_2"
+NONE_BELOW = 1e-9
+"""Relative change of a number within which the phases must follow each other as they do."""
 OF_EVENT = "of the event, as the numbers change"
 
 
@@ -30,15 +33,26 @@ class Derivatives(NamedTuple):
         Along event and parameter: of the time of an event, and of theta there.
     second
         Along time, parameter and a second parameter; none where they were not asked for.
+    moments
+        Of the times in further tables, by the dimension of each.
+    sentences
+        Why there are no derivatives, where there are none.
     """
 
     trajectory: dict[str, Column]
     events: dict[str, Column]
     second: dict[str, Column]
+    moments: dict[str, dict[str, Column]]
+    sentences: list[str]
 
 
 def differentiate(
-    problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Any, order: int = 1
+    problem: Problem,
+    wrt: Sequence[str],
+    times: np.ndarray,
+    events: Any,
+    order: int = 1,
+    moments: Mapping[str, np.ndarray] = {},
 ) -> Derivatives:
     """Return the derivatives of the columns and events of a run by some of its numbers.
 
@@ -54,6 +68,8 @@ def differentiate(
         Those of the run: arrays `time` [s] and `kind`, (n,), and the names `kinds`.
     order
         1, or 2 for second derivatives of the columns too.
+    moments
+        Times at which phases change [s], by the dimension of their table.
 
     Returns
     -------
@@ -65,20 +81,26 @@ def differentiate(
     InputError
         If the run has no derivatives, or a name is wrong.
     """
-    tangents = Tangents(problem, wrt)
     n = len(wrt)
-    sizes = np.array([tangents.scale(name) for name in wrt])
     i = j = np.arange(n)
-    if order == 2:
-        i, j = np.tril_indices(n)  # second derivatives along means of two directions too
-    own = i == j
-    ways = (tangents.directions[:, i] + tangents.directions[:, j]) / 2
     every = np.unique(np.concatenate([[0.0], times, events.time]))
-    values = tangents.read(order, tangents.parameters(ways), every[:, None])
+    passed: Any = None
+    if problem.system.is_hybrid:
+        passed = Pass(problem, wrt, every / problem.unit(SECOND))
+        sizes = passed.numbers.sizes
+        values = passed.read()
+    else:
+        tangents = Tangents(problem, wrt)
+        sizes = np.array([tangents.scale(name) for name in wrt])
+        if order == 2:
+            i, j = np.tril_indices(n)  # second derivatives along means of two directions too
+        ways = (tangents.directions[:, i] + tangents.directions[:, j]) / 2
+        values = tangents.read(order, tangents.parameters(ways), every[:, None])
+    own = i == j
 
     rows = np.searchsorted(every, times)
     time = column(times, SECOND, "time")
-    found = Derivatives({"time": time}, {}, {"time": time} if order == 2 else {})
+    found = Derivatives({"time": time}, {}, {"time": time} if order == 2 else {}, {}, [])
     for name, source in sources(problem).items():
         if source.flags:
             continue
@@ -86,7 +108,10 @@ def differentiate(
             whole = _quaternions(values)
         else:
             whole = np.array([values[part] for part in source.parts])
-        whole = whole[:, :, rows] * problem.unit(source.unit)
+        whole = whole[:, :, rows]
+        if passed:
+            whole = np.array([passed.in_units(part, source.unit) for part in whole])
+        whole = whole * problem.unit(source.unit)
         first = whole[:, 1][..., own] / sizes
         symbol = source.unit.symbol
         found.trajectory[name] = _column(first, symbol, name, ("time", PARAMETER), source.dims)
@@ -95,21 +120,59 @@ def differentiate(
             by = "time", PARAMETER, OTHER
             found.second[name] = _column(mixed, symbol, name, by, source.dims)
 
-    by_time, by_theta = np.full((2, len(events.time), n), np.nan)
-    for event in problem.system.events:
-        of = np.flatnonzero(events.kind == events.kinds.index(event.name))
-        at = np.searchsorted(every, events.time[of])
-        name = f"event {event.name}"
-        with np.errstate(divide="ignore", invalid="ignore"):  # the function stays zero
-            shift = -values[name][1, at] / values[name][-1, at]
-        theta = values["theta"][1, at] + values["theta"][-1, at] * shift
-        by_time[of], by_theta[of] = shift[:, own] / sizes, theta[:, own] / sizes
+    at = np.searchsorted(every, events.time)
+    names = [events.kinds[kind] for kind in events.kind]
+    second = problem.unit(SECOND)
+    if passed:
+        shift = passed.times_of(names, events.time / second) * second
+    else:
+        shift = np.full((len(names), len(sizes)), np.nan)
+        for k, name in enumerate(names):
+            if f"event {name}" in values:
+                function = values[f"event {name}"][:, at[k]]
+                with np.errstate(divide="ignore", invalid="ignore"):  # it stays zero
+                    shift[k] = (-function[1] / function[-1])[own]
+    pace = values["theta_dot"][0][:, own] / second
+    by_time = shift / sizes
+    by_theta = (values["theta"][1][at][:, own] + pace[at] * shift) / sizes
     found.events.update(
         kind=Column(("event",), events.kind, flag_attributes(events.kinds, "kind of event")),
         time=_column(by_time[None], "s", f"the time {OF_EVENT}", ("event", PARAMETER)),
         theta=_column(by_theta[None], "rad", f"theta {OF_EVENT}", ("event", PARAMETER)),
     )
+    if passed:
+        for name, some in moments.items():
+            shift = passed.times_of([""] * len(some), some / second) * second / sizes
+            moved = _column(shift[None], "s", "the time, as the numbers change", (name, PARAMETER))
+            found.moments[name] = {"time": moved}
+        _limit(
+            found, passed.margins(), wrt, second, {"time": times, "event": events.time, **moments}
+        )
     return found
+
+
+def _limit(
+    found: Derivatives, notes: Sequence[Any], wrt: Sequence[str], second: float, times: Any
+) -> None:
+    """Add `valid_within` to the tables of first derivatives, and leave out what has none."""
+    least = np.fmin.accumulate([np.full(len(wrt), np.inf), *(note.least for note in notes)])
+    starts = np.array([note.time for note in notes]) * second
+    every = {"time": found.trajectory, "event": found.events, **found.moments}
+    for by, table in every.items():
+        within = least[np.searchsorted(starts, times[by], side="right")]
+        for one in table.values():
+            if one.dims[1:2] == (PARAMETER,):
+                one.values[within < NONE_BELOW] = np.nan
+        text = "relative change of the number up to which the phases follow each other as they do"
+        table["valid_within"] = Column((by, PARAMETER), within, {"units": "1", "long_name": text})
+    for name, course in zip(wrt, least[1:].T, strict=True):
+        none = np.flatnonzero(course < NONE_BELOW)
+        if len(none):
+            note = notes[none[0]]
+            found.sentences.append(
+                f"from t = {note.time * second:.6g} s on there are no derivatives by {name}: "
+                f"{note.what} turns out otherwise at a relative change of {course[none[0]]:.1g}"
+            )
 
 
 def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..dual import Dual, has_derivatives, parts_of, plain
 from ..form import CLOCK, Next, Phase
 from ..operand import Vector, atan2, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
@@ -248,7 +249,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         against = (atan2(-F.y, -F.x),) if F.z > 0 else ()
         slides = world.phases[phase_name("slip", ball)]
-        for beta in (*first_directions(partial(pushed, slides, x, b)), *against):
+        for beta in (*first_directions(partial(pushed, slides, *plain((x, b)))), *against):
             return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
     return fly(x, world, ball, 2, "opens-at-once")
 
@@ -382,6 +383,8 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     It is a series, computed with numbers of 80 bits; None if nothing begins to slide. Where it ends
     slow, the phase ends immediately, by its exit `CLOCK`.
     """
+    if has_derivatives((x, world.body, (w,))):
+        return slide_of_duals(x, world, ball, beta, cause, w)
     name = phase_name("slip", ball)
     number = type(world.left)
     phase = world.phases[name]
@@ -423,6 +426,58 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
     end = phase.leave(q, world.body[ball])._replace(carried=carried)
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
+
+
+WEIGHTS = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
+"""Of the points of a difference, by their place."""
+
+MOVE = 1e-4
+"""Between these points, relative: the error of the difference is its fourth power."""
+
+
+def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any) -> Next | None:
+    """Return a slow slide of numbers with derivatives: differences of slides with 80 bits."""
+    given = x, world.body, (w,)
+    values = plain(given)
+    left = plain(world.left)
+
+    def begun(numbers: Any, left: Any) -> Next | None:
+        x, body, (w,) = numbers
+        return slide(x, world._replace(body=body, left=left), ball, plain(beta), cause, w)
+
+    known = begun(values, left)
+    if known is None:
+        return None
+    derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
+    ways = [*np.array(derivatives, np.longdouble).T]
+    sizes = [MOVE / max(np.max(np.abs(way)), 1e-300) for way in ways]
+    pattern = known.series([known.delay])
+
+    def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
+        """Return how the state at the end changes if numbers and time do."""
+        total: Any = 0.0
+        for k, weight in WEIGHTS.items():
+            numbers = map(eighty_bits, leaves(values))
+            moved = [one + k * size * by for one, by in zip(numbers, way, strict=True)]
+            n = begun(refill(given, iter(moved)), eighty_bits(left))
+            if n is None:
+                raise ArithmeticError("a slow slide has no derivative")
+            total = total + weight * np.array(leaves(n.series([known.delay + k * size * pace])))
+        return np.array(total[:, 0] / size, float)
+
+    by = np.array([slope(way, size, 0.0) for way, size in zip(ways, sizes, strict=True)])
+    delay: Any = known.delay
+    end = np.array([one[0] for one in leaves(pattern)], float)
+    speed = len(pattern[0]) - 1
+    if end[speed] < STOPS_AT:
+        rates = slope(0 * ways[0], MOVE, delay) / delay
+        shift = -by[:, speed] / rates[speed]
+        by = by + np.outer(shift, rates)
+        delay = Dual(delay, shift)
+    phase = world.phases[known.phase]
+    q, carried = refill(pattern, map(Dual, end, by.T))
+    x = phase.leave(q, world.body[ball])._replace(carried=carried)
+    return replace(known, x=x, delay=delay)
 
 
 # --- exits of the phases ------------------------------------------------------------------------

@@ -122,10 +122,11 @@ def phases_of(
     }
     phases = {}
     for name, (phase, label, ball, regions) in kinds.items():
+        ways = passages(label, ball, regions, law)
         jumps: dict[str, Callable] = {
             **JUMPS,
             RESTS.name: partial(go_on, to=name, passed=RESTS.name),
-            **passages(label, ball, regions, law),
+            **ways,
         }
         names = [*(event.name for event in phase.events), CLOCK]
         if label == "slip" and law.set_valued:
@@ -139,7 +140,7 @@ def phases_of(
             phase,
             forms=in_plane(form) if opening.planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(one, tuple(kinds), jumped(jumps[one])) for one in names),
+            exits=tuple(Exit(n, tuple(kinds), jumped(jumps[n]), smooth=n in ways) for n in names),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,

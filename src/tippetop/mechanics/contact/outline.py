@@ -8,63 +8,29 @@ depend also on its bend c'(z), which is zero for a sphere.
 
 from collections import namedtuple
 from collections.abc import Callable, Iterable
-from functools import reduce
-from operator import mul
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 
+from ..dual import Dual
 from ..operand import Operand, sqrt
 
 
-class Series(namedtuple("Derivatives", "value first second third")):
-    """A number and its first three derivatives by z, for + - * /, whole powers and roots."""
+class Series(Dual):
+    """A number and its first three derivatives by z."""
 
     __slots__ = ()
+    level = 2
 
-    def __add__(self, other: Operand) -> "Series":
-        if not isinstance(other, Series):
-            return self._replace(value=self.value + other)
-        return Series(*(a + b for a, b in zip(self, other, strict=True)))
+    @property
+    def second(self) -> Any:
+        """Return the second derivative."""
+        return self.parts[2]
 
-    def __sub__(self, other: Operand) -> "Series":
-        return self + other * -1
-
-    def __mul__(self, other: Operand) -> "Series":
-        if not isinstance(other, Series):
-            return Series(*(a * other for a in self))
-        (a, a1, a2, a3), (b, b1, b2, b3) = self, other
-        return Series(
-            a * b,
-            a1 * b + a * b1,
-            a2 * b + 2 * (a1 * b1) + a * b2,
-            a3 * b + 3 * (a2 * b1 + a1 * b2) + a * b3,
-        )
-
-    def __truediv__(self, other: Operand) -> "Series":
-        if not isinstance(other, Series):
-            return Series(*(a / other for a in self))
-        (a, a1, a2, a3), (b, b1, b2, b3) = self, other
-        q = a / b
-        q1 = (a1 - q * b1) / b
-        q2 = (a2 - 2 * (q1 * b1) - q * b2) / b
-        return Series(q, q1, q2, (a3 - 3 * (q2 * b1 + q1 * b2) - q * b3) / b)
-
-    def __pow__(self, power: int) -> "Series":
-        return reduce(mul, [self] * power)
-
-    def __neg__(self) -> "Series":
-        return self * -1
-
-    def __rsub__(self, other: Operand) -> "Series":
-        return self * -1 + other
-
-    def __rtruediv__(self, other: Operand) -> "Series":
-        return Series(other, 0, 0, 0) / self
-
-    __radd__ = __add__
-    __rmul__ = __mul__
-    __array_ufunc__ = None  # arrays leave their arithmetic to it
+    @property
+    def third(self) -> Any:
+        """Return the third derivative."""
+        return self.parts[3]
 
 
 def root(x: Series) -> Series:
@@ -79,10 +45,7 @@ def root(x: Series) -> Series:
     -------
     Series
     """
-    r = sqrt(x.value)
-    first = x.first / (2 * r)
-    second = (x.second - 2 * (first * first)) / (2 * r)
-    return Series(r, first, second, (x.third - 6 * (first * second)) / (2 * r))
+    return sqrt(x)
 
 
 class Ball(NamedTuple):

@@ -15,8 +15,21 @@ import math
 from typing import Any
 
 from ..disc_friction import drag, rolling
+from ..dual import implicit, plain
 from ..friction import load
-from ..operand import Vector, cross, dot, formula, minus, plus, sqrt, times
+from ..operand import (
+    Vector,
+    asin,
+    cross,
+    dot,
+    formula,
+    hypot,
+    minus,
+    plus,
+    sin,
+    sqrt,
+    times,
+)
 from . import frame
 from .body import (
     Moving,
@@ -262,17 +275,21 @@ def cone(F, body):
 HALVINGS = 60  # of the interval in which w/U lies
 
 
-def sliding_at(force: float) -> float:
+def sliding_at(force: Any) -> Any:
     """Return x = w/U at which friction gives |F_h|/(mu N), less than 1."""
     if force <= INSIDE:  # x - x^3/4 = 8 force/(3 pi)
-        return 4 / math.sqrt(3) * math.sin(math.asin(2 * math.sqrt(3) / math.pi * force) / 3)
+        return 4 / math.sqrt(3) * sin(asin(2 * math.sqrt(3) / math.pi * force) / 3)
+
+    def beyond(x: Any) -> Any:
+        return drag(x * x, 1.0).k * x - force
+
     low = 0.5
     high = 1.0
     for _ in range(HALVINGS):  # x/(1 + x)
         share = (low + high) / 2
-        x = share / (1 - share)
-        low, high = (share, high) if drag(x * x, 1.0).k * x < force else (low, share)
-    return low / (1 - low)
+        low, high = (share, high) if plain(beyond(share / (1 - share))) < 0 else (low, share)
+    x = low / (1 - low)
+    return x if force is plain(force) else implicit(x, beyond)
 
 
 INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
@@ -297,10 +314,10 @@ def margin(force: Any, torque: Any, law: Any) -> Any:
     """
     if not law.regions:
         return law.mu * force.z - sqrt(force.x * force.x + force.y * force.y)
-    limit = float(law.mu * force.z)
+    limit = law.mu * force.z
     if not limit > 0:
         return -1.0
-    push = math.hypot(force.x, force.y) / limit
+    push = hypot(force.x, force.y) / limit
     turn = max(abs(torque) - getattr(law, "mu_d", 0.0) * force.z, 0.0) / (limit * law.patch)
     if not push < 1:
         return 1 - push - turn
@@ -318,9 +335,9 @@ def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, Any]:
     if not law.regions:
         push = force._replace(z=0 * force.z)
         return times(-1 / sqrt(dot(push, push)), push), push.z
-    push = math.hypot(force.x, force.y)
-    x = sliding_at(min(push / float(law.mu * force.z), MOST))
-    length = math.hypot(x, 1.0)
+    push = hypot(force.x, force.y)
+    x = sliding_at(min(push / (law.mu * force.z), MOST))
+    length = hypot(x, 1.0)
     along = -x / (length * push) if push else 0.0
-    edge = -math.copysign(1 / length, torque) if torque else 0.0
+    edge = (-1 if torque > 0 else 1) / length if torque else 0.0
     return Vector(along * force.x, along * force.y, 0 * force.z), edge

@@ -40,7 +40,7 @@ class ContactLaw(NamedTuple):
     @property
     def stem(self) -> bool:
         """Return whether there is a stem."""
-        return not math.isnan(self.h)
+        return self.h == self.h
 
 
 CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1, symbol="e_n")}

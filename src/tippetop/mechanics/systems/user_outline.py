@@ -31,7 +31,7 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
     z = np.cos(THETA)
 
     def height(shape: Any) -> list[np.ndarray]:
-        return [part + 0 * z for part in at(z, s * s, shape.height)]
+        return [part + 0 * z for part in at(z, s * s, shape.height).parts]
 
     f = height(shape)
     twice = height(shape._make(x * 2.0**n for x, n in zip(shape, lengths, strict=True)))

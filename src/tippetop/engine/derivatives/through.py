@@ -1,0 +1,638 @@
+"""Derivatives of a run through every change of its contact.
+
+The plain run gives the phases that it goes through. They are followed once more: the flow of each
+by its variational equations, one number in each lane; the start, times of events, jumps and columns
+by numbers with derivatives, which the formulas take as they are. So where a phase ends moves with
+the numbers, and no jump has derivatives of its own.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from functools import lru_cache, partial
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...errors import InputError
+from ...mechanics.contact.contact_phases import STICK
+from ...mechanics.dual import COMPARED, Dual, parts_of, plain
+from ...mechanics.form import CLOCK, Exit, Phase
+from ...mechanics.operand import cos, kinds, leaves, refill, sin
+from ...mechanics.units import SECOND, Scales, Unit
+from ...mechanics.variables import Variables, variables_of
+from ...problem import Problem
+from ..driver import STEPS_PER_SLICE
+from ..expressions import Formulas
+from ..hybrid import QUIET, HybridDriver, Leg, Track, begin_in_first, completed
+from ..impacts import formulas_of_impact
+from ..integrator import awaited_once
+from ..variational import compiled_flow, expressions_of
+from .tape import Tape
+
+
+MOST_LANES = 8
+BRANCHES = 32
+AHEAD = 1e-6
+PER_LEG, PER_TIME = 3, 6
+"""States in a phase, and in a unit of time, by which it is seen what nearly happens."""
+BRIEF = 1e-9
+"""Time of a jump in which the state stays; there are no derivatives in a longer one."""
+NOISE = 1e-12
+"""Event functions nearer to zero are rounding: of the last hops of a ball, nobody knows the number.
+"""
+PROJECTED_AT = 1e-2, 1e-5, 1e-9
+"""Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
+
+beta' = Q/w is singular where w vanishes: the derivative at a fixed time is the difference of two
+huge numbers there, and six digits would be lost.
+"""
+
+
+class Numbers(NamedTuple):
+    """The numbers of a run, in its units, with derivatives by the relative changes of some."""
+
+    directions: int
+    scales: Scales
+    first: Any  # the body
+    body: Any  # the body as jumps take it
+    rules: Any
+    state: tuple  # the start
+    sizes: np.ndarray  # [SI] what a relative change of 1 is
+
+
+def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Numbers:
+    """Return the numbers of a run with derivatives; values are those of its driver."""
+    system = problem.system
+    given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
+    for table, numbers in problem.tables.items():
+        given |= {f"{table}.{name}": value for name, value in numbers.items()}
+    sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
+    for name, size, one in zip(wrt, sizes, np.eye(len(wrt)), strict=True):
+        given[name] = Dual(float(given[name]), size * one)
+    tables: dict[str, dict[str, Any]] = {
+        t: {n.partition(".")[2]: v for n, v in given.items() if n.startswith(f"{t}.")}
+        for t in ("parameters", "friction", "initial", "contact", "stem")
+    }
+    b = system.body_of(tables["parameters"], problem.friction._replace(**tables["friction"]))
+    mass, length = system.scales(b)
+    scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
+
+    def internal(value: Any, unit: Any) -> Any:
+        return value / scales.of(unit)
+
+    units = leaves(system.body_units(problem.law.units()))
+    first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
+    body = first
+    rules = problem.contact
+    if rules is not None:
+        rules = rules._replace(**(tables["contact"] | tables["stem"]))
+    if system.assembled is not None:
+        body, _ = system.assembled(first, rules, internal)
+    data = tables["initial"]
+    theta = data.get("theta", 0.0)
+    s = sin(theta)
+    z = cos(theta)
+    angles = system.start(data, s, z, b)
+    variables = problem.variables
+    q, carried = variables.start(data, angles, s, z, b)
+    values = [*map(internal, (*q, *carried), variables.units.values())]
+    state = variables.join(values[: variables.moving], values[variables.moving :])
+    return Numbers(
+        len(wrt),
+        scales,
+        valued(first, leaves(problem.internal_body)),
+        valued(body, leaves(driver.world.body)),
+        rules,
+        valued(tuple(state), problem.start()),
+        sizes,
+    )
+
+
+def valued(record: Any, values: Any) -> Any:
+    """Return a record with other values, and its derivatives."""
+    pairs = zip(leaves(record), values, strict=True)
+    made = (
+        Dual(float(value), one.first) if isinstance(one, Dual) else float(value)
+        for one, value in pairs
+    )
+    return refill(record, made)
+
+
+def joined(values: Any, moves: np.ndarray) -> list[Dual]:
+    """Return numbers of values (n, ...) and derivatives (n, directions, ...)."""
+    return [Dual(*pair) for pair in zip(values, moves, strict=True)]
+
+
+def parted(numbers: Sequence, directions: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the values (n,) and derivatives (n, directions) of numbers."""
+    pairs = [parts_of(one, 1) for one in numbers]
+    values = np.array([value for value, _ in pairs], float)
+    return values, np.array([by + np.zeros(directions) for _, by in pairs])
+
+
+class Motion(NamedTuple):
+    """The equations of a phase or of an impact, and the numbers of the body in them."""
+
+    formulas: Formulas
+    variables: Variables
+    pars: np.ndarray
+    moves: np.ndarray
+
+    def flow(
+        self, values: np.ndarray, moves: np.ndarray, times: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the values (n, times) and derivatives (n, directions, times) of a state that moves
+        for these times, ascending.
+        """
+        n, directions = moves.shape
+        lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
+        key = self.formulas, self.variables, lanes
+        ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
+        sizes = np.abs(moves).max(axis=0).clip(min=1.0)  # the largest numbers decide the errors
+        both = np.empty((2 * len(self.pars), directions))
+        both[::2] = self.pars[:, None]
+        both[1::2] = self.moves / sizes
+        state = np.concatenate([np.repeat(values[:, None], directions, axis=1), moves / sizes])
+        found = np.empty((2 * n, directions, len(times)))
+        grid = times if times[0] == 0 else np.append(0.0, times)
+        for first in range(0, directions, lanes):
+            some = np.arange(first, first + lanes).clip(max=directions - 1)
+            ta.set_time(0.0)
+            ta.state[:] = state[:, some]
+            ta.pars[:] = both[: len(ta.pars), some]
+            _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
+            found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
+        return found[:n, 0], found[n:] * sizes[:, None]
+
+    def rates(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the rates of the variables and of their derivatives."""
+
+        def rates(_: Any, pars: tuple, state: tuple) -> tuple:
+            q, carried = self.variables.split(state)
+            return self.variables.rates(q, carried, self.formulas.body(iter(pars))), None
+
+        return self._evaluated(None, rates, values, self.moves[:, : moves.shape[1]], moves)
+
+    def slopes(
+        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray
+    ) -> np.ndarray:
+        """Return the derivatives of an event function, and last that by time."""
+        events = self.formulas.events
+
+        def function(_: Any, pars: tuple, state: tuple) -> tuple:
+            b = self.formulas.body(iter(pars))
+            q, carried = self.variables.split(state)
+            if event in events:
+                return [self.formulas.functions(q, carried, b)[events.index(event)]], None
+            return [event.formula(self.formulas.form.scalars(q, b), b)], None
+
+        ways = np.concatenate([moves, rates[:, None]], axis=1)
+        of_pars = np.concatenate([self.moves, 0 * self.pars[:, None]], axis=1)
+        return self._evaluated(event, function, values, of_pars, ways)[1][0]
+
+    def _evaluated(self, what: Any, function: Callable, values: np.ndarray, *moves: Any) -> tuple:
+        """Return numbers that are function(_, numbers of the body, state), and derivatives."""
+        records = tuple(self.pars), tuple(values)
+        key = self.formulas, self.variables, what
+        given = np.concatenate([self.pars, values]), np.concatenate(moves)
+        return evaluated(key, function, records, *given)[:2]
+
+    def happens(
+        self, event: Any, values: np.ndarray, moves: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the derivative of the time at which an event happens, and the state there."""
+        rates, _ = self.rates(values, moves[:, :0])
+        *by, pace = self.slopes(event, values, moves, rates)
+        shift = -np.array(by) / pace
+        return shift, moves + np.outer(rates, shift)
+
+    def lost(self, event: Any, values: np.ndarray, moves: np.ndarray) -> np.ndarray:
+        """Return the change of the numbers along each direction by which the zero of an event is
+        lost: the extreme of its function that follows comes to zero.
+        """
+        rates, turns = self.rates(values, moves)
+        now = self.slopes(event, values, moves, rates)
+        ahead = values + AHEAD * rates
+        later = self.slopes(event, ahead, moves + AHEAD * turns, self.rates(ahead, moves[:, :0])[0])
+        *turns, bend = (later - now) / AHEAD
+        *by, pace = now
+        extreme = pace**2 / (2 * abs(bend))
+        least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
+        return least if extreme > NOISE else np.inf * least
+
+
+@lru_cache(maxsize=1024)
+def tapes_of(key: tuple) -> list[Tape]:
+    """Return the records of a function, which has been called so far on these branches."""
+    return []
+
+
+def evaluated(
+    key: tuple,
+    function: Callable,
+    records: tuple,
+    values: np.ndarray,
+    moves: np.ndarray,
+    follow: Any = None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Any]:
+    """Return the numbers that a function returns, their derivatives, the least change along each
+    direction at which a comparison turns out otherwise, and its second result.
+
+    Parameters
+    ----------
+    key
+        By which the function is known.
+    function
+        function(call, *records) -> numbers, and what they depend on; call(place, function, *inputs)
+        follows a motion.
+    records, values, moves
+        The inputs: as records, their values, and derivatives (inputs, directions).
+    follow
+        follow(place, values, moves) of a motion.
+    """
+    tapes = tapes_of(key)
+    for tape in tapes:
+        if made := tape(values, moves, follow):
+            return *made, tape.about
+    if len(tapes) < BRANCHES:
+        with suppress(Exception):  # whatever it does that is no line of a tape
+            tape = Tape(function, *records)
+            if made := tape(values, moves, follow):
+                tapes.append(tape)
+                return *made, tape.about
+
+    def call(place: int, _: Any, *given: Any) -> list:
+        return joined(*follow(place, *parted(leaves(given), moves.shape[1])))
+
+    least = [np.full(moves.shape[1], np.inf)]
+    token = COMPARED.set(lambda one: least.append(abs(one.value) / abs(one.first)))
+    try:
+        results, about = function(call, *refill(records, iter(joined(values, moves))))
+    finally:
+        COMPARED.reset(token)
+    return *parted(results, moves.shape[1]), np.fmin.reduce(least), about
+
+
+# --- the pass -------------------------------------------------------------------------------------
+
+
+class Note(NamedTuple):
+    """By how much numbers may change before something turns out otherwise: see `Pass.notes`."""
+
+    time: float
+    what: str
+    least: np.ndarray  # relative change along each direction
+
+
+class Samples(NamedTuple):
+    """States in a phase at some times since it began.
+
+    `shift` is the derivative of these times, as the beginning moves.
+    """
+
+    track: Track
+    shift: np.ndarray
+    which: np.ndarray  # of the times, or the number of the phase for each of them
+    values: np.ndarray  # (n, times)
+    moves: np.ndarray  # (n, directions, times)
+
+
+class Pass:
+    """Follows a run with derivatives.
+
+    Parameters
+    ----------
+    problem
+        The run.
+    wrt
+        Dotted names of numbers.
+    times
+        Internal times of states, ascending; the run is followed to the last.
+
+    Attributes
+    ----------
+    legs, shifts
+        The phases that end in this time, and the derivatives of the times at which they do.
+    samples
+        States with derivatives at the times.
+    notes
+        What could turn out otherwise.
+    """
+
+    steps = False
+
+    def __init__(self, problem: Problem, wrt: Sequence[str], times: np.ndarray):
+        self.problem = problem
+        self.times = times
+        self.driver = driver = HybridDriver(problem)
+        self.runs = driver.legs = list[Leg]()
+        status = driver.ended
+        while status is None and driver.clock[0] <= times[-1]:
+            status = driver.advance(self, STEPS_PER_SLICE).status
+        if not self.runs or (self.runs[-1].jump is not None and status is None):
+            driver.last_rows()
+        self.numbers = numbers_of(problem, wrt, driver)
+        self.directions = len(wrt)
+        rules = self.numbers.rules
+        given = self.numbers.body, () if rules is None else (rules.e_n,)
+        self.plain = plain(given)
+        self.known = parted(leaves(given), self.directions)
+        self.motions = dict[str, Motion]()
+        self.regions = [*driver.impacts.stages] if rules else []
+        self.legs = list[Leg]()
+        self.shifts = list[np.ndarray]()
+        self.samples = list[Samples]()
+        self.notes = list[Note]()
+        self.between = list[Samples]()  # states in each phase, for what nearly happened
+        self._follow()
+
+    def wanted(self) -> np.ndarray:
+        """Return the times of rows of the plain run: none."""
+        return np.zeros(0)
+
+    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Take no rows of the plain run."""
+
+    @QUIET
+    def _follow(self) -> None:
+        """Follow the run."""
+        begin = Exit("start", (), self.problem.system.begin or begin_in_first)
+        phase = completed(self.problem.system.phase, self.problem.variables)
+        now = Dual(0.0, np.zeros(self.directions))
+        state = parted(self.numbers.state, self.directions)
+        name, delay, lasts, state = self._jumped(phase, begin, state, now)
+        for leg in self.runs:
+            if name != leg.track.name:
+                self.notes.append(Note(now.value, "what follows", 0 * now.first))
+                return
+            began = now + delay
+            which = self._within(now.value, leg.began)
+            if leg.began - now.value < BRIEF:
+                rows = (np.repeat(one[..., None], len(which), axis=-1) for one in state)
+                self.samples.append(Samples(leg.track, began.first, which, *rows))
+            state, now = self._ended(leg, state, began, lasts)
+            if leg.jump is None or not leg.ended <= self.times[-1]:
+                return
+            self.legs.append(leg)
+            self.shifts.append(now.first)
+            name, delay, lasts, state = self._jumped(leg.track.phase, leg.jump.exit, state, now)
+            if not name:
+                return
+
+    def _jumped(self, phase: Phase, exit: Exit, state: tuple, now: Dual) -> tuple:
+        """Return the phase that follows one that ended in a state; how long until it begins and
+        how long it lasts at most; and its variables.
+        """
+        driver = self.driver
+        world = driver.world._replace(phase=phase)
+        impacts: Any = getattr(driver, "impacts", None)
+
+        def jumped(call: Callable, body: Any, rules: tuple, left: tuple, state: tuple) -> tuple:
+            def piece(region: str, *given: Any) -> list:
+                place = self.regions.index(region)
+                return call(place, partial(impacts.piece, region), *given)
+
+            now = world._replace(body=body, left=left[0])
+            if rules:
+                e_n = world.rules._replace(e_n=rules[0])
+                now = now._replace(rules=e_n, struck=partial(impacts.struck, piece=piece))
+            q, carried = variables_of(phase.form).split(state)
+            x = phase.leave(q, phase.parameters(body))
+            if hasattr(x, "carried"):
+                x = x._replace(carried=carried)
+            n = exit.jump(x, now)
+            if n.ends:
+                return [n.delay, 0.0], ""
+            to = driver.track_of(n.phase)
+            carried = getattr(n.x, "carried", carried)
+            q = to.phase.enter(n.x, to.phase.parameters(body))
+            return [n.delay, n.lasts, *to.variables.join(q, carried)], n.phase
+
+        left = float(driver.end) - now
+        of_left = np.array([left.value]), left.first[None]
+        inputs = [*map(np.concatenate, zip(self.known, of_left, state, strict=True))]
+        records = *self.plain, tuple(of_left[0]), tuple(state[0])
+        restitution = self.numbers.rules and self.numbers.rules.restitution
+        key = phase, exit.jump, restitution, kinds(world.body)
+        try:
+            made = evaluated(key, jumped, records, inputs[0], inputs[1], self._motion)
+        except ArithmeticError as error:
+            self.notes.append(Note(now.value, f"what follows `{exit.event}`", 0 * now.first))
+            return str(error), now, now, state
+        except (TypeError, AttributeError, ValueError) as error:
+            raise InputError(
+                f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
+                "with derivatives: use operators and NumPy's functions, not `math` or `float`, but "
+                f"{type(error).__name__}: {error}"
+            ) from error
+        values, moves, least, name = made
+        if not exit.smooth:
+            self.notes.append(Note(now.value, f"what follows `{exit.event}`", least))
+        return name, *joined(values[:2], moves[:2]), (values[2:], moves[2:])
+
+    def _motion_of(self, track: Track) -> Motion:
+        """Return the equations of a phase."""
+        if track.name not in self.motions:
+            b = track.phase.parameters(self.numbers.body)
+            known = parted(leaves(b), self.directions)
+            self.motions[track.name] = Motion(track.formulas, track.variables, *known)
+        return self.motions[track.name]
+
+    def _within(self, began: float, ended: float) -> np.ndarray:
+        """Return which of the times lie after one time, or at the start, and not after another."""
+        first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
+        return np.arange(first, np.searchsorted(self.times, ended, side="right"))
+
+    def _ended(self, leg: Leg, state: tuple, began: Dual, lasts: Any) -> tuple[Any, Dual]:
+        """Return the state where a phase ends, and the time, of the state where it begins."""
+        track = leg.track
+        motion = self._motion_of(track)
+        values, moves = state
+        more = np.zeros(self.directions)
+        done = leg.began
+        end = min(leg.ended, self.times[-1])
+        exit = leg.jump and leg.jump.exit
+        last = np.array(leg.last)
+        stops = []
+        if exit and exit.event == STICK.name:
+            w = motion.variables.names.index("w")
+            pace = motion.rates(last, moves[:, :0])[0][w]
+            stops = [leg.ended + speed / pace for speed in PROJECTED_AT]
+            stops = [stop for stop in stops if (done + end) / 2 < stop < end]
+        for stop in (*stops, end) if end > done else ():
+            which = self._within(done, stop)
+            count = PER_LEG + int(PER_TIME * (stop - done))
+            apart = np.linspace(done, stop, count + 2)[1:]
+            every = np.concatenate([self.times[which], apart])
+            times, back = np.unique(every, return_inverse=True)
+            values, moves = motion.flow(values, moves, times - done)
+            for found, some, of, shift in (
+                (self.samples, back[: len(which)], which, began.first + more),
+                (self.between, back[len(which) : -1], np.full(count, len(self.legs)), 0 * more),
+            ):
+                found.append(Samples(track, shift, of, values[:, some], moves[..., some]))
+            values = values[:, -1]
+            moves = moves[..., -1]
+            done = stop
+            if stop < end:
+                rates, _ = motion.rates(values, moves[:, :0])
+                by = -moves[w] / rates[w]
+                moves = moves + np.outer(rates, by)
+                more = more + by
+        by = 0 * more
+        if exit and end == leg.ended:
+            if exit.event == CLOCK:
+                by = lasts.first - more
+                moves = moves + np.outer(motion.rates(last, moves[:, :0])[0], by)
+            else:
+                ending = next(one for one in track.phase.events if one.name == exit.event)
+                if not exit.smooth:
+                    least = motion.lost(ending, last, moves)
+                    self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
+                by, moves = motion.happens(ending, last, moves)
+        of = np.full(1, len(self.legs))
+        self.between.append(Samples(track, 0 * by, of, last[:, None], moves[..., None]))
+        return (last, moves), Dual(leg.ended, began.first + more + by)
+
+    def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
+        """Follow a motion of an impact, of the inputs of `ImpactMotions.piece`."""
+        impacts = self.driver.impacts
+        region = self.regions[place]
+        formulas = formulas_of_impact(impacts.law, region, *impacts.pattern)
+        variables = variables_of(formulas.form, False)
+        count = len(formulas.events)
+        size = len(variables.names)
+        end, most = values[:2]
+        signs, zeros, state, pars = np.split(
+            values[2:], [count, 2 * count, 2 * count + impacts.driver(region).width]
+        )
+        given: Any = signs, zeros, state, pars
+        made = impacts.piece(region, end, int(most), *given)
+        results = np.zeros((len(made), self.directions))
+        at = 2 + 2 * count
+        motion = Motion(formulas, variables, pars, moves[-len(pars) :])
+        elapsed = float(impacts.driver(region).reached()[0])
+        _, after = motion.flow(state[:size], moves[at : at + size], np.array([elapsed]))
+        after = after[..., 0]
+        if made[2] >= 0:
+            last = np.array(made[3 : 3 + size])
+            _, after = motion.happens(formulas.events[int(made[2])], last, after)
+        results[3 : 3 + size] = after
+        return np.array(made, float), results
+
+    # --- what was found ---------------------------------------------------------------------------
+
+    def _together(self, samples: list[Samples]) -> Iterator[tuple]:
+        """Yield each phase, the body in it, and all samples there as state and numbers."""
+        for track in self.driver.tracks.values():
+            if mine := [one for one in samples if one.track is track]:
+                which, values, moves = (
+                    np.concatenate([one[k] for one in mine], axis=-1) for k in (2, 3, 4)
+                )
+                split = track.variables.split
+                rates = np.array(
+                    [
+                        rate + 0 * values[0]
+                        for rate in track.variables.rates(*split(values), track.b)
+                    ]
+                )
+                shifts = [np.repeat(one.shift[:, None], len(one.which), axis=1) for one in mine]
+                moves = moves - rates[:, None] * np.concatenate(shifts, axis=-1)
+                b = _columned(track.phase.parameters(self.numbers.body))
+                yield track, b, split(joined(values, moves)), which
+
+    @QUIET
+    def rows(self) -> np.ndarray:
+        """Return the rows of the run at all times, (variables, 2, directions, times): values and
+        derivatives, in internal units.
+        """
+        variables = self.problem.variables
+        shape = self.directions, len(self.times)
+        rows = np.full((len(variables.names), 2, *shape), np.nan)
+        for track, b, (q, carried), which in self._together(self.samples):
+            read, _ = self.problem.system.read(track.phase, q, carried, b)
+            every = variables.join(read[: variables.moving], carried)
+            for row, one in zip(rows, every, strict=True):
+                for part, values in zip(row, parts_of(one, 1), strict=True):
+                    part[:, which] = values
+        return rows
+
+    @QUIET
+    def read(self) -> dict[str, np.ndarray]:
+        """Return the columns and other functions of the state at all times by name, (2, times,
+        directions) each.
+        """
+        state = [Dual(value[0], moves) for value, moves in self.rows()]
+        first = _columned(self.numbers.first)
+        found = expressions_of(self.problem.system, self.problem.variables, state, first)
+        shape = self.directions, len(self.times)
+        return {
+            name: np.array([np.broadcast_to(part, shape).T for part in parts_of(value, 1)])
+            for name, value in found.items()
+        }
+
+    def in_units(self, table: np.ndarray, unit: Unit) -> np.ndarray:
+        """Return values and derivatives in units that do not change with the numbers."""
+        value, moves = parts_of(self.numbers.scales.of(unit) / self.problem.unit(unit), 1)
+        return np.array([table[0] * value, table[1] * value + table[0] * moves])
+
+    @QUIET
+    def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the times of events, (events, directions): of the end of a
+        phase where one ends, or of the zero of the event function.
+        """
+        shifts = np.zeros((len(times), self.directions))
+        ends = [leg.ended for leg in self.legs]
+        at = {self.times[k]: (one, c) for one in self.samples for c, k in enumerate(one.which)}
+        for k, (name, time) in enumerate(zip(names, times, strict=True)):
+            leg = np.searchsorted(ends, time)
+            if leg < len(ends) and ends[leg] == time:
+                shifts[k] = self.shifts[leg]
+                continue
+            one, column = at[time]
+            motion = self._motion_of(one.track)
+            for event in motion.formulas.events:
+                if event.name == name:
+                    state = one.values[:, column], one.moves[..., column]
+                    shifts[k] = one.shift + motion.happens(event, *state)[0]
+        return shifts
+
+    @QUIET
+    def margins(self) -> list[Note]:
+        """Return what could turn out otherwise, with exits of phases that nearly happened."""
+        notes = list(self.notes)
+        ends = self.runs
+        for track, b, (q, _), which in self._together(self.between):
+            scalars = track.phase.form.scalars(q, b)
+            exits = {one.event for one in track.phase.exits if not one.smooth}
+            for event in track.phase.events:
+                if event.name not in exits or event.sampled:
+                    continue
+                h, by = parts_of(event.formula(scalars, b), 1)
+                size = np.abs(h)
+                least = size / np.abs(by)
+                for k in _lows(size, which):
+                    if size[k] < NOISE:
+                        continue
+                    leg = ends[which[k]]
+                    is_end = k + 1 == len(which) or which[k + 1] != which[k]
+                    if not (is_end and leg.jump and leg.jump.exit.event == event.name):
+                        notes.append(Note(leg.began, f"`{event.name}`", least[:, k]))
+        return sorted(notes, key=attrgetter("time"))
+
+
+def _columned(record: Any) -> Any:
+    """Return numbers of a record for arithmetic with arrays."""
+    numbers = (
+        Dual(one.value, one.first[:, None]) if isinstance(one, Dual) else one
+        for one in leaves(record)
+    )
+    return refill(record, numbers)
+
+
+def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Return where a function has a minimum in a phase that it does not begin with."""
+    falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
+    rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)
+    return np.flatnonzero(falls & rises)

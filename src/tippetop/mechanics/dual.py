@@ -1,0 +1,177 @@
+"""Numbers with their derivatives, which formulas, jumps, starts and bodies take as numbers.
+
+Arithmetic and functions follow the product and chain rules; a comparison is one of values. What is
+differentiated decides what the parts are: numbers, arrays or heyoka expressions.
+"""
+
+import operator
+from collections.abc import Callable, Sequence
+from contextvars import ContextVar
+from functools import reduce
+from itertools import zip_longest
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from . import operand
+from .operand import cos, leaves, log, refill, sin, sqrt
+
+
+PASCAL = ((1,), (1, 1), (1, 2, 1), (1, 3, 3, 1))
+CONSTANT = 0
+"""The derivative of a constant."""
+
+COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda difference: None)
+"""Called with the difference of two numbers that are compared, a Dual."""
+
+
+def _sum(a: Sequence, b: Sequence) -> list:
+    return [y if x is None else x if y is None else x + y for x, y in zip_longest(a, b)]
+
+
+def _product(a: Sequence, b: Sequence) -> list:
+    if len(b) == 1:
+        return [one * b[0] for one in a]
+    made = []
+    for n in range(max(len(a), len(b))):
+        some = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
+        terms = (PASCAL[n][k] * (a[n - k] * b[k]) for k in some)
+        made.append(reduce(operator.add, terms))
+    return made
+
+
+def _quotient(a: Sequence, b: Sequence) -> list:
+    made = list[Any]()
+    for n in range(max(len(a), len(b))):
+        rest = a[n] if n < len(a) else CONSTANT
+        for k in range(1, min(n + 1, len(b))):
+            rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
+        made.append(rest / b[0])
+    return made
+
+
+def _root(a: Sequence) -> list:
+    made = [sqrt(a[0])]
+    for n in range(1, len(a)):
+        rest = a[n]
+        for k in range(1, n):
+            rest = rest - PASCAL[n][k] * (made[k] * made[n - k])
+        made.append(rest / (2 * made[0]))
+    return made
+
+
+ARITHMETIC: dict[str, Callable] = {
+    "add": _sum,
+    "subtract": lambda a, b: _sum(a, [-one for one in b]),
+    "multiply": _product,
+    "divide": _quotient,
+    "sqrt": _root,
+    "negative": lambda a: [-one for one in a],
+    "absolute": lambda a: [np.sign(a[0]) * one for one in a],
+}
+"""Functions of NumPy, of the parts of their operands; a constant has one part."""
+
+
+def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
+    slope = p * a ** (p - 1) * da
+    return slope if dp is CONSTANT else slope + r * log(a) * dp
+
+
+RULES: dict[str, Callable] = {
+    "sin": lambda a, r, da: cos(a) * da,
+    "cos": lambda a, r, da: -(sin(a) * da),
+    "exp": lambda a, r, da: r * da,
+    "log": lambda a, r, da: da / a,
+    "arcsin": lambda a, r, da: da / sqrt(1 - a * a),
+    "arctan2": lambda a, b, r, da, db: (b * da - a * db) / (a * a + b * b),
+    "hypot": lambda a, b, r, da, db: (a * da + b * db) / r,
+    "power": _power,
+}
+"""The derivative of a function of NumPy, of its operands, its result and their derivatives."""
+COMPARISONS = "less", "less_equal", "greater", "greater_equal", "equal", "not_equal"
+
+
+class Dual(NDArrayOperatorsMixin):
+    """A value and its derivatives: the first, the second, ..., as `parts`.
+
+    A derivative may be an array along several directions, (directions, ...), where the value is a
+    number or an array (...).
+    """
+
+    __slots__ = ("parts",)
+    level = 0
+    """A number of a lower level is a constant."""
+    __hash__ = object.__hash__
+
+    def __init__(self, *parts: Any):
+        self.parts = parts
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}{self.parts}"
+
+    @property
+    def value(self) -> Any:
+        """Return the value."""
+        return self.parts[0]
+
+    @property
+    def first(self) -> Any:
+        """Return the first derivative."""
+        return self.parts[1]
+
+    def __bool__(self) -> bool:
+        return bool(self != 0)
+
+    def __pow__(self, power: Any) -> Any:
+        if type(power) is int and power > 0:
+            return reduce(operator.mul, [self] * power)
+        return self.__array_ufunc__(np.power, "__call__", self, power)
+
+    def __array_ufunc__(self, function: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        name = function.__name__
+        if name in COMPARISONS:
+            COMPARED.get()(np.subtract(*inputs))
+            return function(*map(plain, inputs))
+        kind = type(max((one for one in inputs if isinstance(one, Dual)), key=LEVEL))
+        every = [one.parts if type(one) is kind else (one,) for one in inputs]
+        if name in ARITHMETIC:
+            return kind(*ARITHMETIC[name](*every))
+        if name not in RULES:
+            return NotImplemented
+
+        def joined(parts: Sequence) -> Any:
+            return parts[0] if len(parts) == 1 else kind(*parts)
+
+        heads = [joined(parts[:-1] or parts) for parts in every]
+        tails = [joined(parts[1:] or (CONSTANT,)) for parts in every]
+        r = getattr(operand, name.replace("arc", "a"), function)(*heads)
+        rest = RULES[name](*heads, r, *tails)
+        first, *_ = r.parts if type(r) is kind else (r,)
+        return kind(first, *(rest.parts if type(rest) is kind else (rest,)))
+
+
+LEVEL = operator.attrgetter("level")
+
+
+def plain(value: Any) -> Any:
+    """Return the value of a number or an expression with derivatives, or of all in a record."""
+    if isinstance(value, tuple):
+        return refill(value, map(plain, leaves(value)))
+    return value.value if isinstance(value, Dual) else value
+
+
+def has_derivatives(record: tuple) -> bool:
+    """Return whether there are derivatives in a record."""
+    return any(isinstance(one, Dual) for one in leaves(record))
+
+
+def parts_of(value: Any, order: int) -> tuple:
+    """Return a value and its derivatives; those of a constant are 0."""
+    return value.parts if isinstance(value, Dual) else (value, *(0.0,) * order)
+
+
+def implicit(root: Any, residual: Callable) -> Any:
+    """Return the root of residual(x), found for plain numbers, with its derivatives."""
+    slope = plain(residual(Dual(root, 1.0)).first)
+    return root - residual(root) / slope

@@ -1,0 +1,219 @@
+"""Derivatives through contact are those of differences of wide runs, and of closed forms."""
+
+import dataclasses
+import json
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+
+import tippetop as tt
+from tippetop.engine.derivatives.through import Pass
+from tippetop.library.scenarios import problem_of
+from tippetop.mechanics.dual import Dual
+from tippetop.mechanics.form import Exit, Next
+from tippetop.mechanics.operand import atan2, cos, exp, hypot, log, sin, sqrt
+from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.units import SECOND
+
+
+TESTS = Path(__file__).parents[2]
+CASES = json.loads((TESTS / "reference/derivatives_through_contact.json").read_text())["cases"]
+PAGE = TESTS.parent / "docs/how-to/a-hybrid-system.md"
+SLOW = [
+    pytest.param(name, marks=pytest.mark.slow) for name in CASES if "toy" in name or "drill" in name
+]
+
+
+# --- numbers with derivatives -------------------------------------------------------------------
+
+
+def mixed(x: Any) -> Any:
+    """Arithmetic and every function."""
+    part = sqrt(x * x + 1) * sin(x) / (2 - cos(x)) + exp(-x) * log(x) + atan2(x, 2.0 + x)
+    return part + x**3 + x**0.5 + 2.0 / x + hypot(x, 2 * x) - np.float64(3) * x + abs(x)
+
+
+def test_the_rules_of_derivatives_are_limits_of_differences() -> None:
+    x, h = 1.3, 1e-4
+    found = mixed(Dual(x, 1.0, 0.0))
+    ahead, here, behind = mixed(x + h), mixed(x), mixed(x - h)
+    np.testing.assert_allclose(found.parts[0], here, rtol=1e-15)
+    np.testing.assert_allclose(found.parts[1], (ahead - behind) / (2 * h), rtol=1e-8)
+    np.testing.assert_allclose(found.parts[2], (ahead - 2 * here + behind) / h**2, rtol=1e-6)
+
+
+@pytest.mark.parametrize("loses", [float, math.sqrt, lambda x: math.hypot(x, 1.0)])
+def test_what_would_lose_a_derivative_raises(loses: Any) -> None:
+    with pytest.raises(TypeError):
+        loses(Dual(2.0, 1.0))
+
+
+# --- bodies on a plane --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["cohen-coulomb", "flying", *SLOW])
+def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> None:
+    case = CASES[name]
+    wrt = list(case["derivatives"])
+    problem = problem_of(name, until=case["until"])
+    made = Pass(problem, wrt, np.array([problem.until / problem.unit(SECOND)]))
+    assert len(made.driver.legs) >= case["phases"]
+    row = made.rows()[:9, ..., -1]
+    units = [*problem.variables.units.values()][:9]
+    state = [
+        made.in_units(np.array(part)[:, None], unit)[1, 0] * problem.unit(unit)
+        for part, unit in zip(row, units, strict=True)
+    ]
+    times = np.array(made.shifts)[case["legs"]] * problem.unit(SECOND)
+    for k, (key, expected) in enumerate(case["derivatives"].items()):
+        found = [one[k] / made.numbers.sizes[k] for one in state]
+        for part in (slice(0, 3), slice(3, 6), slice(6, 9)):
+            known = np.array(expected["state"][part])
+            np.testing.assert_allclose(found[part], known, rtol=0, atol=1e-9 * np.abs(known).max())
+        known = np.array(expected["times"])
+        mine = times[:, k] / made.numbers.sizes[k]
+        np.testing.assert_allclose(
+            mine, known, rtol=0, atol=1e-9 * np.abs(known).max(), err_msg=key
+        )
+
+
+def test_columns_along_a_run_are_those_of_differences() -> None:
+    times = np.linspace(0.0, 1.0, 9)[1:].tolist()
+
+    def run(mu: float) -> Any:
+        law = {"law": "coulomb", "mu": mu}
+        return tt.run("cohen-coulomb", friction=law, until=1.0, output_times=times)
+
+    mu, h = 0.3, 1e-5
+    law = {"law": "coulomb", "mu": mu}
+    found = tt.derivatives.sensitivities(
+        "cohen-coulomb", ["friction.mu"], law, until=1.0, output_times=times
+    )
+    ahead, behind = run(mu + h), run(mu - h)
+    assert not found.sentences
+    assert (found.trajectory.valid_within > 1e-3).all()
+    for name in ("theta", "omega3", "L", "energy", "x", "normal_force", "orientation"):
+        slope = ((ahead.trajectory[name] - behind.trajectory[name]) / (2 * h)).values
+        mine = found.trajectory[name].isel(parameter=0).values
+        np.testing.assert_allclose(
+            mine, slope, rtol=0, atol=1e-6 * np.abs(slope).max(), err_msg=name
+        )
+    for table, column in (("events", "time"), ("events", "theta"), ("phases", "start")):
+        slope = (getattr(ahead, table)[column] - getattr(behind, table)[column]).values / (2 * h)
+        own = getattr(found, table)["time" if column == "start" else column].values[:, 0]
+        np.testing.assert_allclose(own, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
+
+
+# --- systems of several phases ------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", autouse=True)
+def page() -> Iterator[dict[str, Any]]:
+    """What the Python of the page defines; its systems are registered in this module."""
+    names: dict[str, Any] = {}
+    with mock.patch.dict(SYSTEMS):
+        for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
+            exec(block, names)
+        yield names
+
+
+H, G, E = 1.0, 9.81, 0.5
+POINT = {"system": "bouncing-point", "parameters": {"g": G, "e": E}, "initial": {"h": H}}
+T = math.sqrt(2 * H / G)
+
+
+def test_a_point_bounces_as_its_closed_form() -> None:
+    """Bounce n is at T (1 + 2 e + ... + 2 e^n), T = sqrt(2 h/g)."""
+    made = tt.derivatives.sensitivities(POINT, ["g", "e", "h"], until=1.2, output_times=[1.2])
+    n = np.arange(made.events.sizes["event"])
+    sums = 1 + 2 * np.array([sum(E**k for k in range(1, i + 1)) for i in n])
+    slopes = 2 * np.array([sum(k * E ** (k - 1) for k in range(1, i + 1)) for i in n])
+    expected = np.transpose([-T * sums / (2 * G), T * slopes, T * sums / (2 * H)])
+    assert len(n) == 3
+    np.testing.assert_allclose(made.events.time.values, expected, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(made.phases.time.values[1:], expected, rtol=0, atol=1e-14)
+    since = 1.2 - T * sums[-1]  # h = v t - g t^2/2, v = g T e^3
+    v = G * T * E**3
+    by = np.array([v / (2 * G), 3 * v / E, v / (2 * H)]) * since - [since**2 / 2, 0, 0]
+    np.testing.assert_allclose(
+        made.trajectory.h.values[-1], by - (v - G * since) * expected[-1], rtol=0, atol=1e-13
+    )
+
+
+def test_a_block_on_a_belt_slips_as_its_closed_form(page: dict) -> None:
+    belt = page["belt"]
+    wrt = ["mu", "k", "sticks", "belt", "m"]
+    start = {"system": "block-on-a-belt", "parameters": belt, "initial": {"x": 0}}
+    made = tt.derivatives.sensitivities(start, wrt, until=4.0, output_times=[4.0])
+
+    def times(b: dict) -> np.ndarray:
+        frequency = np.sqrt(b["k"] / b["m"])
+        torn, middle = (b[n] * b["m"] * b["g"] / b["k"] for n in ("sticks", "mu"))
+        angle = np.arctan2((torn - middle) * frequency, b["belt"])
+        slipping = 2 * (np.pi - angle) / frequency
+        period = slipping + 2 * (torn - middle) / b["belt"]
+        slips = torn / b["belt"] + period * np.arange(3)
+        return np.sort([*slips, *(slips + slipping)])[: made.events.sizes["event"]]
+
+    for k, name in enumerate(wrt):
+        h = 1e-3 * belt[name]
+        at = {i: times({**belt, name: belt[name] + i * h}) for i in (-2, -1, 1, 2)}
+        slope = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * h)
+        bound = 1e-9 * np.abs(slope).max()
+        np.testing.assert_allclose(made.events.time.values[:, k], slope, rtol=0, atol=bound)
+
+
+def changed(name: str, jump: Any, **fields: Any) -> dict:
+    """A point that falls until it meets the ground, with another jump."""
+    point = SYSTEMS["bouncing-point"]
+    fall = dataclasses.replace(
+        point.phases["fall"], exits=(Exit("ground", ("fall", "rest"), jump),), **fields
+    )
+    phases = {"fall": fall, "rest": point.phases["rest"]}
+    tt.extending.register(dataclasses.replace(point, name=name, phases=phases))
+    return {**POINT, "system": name}
+
+
+def test_a_jump_that_takes_no_derivatives_is_refused_with_its_name() -> None:
+    def bounce(x: Any, world: Any) -> Next:
+        return Next("fall", x._replace(v=math.sqrt(x.v * x.v)), zeros={"ground": 1})
+
+    start = changed("plain-point", bounce)
+    with pytest.raises(tt.InputError, match="the jump by `ground` of `plain-point` must take"):
+        tt.derivatives.sensitivities(start, ["g"], until=1.0)
+
+
+def test_a_comparison_that_anything_changes_leaves_no_derivative() -> None:
+    """The point stops where it is exactly as fast as the limit."""
+    limit = G * T / 4  # the unit of time is 1/4 s
+
+    def bounce(x: Any, world: Any) -> Next:
+        v = world.body.e * -x.v
+        phase = "fall" if v >= world.body.e * limit * (1 - 1e-12) else "rest"
+        return Next(phase, x._replace(v=v, h=0 * v), zeros={"ground": 1})
+
+    start = changed("edge-point", bounce)
+    made = tt.derivatives.sensitivities(start, ["g"], until=0.8, output_times=[0.2, 0.8])
+    assert made.trajectory.valid_within.values[-1, 0] < 1e-9
+    assert np.isfinite(made.trajectory.h.values[0])
+    assert np.isnan(made.trajectory.h.values[1])
+    assert "no derivatives by parameters.g: what follows `ground`" in made.sentences[0]
+
+
+def test_errors_grow_as_the_closed_form() -> None:
+    """By the product of the matrices of a flight, a bounce and a flight."""
+    growth = tt.derivatives.lyapunov(POINT, until=0.8, rows=2)
+    second = 2.0 ** round(math.log2(math.sqrt(1 / G)))
+    g, t, end = G * second**2, T / second, 0.8 / second
+    before = g * t  # the speed
+    fall = np.array([[1, t], [0, 1]])
+    bounce = np.array([[-E, 0], [g * (1 + E) / before, -E]])
+    rise = np.array([[1, end - t], [0, 1]])
+    expected = np.linalg.norm(rise @ bounce @ fall, 2)
+    np.testing.assert_allclose(growth.factor.values[-1], expected, rtol=1e-12)
