@@ -110,6 +110,17 @@ def test_columns_along_a_run_are_those_of_differences() -> None:
         np.testing.assert_allclose(own, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
 
 
+def test_a_law_that_another_number_changes_has_no_derivative() -> None:
+    law = {"law": "coulomb", "mu": 0.0}
+    made = tt.derivatives.sensitivities(
+        "cohen-coulomb", ["friction.mu", "omega3"], law, until=0.1, output_times=[0.1]
+    )
+    theta = made.trajectory.theta.values[-1]
+    assert np.isnan(theta[0])
+    assert np.isfinite(theta[1])
+    assert "the law of friction" in made.sentences[0]
+
+
 # --- systems of several phases ------------------------------------------------------------------
 
 
