@@ -226,7 +226,12 @@ class Motion(NamedTuple):
 def noting(directions: int) -> Iterator[list[np.ndarray]]:
     """Note the changes along each direction at which comparisons turn out otherwise."""
     least = [np.full(directions, np.inf)]
-    token = COMPARED.set(lambda one: least.append(abs(one.value) / abs(one.first)))
+
+    def note(one: Dual) -> None:
+        if np.shape(one.first) == (directions,):  # otherwise it is along another line
+            least.append(abs(one.value) / abs(one.first))
+
+    token = COMPARED.set(note)
     try:
         yield least
     finally:
