@@ -171,7 +171,6 @@ def parts_of(value: Any, order: int) -> tuple:
     return value.parts if isinstance(value, Dual) else (value, *(0.0,) * order)
 
 
-def implicit(root: Any, residual: Callable) -> Any:
-    """Return the root of residual(x), found for plain numbers, with its derivatives."""
-    slope = plain(residual(Dual(root, 1.0)).first)
-    return root - residual(root) / slope
+def implicit(root: Any, residual: Callable, given: Any) -> Any:
+    """Return the root x of residual(x, given), found for plain numbers, with its derivatives."""
+    return root - residual(root, given) / residual(Dual(root, 1.0), plain(given)).first

@@ -110,6 +110,38 @@ def test_columns_along_a_run_are_those_of_differences() -> None:
         np.testing.assert_allclose(own, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
 
 
+def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
+    times = [0.2, 0.4, 0.6]
+    options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}
+    options["start"] = {"theta": 1.0, "omega3": 0.0, "phi_dot": 0.0, "theta_dot": 3.0}
+
+    def law(mu: float) -> dict:
+        return {"law": "contensou", "mu": mu, "patch": 1e-3, "mu_r": 1e-6}
+
+    mu, h = 0.15, 1e-6
+    made = tt.derivatives.sensitivities("inverting", ["friction.mu"], law(mu), **options)
+    ahead, behind = (tt.run("inverting", friction=law(mu + k * h), **options) for k in (1, -1))
+    assert list(made.run.phases.phase.values) == [0, 4, 0, 4, 0]
+    for mine, one, other in (
+        (made.trajectory.theta, ahead.trajectory.theta, behind.trajectory.theta),
+        (made.phases.time, ahead.phases.start, behind.phases.start),
+    ):
+        slope = (one.values - other.values) / (2 * h)
+        bound = 1e-6 * np.abs(slope).max()
+        np.testing.assert_allclose(mine.values[:, 0], slope, rtol=0, atol=bound)
+
+
+def test_a_law_that_another_number_changes_has_no_derivative() -> None:
+    law = {"law": "coulomb", "mu": 0.0}
+    made = tt.derivatives.sensitivities(
+        "cohen-coulomb", ["friction.mu", "omega3"], law, until=0.1, output_times=[0.1]
+    )
+    theta = made.trajectory.theta.values[-1]
+    assert np.isnan(theta[0])
+    assert np.isfinite(theta[1])
+    assert "the law of friction" in made.sentences[0]
+
+
 # --- systems of several phases ------------------------------------------------------------------
 
 

@@ -7,7 +7,7 @@ the numbers, and no jump has derivatives of its own.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import lru_cache, partial
 from operator import attrgetter
 from typing import Any, NamedTuple
@@ -222,6 +222,22 @@ class Motion(NamedTuple):
         return least if extreme > NOISE else np.inf * least
 
 
+@contextmanager
+def noting(directions: int) -> Iterator[list[np.ndarray]]:
+    """Note the changes along each direction at which comparisons turn out otherwise."""
+    least = [np.full(directions, np.inf)]
+
+    def note(one: Dual) -> None:
+        if np.shape(one.first) == (directions,):  # otherwise it is along another line
+            least.append(abs(one.value) / abs(one.first))
+
+    token = COMPARED.set(note)
+    try:
+        yield least
+    finally:
+        COMPARED.reset(token)
+
+
 @lru_cache(maxsize=1024)
 def tapes_of(key: tuple) -> list[Tape]:
     """Return the records of a function, which has been called so far on these branches."""
@@ -265,12 +281,8 @@ def evaluated(
     def call(place: int, _: Any, *given: Any) -> list:
         return joined(*follow(place, *parted(leaves(given), moves.shape[1])))
 
-    least = [np.full(moves.shape[1], np.inf)]
-    token = COMPARED.set(lambda one: least.append(abs(one.value) / abs(one.first)))
-    try:
+    with noting(moves.shape[1]) as least:
         results, about = function(call, *refill(records, iter(joined(values, moves))))
-    finally:
-        COMPARED.reset(token)
     return *parted(results, moves.shape[1]), np.fmin.reduce(least), about
 
 
@@ -322,6 +334,7 @@ class Pass:
 
     steps = False
 
+    @QUIET
     def __init__(self, problem: Problem, wrt: Sequence[str], times: np.ndarray):
         self.problem = problem
         self.times = times
@@ -332,7 +345,8 @@ class Pass:
             status = driver.advance(self, STEPS_PER_SLICE).status
         if not self.runs or (self.runs[-1].jump is not None and status is None):
             driver.last_rows()
-        self.numbers = numbers_of(problem, wrt, driver)
+        with noting(len(wrt)) as least:
+            self.numbers = numbers_of(problem, wrt, driver)
         self.directions = len(wrt)
         rules = self.numbers.rules
         given = self.numbers.body, () if rules is None else (rules.e_n,)
@@ -343,7 +357,7 @@ class Pass:
         self.legs = list[Leg]()
         self.shifts = list[np.ndarray]()
         self.samples = list[Samples]()
-        self.notes = list[Note]()
+        self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
         self.between = list[Samples]()  # states in each phase, for what nearly happened
         self._follow()
 

@@ -280,16 +280,17 @@ def sliding_at(force: Any) -> Any:
     if force <= INSIDE:  # x - x^3/4 = 8 force/(3 pi)
         return 4 / math.sqrt(3) * sin(asin(2 * math.sqrt(3) / math.pi * force) / 3)
 
-    def beyond(x: Any) -> Any:
+    def beyond(x: Any, force: Any) -> Any:
         return drag(x * x, 1.0).k * x - force
 
+    known = plain(force)
     low = 0.5
     high = 1.0
     for _ in range(HALVINGS):  # x/(1 + x)
         share = (low + high) / 2
-        low, high = (share, high) if plain(beyond(share / (1 - share))) < 0 else (low, share)
+        low, high = (share, high) if beyond(share / (1 - share), known) < 0 else (low, share)
     x = low / (1 - low)
-    return x if force is plain(force) else implicit(x, beyond)
+    return x if force is known else implicit(x, beyond, force)
 
 
 INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
