@@ -299,8 +299,11 @@ class HybridPools(Pools, HybridDriver):
         found = self.tallies, new_log(0, self.width), self.samples
         self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
         self.add_pool(phases, self.notes, ())
-        before = SimpleNamespace(motion=motion)
-        self.before: Any = SimpleNamespace(at=phases, place=before, sampled={}, exits={})
+        place = SimpleNamespace(motion=motion)
+        none = SimpleNamespace(names=())
+        self.before: Any = SimpleNamespace(
+            at=phases, place=place, variables=none, sampled={}, exits={}
+        )
 
     @property
     def programs(self) -> Changes:
