@@ -140,7 +140,7 @@ def test_a_body_that_is_none_is_refused(height: Any, numbers: Any, match: str) -
     [
         ({"a": 1.0}, spheroid, "dict of Number"),
         ({"a b": LENGTH}, spheroid, "by their names"),
-        (NUMBERS, lambda z, s2, b: np.sqrt(z), "must return arithmetic"),
+        (NUMBERS, lambda z, s2, b: np.floor(z), "must return arithmetic"),
         (NUMBERS, lambda z, s2, b: b.a, "must return arithmetic"),
         (NUMBERS, lambda z, s2, b: z * b.a, "letters"),
         (NUMBERS, spheroid, "known"),

@@ -1,5 +1,7 @@
 """The calls on the likelihood of a film, and the posterior of the numbers of a scenario."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -100,7 +102,7 @@ class Posterior:
         self.mean = dict(zip(self.free, mean.tolist(), strict=True))
         self.sigma = dict(zip(self.free, sigma.tolist(), strict=True))
 
-    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
+    def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
         """Draw the distributions of numbers and pairs, and save that where a path is given."""
         refuse_without("matplotlib")
         from ..figures.corner import corner

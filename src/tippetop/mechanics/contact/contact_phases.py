@@ -281,10 +281,14 @@ def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...]
     if lies is AXIS:
         return phase
 
-    def rates(q, b):
+    general = phase.form.rates
+
+    def rates(q, b):  # fewer products than a x F
+        if b.around:
+            return general(q, b)
         return type(phase.form.units)(*axis_rate(q, b), *rolling_torque(turning(q), b))
 
-    return replace(phase, forms=replace(phase.form, rates=rates))  # fewer products than a x F
+    return replace(phase, forms=replace(phase.form, rates=rates))
 
 
 CONE = ending(

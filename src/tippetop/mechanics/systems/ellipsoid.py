@@ -89,7 +89,7 @@ class Ellipsoid(Top):
         shape = Ellipsoid.body_of(parameters, ()).outline
         along = shape.half_axes(Vector(shape.x, shape.y, shape.z))
         halves = zip(along, shape[:3], strict=True)
-        faults = contact.outside_faults(*(x / half for x, half in halves))
+        faults = contact.outside_faults(*(float(x) / float(half) for x, half in halves))
         inertia = {name: parameters[name] for name in ("I1", "I2", "I3")}
         name = max(inertia, key=inertia.__getitem__)
         others = sum(inertia.values()) - inertia[name]
