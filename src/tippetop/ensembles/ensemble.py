@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
 from .hybrid_tops import problem_of, run_each
-from .lanes import Lanes
+from .lanes import MOST_STEPS, Lanes
 from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude
 from .top_events import log_events
 
@@ -33,6 +33,7 @@ def measure(
     lyapunov: bool = False,
     events: bool = False,
     times: np.ndarray | None = None,
+    most: int = MOST_STEPS,
 ) -> Outcomes:
     """Integrate every valid top to its end; `progress(done, n)` is called now and then.
 
@@ -54,6 +55,8 @@ def measure(
         Whether the events of each top are logged.
     times
         Internal times of rows, ascending (n, k).
+    most
+        Steps of one top in smooth motion at most.
 
     Returns
     -------
@@ -84,7 +87,10 @@ def measure(
     if len(numbers):
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // Pools.lanes))
         room = -(-len(numbers) // n)
-        workers = [Lanes(measured, functions, ended, room, wanted, events=events) for _ in range(n)]
+        workers = [
+            Lanes(measured, functions, ended, room, wanted, events=events, most=most)
+            for _ in range(n)
+        ]
         queue = iter(numbers.tolist())
         _run_all([partial(worker.run, queue) for worker in workers], [w.stop for w in workers])
         possible = sum(worker.possible for worker in workers)

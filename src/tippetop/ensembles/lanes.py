@@ -43,7 +43,7 @@ class PoolOfOne(Pools):
         All that may run in it.
     room, row_count
         As for `allot`.
-    wanted, events
+    wanted, events, most
         As in `ensemble.measure`.
     """
 
@@ -55,6 +55,7 @@ class PoolOfOne(Pools):
         wanted: Collection[str] | None,
         *,
         events: bool,
+        most: int,
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
@@ -66,15 +67,15 @@ class PoolOfOne(Pools):
         rows = watched(code.rows, base, reads)
         made = code.integrator
         width, numbers = len(made.state), len(made.pars)
-        most = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
+        logged = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
         self.all_events = rows
         self.variables = len(tops.start)
         self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
-        self.log = new_log(2 * most * events, width)
+        self.log = new_log(2 * logged * events, width)
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         found = self.lane_tallies(rows), self.log, self.samples
         self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
-        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
+        rules = Rules(settled_for, most, EVERY, 0)
         self.loop = Loop(self.motion, rows, *found, rules, code.machine)
         self.allot(room, 1, width, numbers, row_count)
         self.add_pool(0, self.loop, range(numbers))
@@ -93,7 +94,7 @@ class Lanes:
         Called whenever a top has ended.
     room
         Number of tops that may be under way.
-    wanted, events
+    wanted, events, most
         As in `ensemble.measure`.
 
     Attributes
@@ -111,6 +112,7 @@ class Lanes:
         wanted: Collection[str] | None = None,
         *,
         events: bool = False,
+        most: int = MOST_STEPS,
     ):
         self.outcomes = outcomes
         self.functions = functions
@@ -125,7 +127,9 @@ class Lanes:
         self.steps = self.possible = 0  # of lanes: made, and possible
         self.pools: Pools | None = None
         if not self.tops.base.system.is_hybrid:
-            self.pools = PoolOfOne(self.tops, self.room, row_count, wanted, events=events)
+            self.pools = PoolOfOne(
+                self.tops, self.room, row_count, wanted, events=events, most=most
+            )
 
     def run(self, queue: Iterator[int]) -> None:
         """Run tops of a queue, which threads may share, to their ends."""

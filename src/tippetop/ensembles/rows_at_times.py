@@ -6,16 +6,23 @@ from dataclasses import replace
 import numpy as np
 
 from ..columns import Arrays
+from ..engine.instruments import INSTRUMENTS, instruments_of
 from ..engine.observables import orientations_of, sources, values_of
 from ..mechanics.units import SECOND
 from ..problem import Problems
 from .ensemble import measure
+from .lanes import MOST_STEPS
 from .outcomes import QUIET
 
 
 @QUIET
 def rows_at_times(
-    tops: Problems, times: np.ndarray, names: Collection[str], *, threads: int | None = None
+    tops: Problems,
+    times: np.ndarray,
+    names: Collection[str],
+    *,
+    threads: int | None = None,
+    most: int = MOST_STEPS,
 ) -> tuple[Arrays, np.ndarray]:
     """Return columns of tops at given times, and how each top ended.
 
@@ -27,8 +34,9 @@ def rows_at_times(
         [s], ascending, common to all tops (k,) or those of each (n, k). A top runs until the last
         of them; if none is positive, as long as its scenario says.
     names
-        Of columns of runs, such as `theta` and `axis`.
-    threads
+        Of columns of runs, such as `theta` and `axis`, and of INSTRUMENTS in smooth motion, with
+        orientation.
+    threads, most
         As for `measure`.
 
     Returns
@@ -44,7 +52,7 @@ def rows_at_times(
     until = np.where(last > 0, last, tops.given("run")["until"])
     tops = replace(tops, columns={**tops.columns, "run.until": until})
     internal = times / tops.unit(SECOND)[:, None]
-    measured = measure(tops, threads=threads, wanted=(), times=internal)
+    measured = measure(tops, threads=threads, wanted=(), times=internal, most=most)
 
     top, row = np.nonzero(np.isfinite(measured.rows).all(axis=2))
     states = measured.rows[top, row].T
@@ -52,7 +60,10 @@ def rows_at_times(
     if tops.orientation:
         values |= orientations_of(tops, states, top)
     columns = {}
-    for name, source in sources(replace(tops.base, columns=tuple(names))).items():
+    known = sources(replace(tops.base, columns=tuple(names)))
+    if further := {name: INSTRUMENTS[name] for name in names if name not in known}:
+        values |= instruments_of(tops, states, top)
+    for name, source in (known | further).items():
         parts = np.stack([values[part] for part in source.parts], axis=1)
         whole = np.full((*times.shape, len(source.parts)), np.nan)
         whole[top, row] = parts * tops.unit(source.unit)[top, None]

@@ -201,7 +201,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
     Raises InputError for a place that is not the centre of mass if the contact may change."""
     problem = run.problem
     if problem.contact is None:
-        predicted = Predictions(dataclasses.replace(problem, orientation=True), (), most=0)
+        predicted = Predictions(dataclasses.replace(problem, orientation=True), ())
         predicted.refine()
         return at_chip(predicted.read({}, run.times[None], ACCELEROMETER), chip)[0]
     if any(chip):

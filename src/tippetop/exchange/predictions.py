@@ -6,43 +6,26 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..columns import Arrays
-from ..engine.expressions import AXES, component
-from ..engine.orientation import quaternion
-from ..engine.tangent import Tangents
-from ..ensembles import ensemble
+from ..engine.instruments import IN_BODY
 from ..ensembles.rows_at_times import rows_at_times
-from ..errors import InputError
-from ..mechanics.operand import Vector
-from ..mechanics.rotation import Quaternion, axes, outer
-from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
-from ..problem import Problem, name_faults
+from ..mechanics.rotation import Quaternion, axes
+from ..mechanics.units import SECOND
+from ..problem import Problem, Problems, refuse
 from ..runs.shape import moments
 
 
 # Tolerance of the integrator while numbers are searched: three fifths of the time
 TOLERANCE = 1e-9
-# Steps per internal unit of time beyond which a motion is given up: a canonical inversion takes 9,
-# a rattleback 27
+# Steps per internal unit of time beyond which a smooth motion is given up: a canonical inversion
+# takes 9, a rattleback 27
 MOST_STEPS = 60.0
-IN_BODY = {
-    "gyroscope": RADIAN_PER_SECOND,
-    "omega": RADIAN_PER_SECOND,
-    "turning": PER_SECOND2,
-    "accelerometer": METRE_PER_SECOND2,
-}
-"""Units of the values of `engine.variational.CHIP`."""
 ACCELEROMETER = ("accelerometer", "gyroscope", "turning")
-VALUES = {
-    "axis": tuple(component(f"u{c}") for c in "xyz"),
-    "orientation": AXES,
-    "z": ("height",),
-    **{name: tuple(f"{name}_{c}" for c in "xyz") for name in IN_BODY},
-}
-"""Values from which a column is made, if not those of its name."""
 
 
 class Predictions:
     """Motions of a scenario whose free numbers have given values.
+
+    They go through the end that the scenario has, and those of smooth motion through lift-off.
 
     Parameters
     ----------
@@ -50,8 +33,6 @@ class Predictions:
         The scenario.
     free
         Dotted names of the free numbers; an initial number that is not given is 0.
-    most
-        Steps per internal unit of time beyond which a motion is given up; 0: any number.
 
     Raises
     ------
@@ -59,19 +40,16 @@ class Predictions:
         If the problem has no number of a name, or its motion is not one of doubles from a start.
     """
 
-    def __init__(self, problem: Problem, free: Sequence[str], most: float = MOST_STEPS):
-        self.problem = problem
-        self.tangents = None
-        if not problem.system.is_hybrid:
-            coarse = dataclasses.replace(problem, tolerance=TOLERANCE)
-            self.tangents = Tangents(coarse, free, most)
-        elif faults := name_faults(problem, free, without=("run.",)):
-            raise InputError(faults)
+    def __init__(self, problem: Problem, free: Sequence[str]):
+        refuse(problem, free)
+        self.is_smooth = not problem.system.is_hybrid
+        changes = {"on_liftoff": "continue", "tolerance": TOLERANCE} if self.is_smooth else {}
+        self.tolerance = problem.tolerance
+        self.problem = dataclasses.replace(problem, stop_when="until", **changes)
 
     def refine(self) -> None:
         """Predict with the tolerance of the scenario from now on."""
-        if self.tangents is not None:
-            self.tangents.problem = self.problem
+        self.problem = dataclasses.replace(self.problem, tolerance=self.tolerance)
 
     def read(
         self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Sequence[str]
@@ -89,44 +67,23 @@ class Predictions:
         names
             Of the columns.
         """
-        if self.tangents is not None:
-            return self._read_smooth(self.tangents, points, times, names)
         if not points:
             points = {"run.until": times[:, -1]}
-        turned = {"orientation", "L"} if IN_BODY.keys() & names else set()
-        known = turned | ({*names} - IN_BODY.keys())
-        tops = ensemble.vary(self.problem, points, orientation="orientation" in known)
-        read = rows_at_times(tops, times, known)[0]
+        known = {*names}
+        by_momentum = not self.is_smooth or "x" in self.problem.system.angles._fields
+        turned = by_momentum and "accelerometer" not in known and not known.isdisjoint(IN_BODY)
+        if turned:
+            known = {"orientation", "L"} | (known - IN_BODY.keys())
+        turning = not known.isdisjoint({"orientation", *IN_BODY})
+        tops = Problems.vary(self.problem, points, turning)
+        most = int(MOST_STEPS * (1 + times.max() / self.problem.unit(SECOND)))
+        read = rows_at_times(tops, times, known, most=most)[0]
         if turned:
             frame = np.array(axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0))))
             inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))
             read["gyroscope"] = np.einsum("axpr,prx,ap->pra", frame, read["L"], 1 / inertia)
             read["omega"] = np.einsum("axpr,pra->prx", frame, read["gyroscope"])
         return read
-
-    def _read_smooth(
-        self,
-        tangents: Tangents,
-        points: Mapping[str, np.ndarray],
-        times: np.ndarray,
-        names: Sequence[str],
-    ) -> Arrays:
-        """Read motions that a single system of equations describes."""
-        parts = {name: VALUES.get(name, (name,)) for name in names}
-        pars = tangents.parameters(np.zeros((len(tangents.values), len(times))), points)
-        wanted = tuple(dict.fromkeys(part for some in parts.values() for part in some))
-        read = tangents.read(0, pars, times.T, wanted)
-        system = self.problem.system
-        units = {**system.angles._asdict(), **IN_BODY, "z": METRE}
-        units |= {q.name: q.unit for q in system.quantities}
-        found = {}
-        for name, some in parts.items():
-            values = [read[part][0].T for part in some]
-            if name == "orientation":
-                values = list(quaternion(outer(Vector(*values[:3]), Vector(*values[3:]))))
-            scale = self.problem.unit(units[name]) if name in units else 1.0
-            found[name] = scale * (np.stack(values, axis=-1) if len(values) > 1 else values[0])
-        return found
 
 
 def at_chip(read: Arrays, chip: Sequence[float]) -> np.ndarray:

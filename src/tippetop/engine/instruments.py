@@ -1,0 +1,91 @@
+"""What instruments measure of a body in smooth motion, by derivatives of its place and axes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..columns import Arrays
+from ..mechanics.contact.body import Touch, by_scalars, height
+from ..mechanics.dual import Dual
+from ..mechanics.operand import Vector, cross, dot, minus, plus, times
+from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
+from ..mechanics.variables import Variables
+from ..problem import Problems
+from .expressions import AXES, orientation_of
+from .observables import Source
+
+
+IN_BODY = {
+    "gyroscope": RADIAN_PER_SECOND,
+    "omega": RADIAN_PER_SECOND,
+    "turning": PER_SECOND2,
+    "accelerometer": METRE_PER_SECOND2,
+}
+"""Angular velocity in body axes and in space; in body axes: its rate, and the specific force at the
+centre of mass.
+"""
+INSTRUMENTS = {"z": Source(("height",), METRE, "height of the centre of mass")}
+INSTRUMENTS |= {
+    name: Source(tuple(f"{name}_{c}" for c in "xyz"), unit, name, ("xyz",))
+    for name, unit in IN_BODY.items()
+}
+"""The sources of these values, like those of columns."""
+
+
+class Moving(Dual):
+    """A number and its derivatives by time."""
+
+    __slots__ = ()
+
+    @property
+    def rate(self) -> Any:
+        """Return the time derivative."""
+        return Moving(*self.parts[1:])
+
+
+def in_motion(variables: Variables, state: Sequence[Any], body: Any) -> list[Moving]:
+    """Return variables with their first two derivatives by time."""
+    moving = [Moving(one) for one in state]
+    for _ in range(2):
+        rates = variables.rates(*variables.split(moving), body)
+        moving = [
+            Moving(one, *(rate.parts if isinstance(rate, Moving) else (rate,)))
+            for one, rate in zip(state, rates, strict=True)
+        ]
+    return moving
+
+
+def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
+    """Return the values of INSTRUMENTS in states (variables, k) of the runs `which` (k,) by name,
+    in internal units; (k,) each.
+
+    The specific force is the acceleration of the centre of mass less that of gravity.
+    """
+    variables = tops.variables
+    form = variables.form
+    body = tops.body_of_pars(tops.pars[:, which])
+    q, carried = variables.split(in_motion(variables, states, body))
+    scalars = form.scalars(q, body)
+    found = orientation_of(tops.base.system, form, q, carried, body)
+    first, third = (Vector(*(found[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
+    axes = first, cross(third, first), third
+    moves = [_rates(axis) for axis in axes]
+    own = Vector(*(dot(moves[i - 2], axes[i - 1]) for i in range(3)))
+    omega = plus(cross(third, moves[2]), times(own.z, third))
+    if not hasattr(carried, "x"):  # on a fixed tip
+        place = times(-body.c, third)
+    elif isinstance(body, Touch):
+        place = Vector(carried.x, carried.y, height(scalars.z, by_scalars(scalars, body)))
+    else:
+        place = Vector(carried.x, carried.y, scalars.height)
+    x, y = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
+    force = minus(_rates(_rates(place)), Vector(x, y, -body.g))
+    felt = (dot(axis, force) for axis in axes)
+    values = place.z, *own, *omega, *_rates(own), *felt
+    names = (part for source in INSTRUMENTS.values() for part in source.parts)
+    return {n: v.value + 0 * states[0] for n, v in zip(names, values, strict=True)}
+
+
+def _rates(vector: Vector) -> Vector:
+    return Vector(*(one.rate for one in vector))
