@@ -103,7 +103,8 @@ def measure(
     made = np.isfinite(measured.rows[:, :, 0])
     which, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
     measured.rows[which, row] = measured.final[:, which].T
-    _conclude(measured)
+    if lyapunov or wanted != ():
+        _conclude(measured)
     if lyapunov:
         ends = measured.columns["t_end"]
         for top in np.flatnonzero(ends > 0).tolist():
@@ -117,7 +118,9 @@ def measure(
 
 def _run_all(runs: list[Callable[[], None]], stops: list[threading.Event]) -> None:
     """Call functions on a thread each; set their `stops` if one has failed, or on Ctrl-C."""
-    if not runs:
+    if len(runs) < 2:
+        for run in runs:
+            run()
         return
     with ThreadPoolExecutor(len(runs)) as pool:
         try:

@@ -61,7 +61,7 @@ def rows_at_times(
         values |= orientations_of(tops, states, top)
     columns = {}
     known = sources(replace(tops.base, columns=tuple(names)))
-    if further := {name: INSTRUMENTS[name] for name in names if name not in known}:
+    if further := {name: INSTRUMENTS[name] for name in names if name in INSTRUMENTS.keys() - known}:
         values |= instruments_of(tops, states, top)
     for name, source in (known | further).items():
         parts = np.stack([values[part] for part in source.parts], axis=1)

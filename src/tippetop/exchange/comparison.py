@@ -1,6 +1,5 @@
 """Comparison of the motion of another program with the exact reference at its own times."""
 
-import dataclasses
 import itertools
 import math
 import re
@@ -201,7 +200,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
     Raises InputError for a place that is not the centre of mass if the contact may change."""
     problem = run.problem
     if problem.contact is None:
-        predicted = Predictions(dataclasses.replace(problem, orientation=True), ())
+        predicted = Predictions(problem, ())
         predicted.refine()
         return at_chip(predicted.read({}, run.times[None], ACCELEROMETER), chip)[0]
     if any(chip):

@@ -15,7 +15,6 @@ from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
 from .misfit import Misfit
-from .predictions import Predictions
 
 
 TILTED = "a table tilted by 0.1 degrees"
@@ -113,7 +112,7 @@ def _residuals(
         problem: Problem = build.problem(tables)
         known = [name for name in observation.own if name in problem.rules]
         observation.own = (*known, *keys)
-        observation.predicted = Predictions(observation.replaced(problem), observation.own)
+        observation.predicted = observation.predictions_of(problem, observation.own)
         observation.predicted.refine()
         rows, _ = misfit.read(observation, points, misfit.rows)
     except InputError:

@@ -1,6 +1,5 @@
 """The predictions of a scenario for a table of measurements, and their derivatives."""
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
 from .motion import Motion, lean, theta_of
-from .predictions import ACCELEROMETER, IN_BODY, Predictions, at_chip
+from .predictions import ACCELEROMETER, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
 
@@ -103,8 +102,8 @@ class Observation:
             )
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
-        self.problem = self.replaced(problem)
-        self.predicted = Predictions(self.problem, self.own)
+        self.problem = problem
+        self.predicted = self.predictions_of(problem, self.own)
 
     @property
     def used(self) -> dict[str, int]:
@@ -113,8 +112,8 @@ class Observation:
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
 
-    def replaced(self, problem: Problem) -> Problem:
-        """Return a problem whose orientation is integrated only if it is measured.
+    def predictions_of(self, problem: Problem, own: Sequence[str]) -> Predictions:
+        """Return the predictions of a problem by these numbers.
 
         Raises InputError for an accelerometer where the contact may change.
         """
@@ -123,8 +122,7 @@ class Observation:
                 "an accelerometer is fitted only where the contact never changes: leave it out, or "
                 "give a smooth law without [contact], [stem], [air] and [plane]."
             )
-        turning = not {"orientation", *IN_BODY}.isdisjoint(self.columns)
-        return dataclasses.replace(problem, orientation=turning)
+        return Predictions(problem, own)
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
