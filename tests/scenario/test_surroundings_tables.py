@@ -119,6 +119,20 @@ def test_a_rolling_top_has_derivatives_by_its_surroundings() -> None:
     assert np.isclose(found, (one - other) / (2 * step), rtol=1e-7)
 
 
+@pytest.mark.parametrize("omega", [3.0, -30.0])
+def test_a_slide_from_rest_on_a_turntable_keeps_the_balance_of_energy(omega: float) -> None:
+    plane = {"omega": omega, "x": 1.0}
+    start = {"theta": 0.1, "omega3": 155.0, "nu_x": 0.0}
+    run = tt.run("inverting", tt.friction.Coulomb(mu=0.2), plane=plane, start=start, until=0.02)
+    assert run.attributes["report"]["contact_phases"]["counts"] == {"slip": 1}
+    assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
+    # at first the centre moves as the forces at rest turn it: outwards, and by Coriolis' to a side
+    slow = tt.run("inverting", tt.friction.Coulomb(0.2, 1e-7), plane=plane, start=start, until=0.02)
+    for name in ("x", "y", "theta"):
+        one, other = (each.trajectory[name].values[-1] for each in (run, slow))
+        assert np.isclose(one, other, rtol=1e-5, atol=1e-9)
+
+
 REFUSED = {
     "fixed tip": ("heavy-top", {"air": AIR}, "`air` must be of a tippe-top"),
     "name": ("inverting", {"air": {"c3": 1.0}}, "The keys of `air` are c1, c2"),
