@@ -110,6 +110,37 @@ def test_columns_along_a_run_are_those_of_differences() -> None:
         np.testing.assert_allclose(own, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
 
 
+SURROUNDINGS: dict[str, dict[str, dict[str, float]]] = {
+    "vibrates": {
+        "air": {"c1": 1e-7, "c2": 1e-9},
+        "plane": {"tilt": 0.05, "azimuth": 0.4, "amplitude": 1e-4, "frequency": 30.0},
+    },
+    "turns": {"plane": {"omega": 3.0, "x": 0.1, "y": 0.02}},
+}
+
+
+@pytest.mark.parametrize("around", SURROUNDINGS.values(), ids=SURROUNDINGS)
+def test_derivatives_by_surroundings_are_those_of_differences(around: dict) -> None:
+    options: dict[str, Any] = {"until": 0.3, "output_times": [0.1, 0.2, 0.3]}
+    wrt = [f"{table}.{name}" for table, numbers in around.items() for name in numbers]
+    found = tt.derivatives.sensitivities("cohen-coulomb", wrt, **around, **options)
+    assert found.phases.sizes["interval"] == 2
+    for key in wrt:
+        table, name = key.split(".")
+        h = 1e-4 * around[table][name]
+
+        def run(move: float, table: str = table, name: str = name) -> Any:
+            numbers = around[table] | {name: around[table][name] + move}
+            return tt.run("cohen-coulomb", **around | {table: numbers}, **options)
+
+        ahead, behind = run(h), run(-h)
+        mine = found.trajectory.sel(parameter=key)
+        for column in ("theta", "omega3", "x", "energy"):
+            slope = (ahead.trajectory[column] - behind.trajectory[column]).values / (2 * h)
+            bound = 1e-4 * np.abs(slope).max()
+            np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
+
+
 def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
     times = [0.2, 0.4, 0.6]
     options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}

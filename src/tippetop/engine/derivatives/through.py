@@ -74,7 +74,8 @@ def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Nu
         t: {n.partition(".")[2]: v for n, v in given.items() if n.startswith(f"{t}.")}
         for t in ("parameters", "friction", "initial", "contact", "stem")
     }
-    b = system.body_of(tables["parameters"], problem.friction._replace(**tables["friction"]))
+    numbers = tables["parameters"] | {name: given[name] for name in problem.surroundings}
+    b = system.body_of(numbers, problem.friction._replace(**tables["friction"]))
     mass, length = system.scales(b)
     scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
 
