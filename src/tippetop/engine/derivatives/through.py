@@ -605,6 +605,9 @@ class Pass:
             if leg < len(ends) and ends[leg] == time:
                 shifts[k] = self.shifts[leg]
                 continue
+            if time not in at:  # in a jump that takes time; the start of a run does not move
+                shifts[k] = np.nan if time > 0 else 0.0
+                continue
             one, column = at[time]
             motion = self._motion_of(one.track)
             for event in motion.formulas.events:
