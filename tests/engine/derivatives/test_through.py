@@ -141,6 +141,28 @@ def test_derivatives_by_surroundings_are_those_of_differences(around: dict) -> N
             np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
 
 
+def test_times_of_the_last_hops_scale_with_the_unit_of_time() -> None:
+    """Euler's theorem: the sum of exponent times number times derivative of a time is the time."""
+    start = {"theta": 0.1, "phi_dot": 0.0, "omega3": 120.0, "gap": 1e-3, "nu_z": -0.1}
+    options: dict[str, Any] = {"start": start, "contact": {"e_n": 0.3}, "until": 0.025}
+    exponents = {
+        "friction.mu": 1,
+        "parameters.g": -2,
+        "initial.omega3": -1,
+        "initial.nu_z": -1,
+    }
+    made = tt.derivatives.sensitivities("spinning-egg", [*exponents], **options)
+    impacts = made.run.impacts.time.values
+    assert len(impacts) > 12
+    assert np.diff(impacts)[-1] < 1e-9
+    numbers = problem_of("spinning-egg", **options).tables
+    scaled = 0.0 * impacts
+    for key, power in exponents.items():
+        table, name = key.split(".")
+        scaled += power * numbers[table][name] * made.impacts.time.sel(parameter=key).values
+    np.testing.assert_allclose(scaled, impacts, rtol=1e-12)
+
+
 def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
     times = [0.2, 0.4, 0.6]
     options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}
