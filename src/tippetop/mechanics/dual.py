@@ -68,7 +68,7 @@ ARITHMETIC: dict[str, Callable] = {
     "divide": _quotient,
     "sqrt": _root,
     "negative": lambda a: [-one for one in a],
-    "absolute": lambda a: [(1.0 * (a[0] > 0) - 1.0 * (a[0] < 0)) * one for one in a],
+    "absolute": lambda a: [np.sign(a[0]) * one for one in a],
 }
 """Functions of NumPy, of the parts of their operands; a constant has one part."""
 

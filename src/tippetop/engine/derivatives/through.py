@@ -33,6 +33,7 @@ from .tape import Tape
 
 MOST_LANES = 8
 BRANCHES = 32
+AHEAD = 1e-6
 PER_LEG, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
 BRIEF_PHASE = 1e-4
@@ -180,52 +181,36 @@ class Motion(NamedTuple):
         return self._evaluated(None, rates, values, self.moves[:, : moves.shape[1]], moves)
 
     def slopes(
-        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray
+        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray, order: int = 0
     ) -> np.ndarray:
-        """Return the derivatives of an event function, and last that by time."""
+        """Return the derivatives of an event function, and last that by time; of order 1, those of
+        its rate.
+        """
+        events = self.formulas.events
 
         def function(_: Any, pars: tuple, state: tuple) -> tuple:
-            return [self._function(event, state, self.formulas.body(iter(pars)))], None
-
-        return self._along(event, function, values, moves, rates)[1][0]
-
-    def paces(
-        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray
-    ) -> np.ndarray:
-        """Return the derivatives of the rate of an event function, and last that by time."""
-
-        def pace(_: Any, pars: tuple, state: tuple) -> tuple:
             b = self.formulas.body(iter(pars))
-            moving = in_motion(self.variables, state, b, 1)
-            return [parts_of(self._function(event, moving, b), 1)[1]], None
+            now = in_motion(self.variables, state, b, order) if order else state
+            q, carried = self.variables.split(now)
+            if event in events:
+                h = self.formulas.functions(q, carried, b)[events.index(event)]
+            else:
+                h = event.formula(self.formulas.form.scalars(q, b), b)
+            return [parts_of(h, 1)[1] if order else h], None
 
-        return self._along((event, "rate"), pace, values, moves, rates)[1][0]
+        ways = np.concatenate([moves, rates[:, None]], axis=1)
+        of_pars = np.concatenate([self.moves, 0 * self.pars[:, None]], axis=1)
+        return self._evaluated((event, order), function, values, of_pars, ways)[1][0]
 
     def gains(self, event: Any, states: Any, time: float) -> np.ndarray:
         """Return by how much the derivatives of an event function change along five states, which
         are evenly spaced in a time.
         """
         paces = [
-            self.paces(event, *state, self.rates(state[0], state[1][:, :0])[0])[:-1]
+            self.slopes(event, *state, self.rates(state[0], state[1][:, :0])[0], 1)[:-1]
             for state in states
         ]
         return time * (BOOLE @ np.array(paces))
-
-    def _function(self, event: Any, state: Sequence, b: Any) -> Any:
-        """Return an event function of a state."""
-        events = self.formulas.events
-        q, carried = self.variables.split(state)
-        if event in events:
-            return self.formulas.functions(q, carried, b)[events.index(event)]
-        return event.formula(self.formulas.form.scalars(q, b), b)
-
-    def _along(
-        self, what: Any, function: Callable, values: np.ndarray, moves: np.ndarray, rates: Any
-    ) -> tuple:
-        """Return numbers with derivatives along directions, and last by time; see `_evaluated`."""
-        ways = np.concatenate([moves, rates[:, None]], axis=1)
-        of_pars = np.concatenate([self.moves, 0 * self.pars[:, None]], axis=1)
-        return self._evaluated(what, function, values, of_pars, ways)
 
     def _evaluated(self, what: Any, function: Callable, values: np.ndarray, *moves: Any) -> tuple:
         """Return numbers that are function(_, numbers of the body, state), and derivatives."""
@@ -250,9 +235,12 @@ class Motion(NamedTuple):
         """Return the change of the numbers along each direction by which the zero of an event is
         lost: the extreme of its function that follows comes to zero.
         """
-        rates, _ = self.rates(values, moves[:, :0])
-        *by, pace = self.slopes(event, values, moves, rates)
-        *turns, bend = self.paces(event, values, moves, rates)
+        rates, turns = self.rates(values, moves)
+        now = self.slopes(event, values, moves, rates)
+        ahead = values + AHEAD * rates
+        later = self.slopes(event, ahead, moves + AHEAD * turns, self.rates(ahead, moves[:, :0])[0])
+        *turns, bend = (later - now) / AHEAD
+        *by, pace = now
         extreme = pace**2 / (2 * abs(bend))
         least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
         return least if extreme > NOISE else np.inf * least
