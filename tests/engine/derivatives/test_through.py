@@ -163,6 +163,17 @@ def test_times_of_the_last_hops_scale_with_the_unit_of_time() -> None:
     np.testing.assert_allclose(scaled, impacts, rtol=1e-12)
 
 
+def test_a_run_that_begins_with_a_slow_slide_has_derivatives_at_its_start() -> None:
+    wrt = ["initial.theta", "friction.mu"]
+    made = tt.derivatives.sensitivities("jumping-egg", wrt, until=0.02, output_step=0.002)
+    theta = made.trajectory.theta.values
+    np.testing.assert_array_equal(theta[0], [1.0, 0.0])
+    np.testing.assert_array_equal(made.phases.time.values[0], 0.0)
+    growth = tt.derivatives.lyapunov("jumping-egg", until=0.02, rows=3)
+    assert np.isfinite(growth.factor).all()
+    assert growth.factor[0] == pytest.approx(1.0)
+
+
 def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
     times = [0.2, 0.4, 0.6]
     options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}

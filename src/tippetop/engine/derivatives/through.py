@@ -600,6 +600,10 @@ class Pass:
         variables = self.problem.variables
         shape = self.directions, len(self.times)
         rows = np.full((len(variables.names), 2, *shape), np.nan)
+        if self.times[0] == 0:  # a phase may begin later
+            values, moves = parted(self.numbers.state, self.directions)
+            rows[:, 0, :, 0] = values[:, None]
+            rows[:, 1, :, 0] = moves
         for track, b, (q, carried), which in self._together(self.samples):
             read, _ = self.problem.system.read(track.phase, q, carried, b)
             every = variables.join(read[: variables.moving], carried)
