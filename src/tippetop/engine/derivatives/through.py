@@ -207,8 +207,8 @@ class Motion(NamedTuple):
         are evenly spaced in a time.
         """
         paces = [
-            self.slopes(event, *state, self.rates(state[0], state[1][:, :0])[0], 1)[:-1]
-            for state in states
+            self.slopes(event, values, moves, self.rates(values, moves[:, :0])[0], 1)[:-1]
+            for values, moves in states
         ]
         return time * (BOOLE @ np.array(paces))
 
