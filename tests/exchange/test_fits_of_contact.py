@@ -136,3 +136,19 @@ def test_laws_are_compared_by_likelihood(tmp_path: Path) -> None:
     assert found.problem.law.key == "coulomb"
     mu = found.estimates["friction.mu"]
     assert abs(mu.value - 0.2) < 4 * mu.sigma
+
+
+def test_a_tilt_and_its_azimuth_are_found_from_a_level_plane(tmp_path: Path) -> None:
+    t = np.linspace(0, 0.5, 31)
+    plane = {"tilt": 0.01, "azimuth": 2.5}
+    rows = tt.run("inverting", plane=plane, until=0.5, output_times=t.tolist()).trajectory
+    random = np.random.default_rng(5)
+    place = [rows[name] + 1e-4 * random.standard_normal(31) for name in ("x", "y")]
+    table = np.column_stack([t, *place])
+    np.savetxt(tmp_path / "f.csv", table, delimiter=",", header="t [s],x [m],y [m]", comments="")
+    free = ["plane.tilt", "plane.azimuth"]
+    fit = tt.fit(tmp_path / "f.csv", tt.load("inverting", ["plane.tilt=0"]), free, systematic=False)
+    assert fit.converged
+    for key in free:
+        found = fit.estimates[key]
+        assert abs(found.value - plane[key.partition(".")[2]]) < 4 * found.sigma

@@ -56,14 +56,20 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
         ("t [s], tetha [deg]\n0,1\n1,1\n", "Did you mean `theta`"),
         ("time,theta [rad]\n0,1\n1,1\n", r"`time` must have a unit"),
         ("0,1\n1,1\n", "a header must be names with units"),
-        ("t [s], theta [m]\n0,1\n1,1\n", "`theta` must be in rad"),
+        (
+            "t [s], theta [m]\n0,1\n1,1\n",
+            "unit of `theta` must be rad or of the same kind, but is `m`",
+        ),
         ("", "must be a table in CSV or Parquet, but: it is empty"),
         (
             "t [s], theta [rad]\n0,1\n0.2,1\n0.1,1\n",
             r"times must ascend, but that of row 3, 0\.1 s, follows 0\.2 s",
         ),
         ("t [s], theta [rad]\n0,1\n0,1\n", "sort the rows, and keep one of each time"),
-        ("t [s], theta [rad]\n0,1\nnan,1\n", "that of row 2, nan s, follows 0 s"),
+        (
+            "t [s], theta [rad]\n0,1\nnan,1\n",
+            "every row must have a time, but row 2 has a gap there: remove",
+        ),
         ("t [s], theta [rad]\n0,1\n", "two rows must have a time and another number, but 1 has"),
         ("t [s], theta [rad]\n0,nan\n1,nan\n", "`theta` must have finite numbers"),
         (
@@ -188,6 +194,9 @@ def test_dialects_of_other_programs_are_the_same_table(tmp_path: Path, content: 
         (b"PK\x03\x04\x00\x00", r"it is not a text \(save it as CSV in UTF-8\)"),
         (b"t [s],x [m]\n0,\x81\n", "is not UTF-8"),
         (b"t [s],theta [deg]\n0,1,\n1,2,\n", "must have 2 cells, as the header has, but has 3"),
+        (b"t [s],omega3 [min-1]\n0,1\n", "unit of `omega3` must be rad s-1 .*`rpm`.*is `min-1`"),
+        (b"t [s],omega3 [1/min]\n0,1\n", "unit of `omega3` must be rad s-1 .*`rpm`.*is `1/min`"),
+        (b"Zeit (s);Weg (m)\n0,5;1,5\n", r"the times must be a column `t \[s\]`"),
         (b"mass A\nt,theta\n0,1\n", r"`t` must have a unit, such as `t \[s\]`, but has none\.\n"),
         ("t [s],θ [deg]\n0,1\n".encode(), "columns `θ` are not known: rename them"),
     ],

@@ -411,4 +411,4 @@ def test_what_is_set_in_the_rows_leaves_the_run_as_it_is() -> None:
 def test_a_number_beyond_the_doubles_is_not_called_stiffness() -> None:
     run = tt.run("inverting", friction={"mu": 1e100}, until=0.1)
     assert run.summary.status == "non-finite"
-    assert "a number of the start, the body or the law is too large" in str(run.summary)
+    assert "a number of the scenario is too large" in str(run.summary)

@@ -1,5 +1,6 @@
 """The tables [air] and [plane]: what is read, refused, and withheld."""
 
+import dataclasses
 import pickle
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,45 @@ def test_tops_of_an_ensemble_have_surroundings_of_their_own(preset: str) -> None
     assert {*found["class"].values} == {found["class"].flag_meanings.split().index("under-way")}
 
 
+def test_numbers_of_another_plane_do_not_vary() -> None:
+    turns: dict[str, Any] = {"plane": {"omega": 1.0}, "until": 0.1}
+    for ask in (
+        lambda: tt.ensemble("inverting", {"plane.tilt": [0.0, 0.1]}, **turns),
+        lambda: tt.derivatives.sensitivities("inverting", ["plane.tilt"], **turns),
+    ):
+        with pytest.raises(InputError, match=r"Give the scenario a `plane\.tilt`"):
+            ask()
+
+
+@pytest.mark.parametrize("preset", ["inverting", "flying"])
+@pytest.mark.parametrize(
+    "around",
+    [
+        {"air": AIR, "plane": PLANE},
+        {"plane": {"amplitude": 1e-4, "frequency": 20.0, "phase": 0.2}},
+        {"plane": {"omega": 2.0, "x": 0.01, "y": 0.02}},
+    ],
+    ids=["tilted", "vibrating", "turning"],
+)
+def test_a_gliding_top_has_derivatives_by_its_surroundings(
+    preset: str, around: dict[str, Any]
+) -> None:
+    base = tt.run(preset, **around, until=0.2).problem
+    keys = [*base.surroundings]
+    found = tt.derivatives.sensitivities(base, keys).trajectory.isel(time=-1)
+    for key in keys:
+        value = base.surroundings[key]
+        step = 1e-4 * value
+        ends = {}
+        for side in (1, -1):
+            moved = {**base.surroundings, key: value + side * step}
+            rows = tt.run(dataclasses.replace(base, surroundings=moved)).trajectory
+            ends[side] = rows.isel(time=-1)
+        for name in ("theta", "x"):
+            slope = float(ends[1][name] - ends[-1][name]) / (2 * step)
+            assert np.isclose(found[name].sel(parameter=key), slope, rtol=1e-5, atol=1e-10)
+
+
 def test_a_rolling_top_has_derivatives_by_its_surroundings() -> None:
     names = ["plane.tilt", "air.c1", "initial.omega3"]
     slopes = tt.derivatives.sensitivities("rolling", names, **AROUND, until=0.5).trajectory
@@ -79,9 +119,29 @@ def test_a_rolling_top_has_derivatives_by_its_surroundings() -> None:
     assert np.isclose(found, (one - other) / (2 * step), rtol=1e-7)
 
 
+@pytest.mark.parametrize("omega", [3.0, -30.0])
+def test_a_slide_from_rest_on_a_turntable_keeps_the_balance_of_energy(omega: float) -> None:
+    plane = {"omega": omega, "x": 1.0}
+    start = {"theta": 0.1, "omega3": 155.0, "nu_x": 0.0}
+    run = tt.run("inverting", tt.friction.Coulomb(mu=0.2), plane=plane, start=start, until=0.02)
+    assert run.attributes["report"]["contact_phases"]["counts"] == {"slip": 1}
+    assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
+    # at first the centre moves as the forces at rest turn it: outwards, and by Coriolis' to a side
+    slow = tt.run("inverting", tt.friction.Coulomb(0.2, 1e-7), plane=plane, start=start, until=0.02)
+    for name in ("x", "y", "theta"):
+        one, other = (each.trajectory[name].values[-1] for each in (run, slow))
+        assert np.isclose(one, other, rtol=1e-5, atol=1e-9)
+
+
 REFUSED = {
     "fixed tip": ("heavy-top", {"air": AIR}, "`air` must be of a tippe-top"),
     "name": ("inverting", {"air": {"c3": 1.0}}, "The keys of `air` are c1, c2"),
+    "other groups": ("inverting", {"plane": {"omeg": 1}}, "did you mean `plane.omega`"),
+    "overflow": (
+        "inverting",
+        {"plane": {"amplitude": 1e-3, "frequency": 1e200}},
+        "`plane` and `initial` must stay finite together",
+    ),
     "interval": ("inverting", {"plane": {"tilt": 1.6}}, "must be less than 1.5"),
     "sign": ("inverting", {"air": {"c1": -1.0}}, "must be at least 0"),
     "form": ("rolling", {"air": AIR, "form": "reduced"}, "`form` must be 'auto' or 'vector'"),
@@ -126,5 +186,5 @@ def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
     text = text_of(problem, "mjcf")
     found = text.partition('gravity="')[2].partition('"')[0].split()
     assert np.allclose([float(part) for part in found], expected, rtol=1e-11)
-    with pytest.raises(InputError, match="without the torque of air"):
+    with pytest.raises(InputError, match=r"torque of air, but has `air\.c1`: remove"):
         text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 
 from ..errors import InputError, suggestion
 from ..mechanics.quantity import number_of
@@ -104,11 +105,11 @@ HEADER = re.compile(
     r"\s*([^\W\d][\w.-]*?(?: \w+)*)\s*"
     rf"(?:\[([^\]]*)\]|\(([^)]*)\)|/\s*([^,;\t]+)|_({SUFFIXES}))?\s*"
 )
+ANGLES = "rad mrad deg degree degrees ° rpm rev turn"
+"""Parts of units of which those of an angle must have one: a speed in min-1 is one in turns."""
 # Parts of units: others of pint's are traps, such as px (of printers) and Grad (giga-radian)
-PARTS = (
-    "s sec second seconds ms us µs min h m cm mm um µm km rad mrad deg degree degrees ° rpm rev "
-    "turn N mN kN g_0"
-)
+PARTS = f"s sec second seconds ms us µs min h m cm mm um µm km {ANGLES} N mN kN g_0"
+PART = re.compile(r"[A-Za-zµ°]+(?:_0)?")
 
 
 def parsed(text: str) -> tuple[str, str]:
@@ -156,16 +157,25 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
             )
         elif not given or given == unit.symbol:
             found[name] = place, 1.0
-        elif strange := {*re.findall(r"[A-Za-zµ°]+(?:_0)?", given)} - {*PARTS.split()}:
+        elif strange := (parts := {*PART.findall(given)}) - {*PARTS.split()}:
             faults.append(
                 f"the unit of `{name}` must be made of {PARTS.replace(' ', ', ')}, but has "
                 f"`{strange.pop()}`."
             )
         else:
-            try:
-                found[name] = place, number_of(f"1 {given}", name, unit)
-            except InputError as error:
-                faults += error.sentences
+            size = None
+            turning = unit in (RADIAN, RADIAN_PER_SECOND)
+            if not turning or not parts.isdisjoint(ANGLES.split()):
+                with suppress(InputError):
+                    size = number_of(f"1 {given}", name, unit)
+            if size is not None:
+                found[name] = place, size
+                continue
+            turns = " (turns per minute are `rpm`)" if unit == RADIAN_PER_SECOND else ""
+            faults.append(
+                f"the unit of `{name}` must be {unit.symbol} or of the same kind{turns}, but is "
+                f"`{given}`."
+            )
     if unknown and not own:
         faults.append(
             f"the columns {', '.join(f'`{name}`' for name in unknown[:5])} are not known: rename "

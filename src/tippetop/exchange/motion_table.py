@@ -168,7 +168,7 @@ def _text(path: Path) -> str:
 def _table(lines: list[str]) -> list[Any]:
     """Return the cells of lines as `_cells` does, by the separator that finds a time in a header.
 
-    By default the header is the first line, separated by commas.
+    By default the header is the first line, by the separator that gives it most cells.
     """
     kept = [n for n, line in enumerate(lines) if line.strip() and not _is_comment(line)]
     first: list[Any] = []
@@ -184,7 +184,8 @@ def _table(lines: list[str]) -> list[Any]:
         for n, (_, row) in enumerate(rows[:TITLES]):
             if _time(row) is not None:
                 return [rows[n - 1][1] if n else [], *rows[n:]]
-        first = first or (rows and [[], *rows])
+        if rows and (not first or len(rows[0][1]) > len(first[1][1])):
+            first = [[], *rows]
     return first
 
 
@@ -235,6 +236,11 @@ def _number(cell: Any, place: str, name: str, gaps: Collection[str], comma: bool
 def _check(columns: Arrays, wrapped: bool, noise: float | None) -> None:
     """Raise InputError for columns that are not those of a motion."""
     t = columns["t"]
+    if np.isnan(t).any():
+        raise InputError(
+            f"every row must have a time, but row {np.isnan(t).argmax() + 1} has a gap there: "
+            "remove the row, or write its time."
+        )
     if not (rises := np.diff(t) > 0).all():
         row = rises.argmin() + 1
         raise InputError(

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..mechanics.contact.surroundings import STEEPEST
 from ..mechanics.number import Number
 
 
@@ -17,9 +18,13 @@ MARGIN = 1e-6
 FAR = 0.4
 # Of the differences that are derivatives: values are known to 1e-16, and smooth over 1
 STEP = 1e-5
-# Pairs of initial numbers that are polar components of a horizontal vector; the axis is first
-POLAR = (
-    ("initial.theta", "initial.phi"),
+# Pairs of numbers that are a size and an azimuth, with the largest size; the axis is last
+HEADS = (
+    ("plane.tilt", "plane.azimuth", STEEPEST),
+    ("initial.theta", "initial.phi", math.pi),
+)
+# Pairs of initial numbers that are components along that azimuth of the axis and across it
+TURNED = (
     ("initial.theta_dot", "initial.phi_dot"),
     ("initial.nu_x", "initial.nu_y"),
 )
@@ -68,8 +73,9 @@ def scale_of(rule: Number, value: float, unit: float = 1.0) -> Scale:
 class Space:
     """Coordinates of all free numbers: 0 at the start, 1 at a plausible distance from it.
 
-    Where theta and phi are free, they and the other `POLAR` pairs are searched as Cartesian
-    components of a vector: near a pole a straight line in these is a detour in the angles.
+    Where theta and phi are free, they and the `TURNED` pairs are searched as Cartesian components
+    of a vector: near a pole a straight line in these is a detour in the angles. So are a tilt and
+    its azimuth, which have no other period then, and may start at 0.
 
     Parameters
     ----------
@@ -83,7 +89,8 @@ class Space:
     Attributes
     ----------
     pairs : list
-        Places of the two numbers of a vector, and whether the second one multiplies theta.
+        Places of the two numbers of a vector, whether the second one multiplies theta, and the
+        azimuth at the start of a pair that has one; the pairs along that of the axis are last.
     far : ndarray
         Plausible distances by the start alone, (free,), of logarithms, of numbers in units of
         their `size`, and of components; 0 for a number that starts at 0.
@@ -96,30 +103,42 @@ class Space:
     def __init__(self, start: dict[str, float], scales: Sequence[Scale], within: float = FAR):
         self.names = tuple(start)
         self.scales = tuple(scales)
-        values = np.array(list(start.values()))
-        self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
+        pairs = zip(scales, start.values(), strict=True)
+        self.origin = np.array([s.inside(v) for s, v in pairs])
         logarithmic, _, self.low, self.high = np.array(scales, float).T
         self.within = within
         self.far = np.where(logarithmic, within, within * np.abs(self.origin))
         self.loose = self.far == 0
-        self.azimuth = start.get("initial.phi", 0.0)
-        self.pairs: list[tuple[int, int, bool]] = []
-        r = start.get("initial.theta", 0.0)
-        polar = r > 0 and "initial.phi" in start
-        for first, second in POLAR if polar else ():
-            if not {first, second} <= set(start):
-                continue
-            i = self.names.index(first)
-            k = self.names.index(second)
-            swept = first == "initial.theta_dot"
-            vector = (values[i], values[k] * (r if swept else 1)) if self.pairs else (r, 0.0)
-            reach = np.inf if self.pairs else np.pi / np.sqrt(2)
-            self.origin[[i, k]] = vector
-            self.far[[i, k]] = within * np.hypot(*vector)
-            self.low[[i, k]], self.high[[i, k]] = -reach, reach
-            self.loose[[i, k]] = True
-            self.pairs.append((i, k, swept))
+        self.pairs: list[tuple[int, int, bool, float | None]] = []
+        for first, second, most in HEADS:
+            r = start.get(first, 0.0)
+            polar = {first, second} <= {*start} and (r > 0 or first == "plane.tilt")
+            if polar:
+                self._pair(first, second, (r, 0.0), most / math.sqrt(2), start[second])
+        for first, second in TURNED if polar else ():
+            if {first, second} <= {*start}:
+                swept = first == "initial.theta_dot"
+                vector = start[first], start[second] * (r if swept else 1)
+                self._pair(first, second, vector, np.inf, None, swept)
         self.width = np.where(self.far > 0, self.far, 1.0)
+
+    def _pair(
+        self,
+        first: str,
+        second: str,
+        vector: tuple[float, float],
+        reach: float,
+        azimuth: float | None,
+        swept: bool = False,
+    ) -> None:
+        """Search two numbers as the components of a vector, each within `reach`."""
+        i = self.names.index(first)
+        k = self.names.index(second)
+        self.origin[[i, k]] = vector
+        self.far[[i, k]] = self.within * np.hypot(*vector)
+        self.low[[i, k]], self.high[[i, k]] = -reach, reach
+        self.loose[[i, k]] = True
+        self.pairs.append((i, k, swept, azimuth))
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -135,12 +154,12 @@ class Space:
         """Return the numbers of a point, by name."""
         u = self.origin + self.width * point
         values = [s.outside(x) for s, x in zip(self.scales, u, strict=True)]
-        for n, (i, k, swept) in enumerate(self.pairs):
+        for i, k, swept, azimuth in self.pairs:
             vector = complex(u[i], u[k])
-            if n == 0:
+            if azimuth is not None:
                 r = abs(vector)
-                turn = vector / r
-                values[i], values[k] = r, self.azimuth + float(np.angle(turn))
+                turn = vector / r if r else 1.0
+                values[i], values[k] = r, azimuth + float(np.angle(turn))
             else:
                 vector /= turn
                 values[i], values[k] = vector.real, vector.imag / (r if swept else 1)

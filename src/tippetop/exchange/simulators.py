@@ -8,7 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.surroundings import groups_of
+from ..mechanics.contact.surroundings import GROUPS, groups_of
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
@@ -118,9 +118,10 @@ def text_of(problem: Problem, to: str) -> str:
             "SDF have spheres and ellipsoids, URDF has spheres."
         )
     if moves := {*groups_of(problem.surroundings)} - {"tilt"}:
+        given = " and ".join(f"`{next(iter(GROUPS[name]))}`" for name in sorted(moves))
         raise InputError(
             "a body for a simulator must be on a plane at rest without the torque of air, but has "
-            f"{' and '.join(sorted(moves))}."
+            f"{given}: remove its table."
         )
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")

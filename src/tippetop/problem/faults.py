@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, owner, suggestion
-from ..mechanics.contact.surroundings import TABLES
+from ..mechanics.contact.surroundings import RULES, TABLES
 from ..mechanics.friction import PARTS
 from ..mechanics.moment import moment
 from ..mechanics.system import System
@@ -63,8 +63,8 @@ def key_faults(
             hint = suggestion(name, [k.rpartition(".")[2] for k in known])
             if table == "friction" and name in PARTS:
                 hint = f" Give the scenario a `{key}`, 0 at least."
-            if table in TABLES:
-                hint = f" Give the scenario a table [{table}]."
+            if name in RULES.get(table, {}):
+                hint = f" Give the scenario a `{key}`."
             faults.append(f"`{key}` must be one of {', '.join(known)}, but is not.{hint}")
     varied = [key.partition(".")[2] for key in keys if key.startswith("initial.")]
     start = base.system.replaced(base.initial, dict.fromkeys(varied))
@@ -126,9 +126,8 @@ def start_faults(problems: "Problems") -> list[Fault]:
         if (bad := finite & ~np.isfinite(table[number])).any():
             found = f"is {table[number][bad][0]}"
             faults.append((f"the formula of {name} must be finite at the start, but {found}.", bad))
-    together = (
-        "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
-    )
+    numbers = [f"`{name}`" for name in ("parameters", "friction", *TABLES) if name in base.tables]
+    together = f"{', '.join(numbers)} and `initial` must stay finite together, but they overflow."
     ours = [i for i in range(len(domains), len(table)) if i not in owners]
     known = table[: len(domains)]
     overflows = ~finite | ~(abs(table[ours]) < LARGEST).all(axis=0)

@@ -129,7 +129,8 @@ class Problem(RunOptions):
     def rules(self) -> dict[str, Number]:
         """The records of the numbers, by dotted key: the keys that may vary."""
         law = self.law.parameters if self.system.frictional else {}
-        tables = numbers_of(self.system, law) | {"run": {"until": UNTIL}}
+        tables = numbers_of(self.system, law) | by_table(self.system.surroundings)
+        tables["run"] = {"until": UNTIL}
         return {
             f"{t}.{name}": rule
             for t, rules in tables.items()
@@ -180,7 +181,8 @@ class Problem(RunOptions):
     def body(self, number: Any = float) -> Any:
         """Return the record that formulas take, in SI units."""
         given = {**self.parameters, **self.surroundings}
-        return self.system.body_of(given, self.friction, number)
+        with np.errstate(all="ignore"):  # numbers that overflow are refused at the start
+            return self.system.body_of(given, self.friction, number)
 
     @property
     def balls(self) -> dict[str, tuple[Any, Any]]:

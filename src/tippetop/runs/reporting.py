@@ -198,6 +198,6 @@ def _lost(progress: RunProgress) -> str:
         if any(owner(event.formula) for event in system.events):
             cause += ", or the formula of an event of yours is singular"
         if t == 0 and is_infinite:
-            cause += ", or a number of the start, the body or the law is too large"
+            cause += ", or a number of the scenario is too large"
     what = "the state is not finite after" if is_infinite else "the step size vanishes at"
     return f"{what} t = {t:.9g} s: {cause}. The last good state is kept."

@@ -85,6 +85,7 @@ def contact_start(problem: Problem) -> str:
     if given or not stands or is_frictionless(problem.friction) or starts_at_pole(problem):
         return ""
     return (
-        "at rest, so that the body rolls at first: `initial.centre_at_rest = true` starts with "
-        "sliding, `initial.nu_x = 0` confirms this start"
+        "at rest, so that the body rolls at first, if friction can hold it: "
+        "`initial.centre_at_rest = true` starts with sliding, `initial.nu_x = 0` confirms this "
+        "start"
     )

@@ -7,9 +7,10 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..arguments import not_among
 from ..errors import sentence, unknown_key
+from ..mechanics.contact.surroundings import RULES
 from ..mechanics.friction import LAWS, PARTS
 from ..mechanics.system import System
-from ..mechanics.systems import laws_of
+from ..mechanics.systems import laws_of, surroundable_systems
 from .reading import law_name
 from .schema import scenario_model, tables_of
 
@@ -36,10 +37,15 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
     ]
     belongs = f"it belongs to law = {' or '.join(map(repr, others))}" if others else ""
     models = tables_of(system, law)
-    model: Any = models[place[0]] if place[1:] else scenario_model(system, law)
-    keys = [f"{name}.{key}" for name, its in models.items() for key in its.model_fields]
+    around = RULES if system.name in surroundable_systems() else {}  # of every group
+    known = {name: [*rules] for name, rules in around.items()}
+    known |= {name: [*its.model_fields] for name, its in models.items() if name not in known}
+    keys = [f"{name}.{key}" for name, its in known.items() for key in its]
     keys += [f"friction.{part}" for part in PARTS if system.opening and system.opening.rounded]
-    return unknown_key(key, list(model.model_fields), ["system", "form", *keys], belongs)
+    tables_too = dict.fromkeys([*scenario_model(system, law).model_fields, *known])
+    return unknown_key(
+        key, known[place[0]] if place[1:] else [*tables_too], ["system", "form", *keys], belongs
+    )
 
 
 def error_sentence(error: Any, key: str, known: list[str]) -> str:

@@ -57,8 +57,8 @@ class AxisTable(Table, use_attribute_docstrings=True):
     """An axis as TOML gives it."""
 
     of: str
-    """a dotted key of parameters, friction or initial, or run.until, or a derived number: sigma, \
-gamma, lambda"""
+    """a dotted key of parameters, friction, initial, air or plane, or run.until, or a derived \
+number: sigma, gamma, lambda"""
     values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
     """the numbers of an axis of a grid; grids form a product"""
     linspace: Pair | None = None
@@ -129,14 +129,15 @@ class Plan:
         base = made(_base(shape, folder))
         sentences = []
         keys = [axis.of for axis in shape.axis]
+        plain = [key for key in keys if key not in derived_axes.DERIVED]
+        if unknown := key_faults(base, plain, derived_axes.DERIVED):
+            raise InputError(unknown)  # a text of an unknown number has no unit
         for i, axis in enumerate(shape.axis, 1):
             rule = base.rules.get(axis.of)
             _read_texts(axis, f"axis.{i}", rule.unit if rule else ONE)
             sentences += _axis_faults(axis, f"axis.{i}", rule is not None and rule.nonzero)
-        plain = [key for key in keys if key not in derived_axes.DERIVED]
         sentences += _design_faults(shape, keys)
         sentences += derived_axes.faults(base, keys) + ensemble.base_faults(base)
-        sentences += key_faults(base, plain, derived_axes.DERIVED)
         if sentences:
             raise InputError(sentences)
         plain_data = shape.model_dump(exclude_none=True, exclude={"set"})

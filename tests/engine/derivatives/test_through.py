@@ -110,6 +110,70 @@ def test_columns_along_a_run_are_those_of_differences() -> None:
         np.testing.assert_allclose(own, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
 
 
+SURROUNDINGS: dict[str, dict[str, dict[str, float]]] = {
+    "vibrates": {
+        "air": {"c1": 1e-7, "c2": 1e-9},
+        "plane": {"tilt": 0.05, "azimuth": 0.4, "amplitude": 1e-4, "frequency": 30.0},
+    },
+    "turns": {"plane": {"omega": 3.0, "x": 0.1, "y": 0.02}},
+}
+
+
+@pytest.mark.parametrize("around", SURROUNDINGS.values(), ids=SURROUNDINGS)
+def test_derivatives_by_surroundings_are_those_of_differences(around: dict) -> None:
+    options: dict[str, Any] = {"until": 0.3, "output_times": [0.1, 0.2, 0.3]}
+    wrt = [f"{table}.{name}" for table, numbers in around.items() for name in numbers]
+    found = tt.derivatives.sensitivities("cohen-coulomb", wrt, **around, **options)
+    assert found.phases.sizes["interval"] == 2
+    for key in wrt:
+        table, name = key.split(".")
+        h = 1e-4 * around[table][name]
+
+        def run(move: float, table: str = table, name: str = name) -> Any:
+            numbers = around[table] | {name: around[table][name] + move}
+            return tt.run("cohen-coulomb", **around | {table: numbers}, **options)
+
+        ahead, behind = run(h), run(-h)
+        mine = found.trajectory.sel(parameter=key)
+        for column in ("theta", "omega3", "x", "energy"):
+            slope = (ahead.trajectory[column] - behind.trajectory[column]).values / (2 * h)
+            bound = 1e-4 * np.abs(slope).max()
+            np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
+
+
+def test_times_of_the_last_hops_scale_with_the_unit_of_time() -> None:
+    """Euler's theorem: the sum of exponent times number times derivative of a time is the time."""
+    start = {"theta": 0.1, "phi_dot": 0.0, "omega3": 120.0, "gap": 1e-3, "nu_z": -0.1}
+    options: dict[str, Any] = {"start": start, "contact": {"e_n": 0.3}, "until": 0.025}
+    exponents = {
+        "friction.mu": 1,
+        "parameters.g": -2,
+        "initial.omega3": -1,
+        "initial.nu_z": -1,
+    }
+    made = tt.derivatives.sensitivities("spinning-egg", [*exponents], **options)
+    impacts = made.run.impacts.time.values
+    assert len(impacts) > 12
+    assert np.diff(impacts)[-1] < 1e-9
+    numbers = problem_of("spinning-egg", **options).tables
+    scaled = 0.0 * impacts
+    for key, power in exponents.items():
+        table, name = key.split(".")
+        scaled += power * numbers[table][name] * made.impacts.time.sel(parameter=key).values
+    np.testing.assert_allclose(scaled, impacts, rtol=1e-12)
+
+
+def test_a_run_that_begins_with_a_slow_slide_has_derivatives_at_its_start() -> None:
+    wrt = ["initial.theta", "friction.mu"]
+    made = tt.derivatives.sensitivities("jumping-egg", wrt, until=0.02, output_step=0.002)
+    theta = made.trajectory.theta.values
+    np.testing.assert_array_equal(theta[0], [1.0, 0.0])
+    np.testing.assert_array_equal(made.phases.time.values[0], 0.0)
+    growth = tt.derivatives.lyapunov("jumping-egg", until=0.02, rows=3)
+    assert np.isfinite(growth.factor).all()
+    assert growth.factor[0] == pytest.approx(1.0)
+
+
 def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
     times = [0.2, 0.4, 0.6]
     options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}

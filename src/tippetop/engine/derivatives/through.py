@@ -27,7 +27,7 @@ from ..expressions import Formulas
 from ..hybrid import QUIET, HybridDriver, Leg, Track, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
-from ..variational import compiled_flow, expressions_of
+from ..variational import compiled_flow, expressions_of, in_motion
 from .tape import Tape
 
 
@@ -36,6 +36,11 @@ BRANCHES = 32
 AHEAD = 1e-6
 PER_LEG, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
+BRIEF_PHASE = 1e-4
+"""Duration of a phase, such as one of the last hops of a ball, whose event function is zero where
+it begins. The derivatives of this function are integrated: those of the state have lost digits.
+"""
+BOOLE = np.array([7, 32, 12, 32, 7]) / 90
 BRIEF = 1e-9
 """Time of a jump in which the state stays; there are no derivatives in a longer one."""
 NOISE = 1e-12
@@ -74,7 +79,9 @@ def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Nu
         t: {n.partition(".")[2]: v for n, v in given.items() if n.startswith(f"{t}.")}
         for t in ("parameters", "friction", "initial", "contact", "stem")
     }
-    b = system.body_of(tables["parameters"], problem.friction._replace(**tables["friction"]))
+    around = {name: given[name] for name in system.surroundings}
+    friction = problem.friction._replace(**tables["friction"])
+    b = system.body_of(tables["parameters"] | around, friction)
     mass, length = system.scales(b)
     scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
 
@@ -175,21 +182,36 @@ class Motion(NamedTuple):
         return self._evaluated(None, rates, values, self.moves[:, : moves.shape[1]], moves)
 
     def slopes(
-        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray
+        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray, order: int = 0
     ) -> np.ndarray:
-        """Return the derivatives of an event function, and last that by time."""
+        """Return the derivatives of an event function, and last that by time; of order 1, those of
+        its rate.
+        """
         events = self.formulas.events
 
         def function(_: Any, pars: tuple, state: tuple) -> tuple:
             b = self.formulas.body(iter(pars))
-            q, carried = self.variables.split(state)
+            now = in_motion(self.variables, state, b, order) if order else state
+            q, carried = self.variables.split(now)
             if event in events:
-                return [self.formulas.functions(q, carried, b)[events.index(event)]], None
-            return [event.formula(self.formulas.form.scalars(q, b), b)], None
+                h = self.formulas.functions(q, carried, b)[events.index(event)]
+            else:
+                h = event.formula(self.formulas.form.scalars(q, b), b)
+            return [parts_of(h, 1)[1] if order else h], None
 
         ways = np.concatenate([moves, rates[:, None]], axis=1)
         of_pars = np.concatenate([self.moves, 0 * self.pars[:, None]], axis=1)
-        return self._evaluated(event, function, values, of_pars, ways)[1][0]
+        return self._evaluated((event, order), function, values, of_pars, ways)[1][0]
+
+    def gains(self, event: Any, states: Any, time: float) -> np.ndarray:
+        """Return by how much the derivatives of an event function change along five states, which
+        are evenly spaced in a time.
+        """
+        paces = [
+            self.slopes(event, values, moves, self.rates(values, moves[:, :0])[0], 1)[:-1]
+            for values, moves in states
+        ]
+        return time * (BOOLE @ np.array(paces))
 
     def _evaluated(self, what: Any, function: Callable, values: np.ndarray, *moves: Any) -> tuple:
         """Return numbers that are function(_, numbers of the body, state), and derivatives."""
@@ -199,12 +221,15 @@ class Motion(NamedTuple):
         return evaluated(key, function, records, *given)[:2]
 
     def happens(
-        self, event: Any, values: np.ndarray, moves: np.ndarray
+        self, event: Any, values: np.ndarray, moves: np.ndarray, known: Any = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the derivative of the time at which an event happens, and the state there."""
+        """Return the derivative of the time at which an event happens, and the state there.
+
+        `known`: the derivatives of its function, where they are known better than from the state.
+        """
         rates, _ = self.rates(values, moves[:, :0])
         *by, pace = self.slopes(event, values, moves, rates)
-        shift = -np.array(by) / pace
+        shift = -np.array(by if known is None else known) / pace
         return shift, moves + np.outer(rates, shift)
 
     def lost(self, event: Any, values: np.ndarray, moves: np.ndarray) -> np.ndarray:
@@ -375,7 +400,8 @@ class Pass:
         phase = completed(self.problem.system.phase, self.problem.variables)
         now = Dual(0.0, np.zeros(self.directions))
         state = parted(self.numbers.state, self.directions)
-        name, delay, lasts, state = self._jumped(phase, begin, state, now)
+        (name, _), delay, lasts, state = self._jumped(phase, begin, state, now)
+        zeros: Any = ()  # of events that a number of the start may move
         for leg in self.runs:
             if name != leg.track.name:
                 self.notes.append(Note(now.value, "what follows", 0 * now.first))
@@ -385,12 +411,13 @@ class Pass:
             if leg.began - now.value < BRIEF:
                 rows = (np.repeat(one[..., None], len(which), axis=-1) for one in state)
                 self.samples.append(Samples(leg.track, began.first, which, *rows))
-            state, now = self._ended(leg, state, began, lasts)
+            state, now = self._ended(leg, state, began, lasts, zeros)
             if leg.jump is None or not leg.ended <= self.times[-1]:
                 return
             self.legs.append(leg)
             self.shifts.append(now.first)
-            name, delay, lasts, state = self._jumped(leg.track.phase, leg.jump.exit, state, now)
+            made = self._jumped(leg.track.phase, leg.jump.exit, state, now)
+            (name, zeros), delay, lasts, state = made
             if not name:
                 return
 
@@ -417,11 +444,11 @@ class Pass:
                 x = x._replace(carried=carried)
             n = exit.jump(x, now)
             if n.ends:
-                return [n.delay, 0.0], ""
+                return [n.delay, 0.0], ("", ())
             to = driver.track_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             q = to.phase.enter(n.x, to.phase.parameters(body))
-            return [n.delay, n.lasts, *to.variables.join(q, carried)], n.phase
+            return [n.delay, n.lasts, *to.variables.join(q, carried)], (n.phase, (*n.zeros,))
 
         left = float(driver.end) - now
         of_left = np.array([left.value]), left.first[None]
@@ -433,7 +460,7 @@ class Pass:
             made = evaluated(key, jumped, records, inputs[0], inputs[1], self._motion)
         except ArithmeticError as error:
             self.notes.append(Note(now.value, f"what follows `{exit.event}`", 0 * now.first))
-            return str(error), now, now, state
+            return (str(error), ()), now, now, state
         except (TypeError, AttributeError, ValueError) as error:
             raise InputError(
                 f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
@@ -458,8 +485,13 @@ class Pass:
         first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
         return np.arange(first, np.searchsorted(self.times, ended, side="right"))
 
-    def _ended(self, leg: Leg, state: tuple, began: Dual, lasts: Any) -> tuple[Any, Dual]:
-        """Return the state where a phase ends, and the time, of the state where it begins."""
+    def _ended(
+        self, leg: Leg, state: tuple, began: Dual, lasts: Any, zeros: Any
+    ) -> tuple[Any, Dual]:
+        """Return the state where a phase ends, and the time, of the state where it begins.
+
+        `zeros`: the events whose functions are zero there.
+        """
         track = leg.track
         motion = self._motion_of(track)
         values, moves = state
@@ -504,7 +536,12 @@ class Pass:
                 if not exit.smooth:
                     least = motion.lost(ending, last, moves)
                     self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
-                by, moves = motion.happens(ending, last, moves)
+                known = None
+                if exit.event in zeros and end - leg.began < BRIEF_PHASE:
+                    *_, within = self.between
+                    three = zip(*(np.moveaxis(one, -1, 0) for one in within[-2:]), strict=True)
+                    known = motion.gains(ending, (state, *three, (last, moves)), end - leg.began)
+                by, moves = motion.happens(ending, last, moves, known)
         of = np.full(1, len(self.legs))
         self.between.append(Samples(track, 0 * by, of, last[:, None], moves[..., None]))
         return (last, moves), Dual(leg.ended, began.first + more + by)
@@ -564,6 +601,10 @@ class Pass:
         variables = self.problem.variables
         shape = self.directions, len(self.times)
         rows = np.full((len(variables.names), 2, *shape), np.nan)
+        if self.times[0] == 0:  # a phase may begin later
+            values, moves = parted(self.numbers.state, self.directions)
+            rows[:, 0, :, 0] = values[:, None]
+            rows[:, 1, :, 0] = moves
         for track, b, (q, carried), which in self._together(self.samples):
             read, _ = self.problem.system.read(track.phase, q, carried, b)
             every = variables.join(read[: variables.moving], carried)
@@ -603,6 +644,9 @@ class Pass:
             leg = np.searchsorted(ends, time)
             if leg < len(ends) and ends[leg] == time:
                 shifts[k] = self.shifts[leg]
+                continue
+            if time not in at:  # in a jump that takes time; the start of a run does not move
+                shifts[k] = np.nan if time > 0 else 0.0
                 continue
             one, column = at[time]
             motion = self._motion_of(one.track)

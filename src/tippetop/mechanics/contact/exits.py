@@ -377,6 +377,10 @@ def rounded(record: Any) -> Any:
     return refill(record, map(eighty_bits, leaves(record)))
 
 
+SLOWEST = eighty_bits(1e-300)
+"""Speed of a slide from rest on a table, which turns its direction as the forces at rest do."""
+
+
 def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -> Next | None:
     """Return the slow slide of a body with the speed w, or from rest, in the direction beta.
 
@@ -401,9 +405,12 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read((*state, beta))
-        by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
+        speed = 1 + 0 * beta  # of which the forces are independent, but on a table
+        if b.around and b.around.table:
+            speed = np.maximum(q.w, SLOWEST) + 0 * beta
+        by = phase.form.rates(q._replace(w=speed), b)
         every = (*by[:first], *wide.rates(phase, q, carried), by.w)
-        return np.array(np.broadcast_arrays(*every)), by.beta
+        return np.array(np.broadcast_arrays(*every)), by.beta * speed
 
     omega = contact.angular_velocity(x, b)
     weight = b.m * mean_gravity(b)
