@@ -1,19 +1,15 @@
 """What instruments measure of a body in smooth motion, by derivatives of its place and axes."""
 
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
 
 from ..columns import Arrays
 from ..mechanics.contact.body import Touch, by_scalars, height
-from ..mechanics.dual import Dual
 from ..mechanics.operand import Vector, cross, dot, minus, plus, times
 from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
-from ..mechanics.variables import Variables
 from ..problem import Problems
 from .expressions import AXES, orientation_of
 from .observables import Source
+from .variational import in_motion
 
 
 IN_BODY = {
@@ -33,29 +29,6 @@ INSTRUMENTS |= {
 """The sources of these values, like those of columns."""
 
 
-class Moving(Dual):
-    """A number and its derivatives by time."""
-
-    __slots__ = ()
-
-    @property
-    def rate(self) -> Any:
-        """Return the time derivative."""
-        return Moving(*self.parts[1:])
-
-
-def in_motion(variables: Variables, state: Sequence[Any], body: Any) -> list[Moving]:
-    """Return variables with their first two derivatives by time."""
-    moving = [Moving(one) for one in state]
-    for _ in range(2):
-        rates = variables.rates(*variables.split(moving), body)
-        moving = [
-            Moving(one, *(rate.parts if isinstance(rate, Moving) else (rate,)))
-            for one, rate in zip(state, rates, strict=True)
-        ]
-    return moving
-
-
 def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
     """Return the values of INSTRUMENTS in states (variables, k) of the runs `which` (k,) by name,
     in internal units; (k,) each.
@@ -65,7 +38,7 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     variables = tops.variables
     form = variables.form
     body = tops.body_of_pars(tops.pars[:, which])
-    q, carried = variables.split(in_motion(variables, states, body))
+    q, carried = variables.split(in_motion(variables, states, body, 2))
     scalars = form.scalars(q, body)
     found = orientation_of(tops.base.system, form, q, carried, body)
     first, third = (Vector(*(found[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))

@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...mechanics.contact.rows import LOWEST, NUMBERS
-from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..observables import ALONE, values_of
-from ..tangent import Tangents
-from .through import Pass
+from .through import followed
 
 
 ROUNDING = 1e-16  # the error of the start
@@ -96,14 +94,10 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     if system.is_hybrid and not start.get("gap", 0.0) > 0:
         left_out |= LOWEST.keys()  # errors of a body on the plane leave it there
     wrt = [f"initial.{name}" for name in start if name not in left_out]
-    if system.is_hybrid:
-        states = Pass(given, wrt, times / given.unit(SECOND)).rows().transpose(1, 0, 3, 2)
-    else:
-        tangents = Tangents(given, wrt)
-        states = tangents.states(1, tangents.parameters(tangents.directions), times[:, None])
+    rows = followed(given, wrt, times).rows()
     without = {"L3", *NUMBERS}  # L3 is L.3hat
     counted = [i for i, name in enumerate(form.units._fields) if name not in without]
-    moves = states[1, counted].swapaxes(0, 1)  # (rows, variables, directions)
+    moves = rows[counted, 1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1

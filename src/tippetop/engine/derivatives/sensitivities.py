@@ -10,9 +10,8 @@ from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..observables import sources
 from ..orientation import quaternion
-from ..tangent import Tangents
 from ..variational import TURN
-from .through import Pass
+from .through import followed
 
 
 PARAMETER = "parameter"
@@ -83,20 +82,13 @@ def differentiate(
     """
     n = len(wrt)
     i = j = np.arange(n)
-    every = np.unique(np.concatenate([[0.0], times, events.time]))
-    passed: Any = None
-    if problem.system.is_hybrid:
-        passed = Pass(problem, wrt, every / problem.unit(SECOND))
-        sizes = passed.numbers.sizes
-        values = passed.read()
-    else:
-        tangents = Tangents(problem, wrt)
-        sizes = np.array([tangents.scale(name) for name in wrt])
-        if order == 2:
-            i, j = np.tril_indices(n)  # second derivatives along means of two directions too
-        ways = (tangents.directions[:, i] + tangents.directions[:, j]) / 2
-        values = tangents.read(order, tangents.parameters(ways), every[:, None])
+    if order == 2:
+        i, j = np.tril_indices(n)  # second derivatives along means of two directions too
     own = i == j
+    every = np.unique(np.concatenate([[0.0], times, events.time]))
+    passed = followed(problem, wrt, every, (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2, order)
+    sizes = passed.numbers.sizes
+    values = passed.read()
 
     rows = np.searchsorted(every, times)
     time = column(times, SECOND, "time")
@@ -108,12 +100,10 @@ def differentiate(
             whole = _quaternions(values)
         else:
             whole = np.array([values[part] for part in source.parts])
-        whole = whole[:, :, rows]
-        if passed:
-            whole = np.array([passed.in_units(part, source.unit) for part in whole])
+        whole = np.array([passed.in_units(part, source.unit) for part in whole[:, :, rows]])
         whole = whole * problem.unit(source.unit)
-        first = whole[:, 1][..., own] / sizes
         symbol = source.unit.symbol
+        first = whole[:, 1][..., own] / sizes
         found.trajectory[name] = _column(first, symbol, name, ("time", PARAMETER), source.dims)
         if order == 2:
             mixed = _mixed(whole[:, 2], i, j) / np.outer(sizes, sizes)
@@ -123,15 +113,7 @@ def differentiate(
     at = np.searchsorted(every, events.time)
     names = [events.kinds[kind] for kind in events.kind]
     second = problem.unit(SECOND)
-    if passed:
-        shift = passed.times_of(names, events.time / second) * second
-    else:
-        shift = np.full((len(names), len(sizes)), np.nan)
-        for k, name in enumerate(names):
-            if f"event {name}" in values:
-                function = values[f"event {name}"][:, at[k]]
-                with np.errstate(divide="ignore", invalid="ignore"):  # it stays zero
-                    shift[k] = (-function[1] / function[-1])[own]
+    shift = passed.times_of(names, events.time / second)[:, own] * second
     pace = values["theta_dot"][0][:, own] / second
     by_time = shift / sizes
     by_theta = (values["theta"][1][at][:, own] + pace[at] * shift) / sizes
@@ -140,7 +122,7 @@ def differentiate(
         time=_column(by_time[None], "s", f"the time {OF_EVENT}", ("event", PARAMETER)),
         theta=_column(by_theta[None], "rad", f"theta {OF_EVENT}", ("event", PARAMETER)),
     )
-    if passed:
+    if problem.system.is_hybrid:
         for name, some in moments.items():
             shift = passed.times_of([""] * len(some), some / second) * second / sizes
             moved = _column(shift[None], "s", "the time, as the numbers change", (name, PARAMETER))

@@ -6,16 +6,20 @@ by numbers with derivatives, which the formulas take as they are. So where a pha
 the numbers, and no jump has derivatives of its own.
 """
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import lru_cache, partial
 from operator import attrgetter
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
+from ...mechanics.contact.surroundings import by_table, dotted_numbers
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
 from ...mechanics.form import CLOCK, Exit, Phase
 from ...mechanics.operand import cos, kinds, leaves, refill, sin
@@ -23,7 +27,7 @@ from ...mechanics.units import SECOND, Scales, Unit
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
 from ..driver import STEPS_PER_SLICE
-from ..expressions import Formulas
+from ..expressions import Formulas, formulas_of
 from ..hybrid import QUIET, HybridDriver, Leg, Track, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
@@ -32,6 +36,9 @@ from .tape import Tape
 
 
 MOST_LANES = 8
+_one_at_a_time = threading.Lock()  # integrators are shared, and have a state
+EXACT = 1e-14  # tolerance of a step, of a phase that takes few
+COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 BRANCHES = 32
 AHEAD = 1e-6
 PER_LEG, PER_TIME = 3, 6
@@ -66,22 +73,22 @@ class Numbers(NamedTuple):
     sizes: np.ndarray  # [SI] what a relative change of 1 is
 
 
-def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Numbers:
-    """Return the numbers of a run with derivatives; values are those of its driver."""
+def numbers_of(
+    problem: Problem, wrt: Sequence[str], of_world: Any, ways: np.ndarray, order: int = 1
+) -> Numbers:
+    """Return the numbers of a run, whose world has the body `of_world`, with derivatives along
+    directions, (numbers, directions).
+    """
     system = problem.system
     given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
     for table, numbers in problem.tables.items():
         given |= {f"{table}.{name}": value for name, value in numbers.items()}
     sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
-    for name, size, one in zip(wrt, sizes, np.eye(len(wrt)), strict=True):
-        given[name] = Dual(float(given[name]), size * one)
-    tables: dict[str, dict[str, Any]] = {
-        t: {n.partition(".")[2]: v for n, v in given.items() if n.startswith(f"{t}.")}
-        for t in ("parameters", "friction", "initial", "contact", "stem")
-    }
-    around = {name: given[name] for name in system.surroundings}
+    for name, size, way in zip(wrt, sizes, ways, strict=True):
+        given[name] = Dual(float(given[name]), size * way, *[0 * way] * (order - 1))
+    tables = {t: {} for t in ("initial", "friction", "contact", "stem")} | by_table(given)
     friction = problem.friction._replace(**tables["friction"])
-    b = system.body_of(tables["parameters"] | around, friction)
+    b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
     mass, length = system.scales(b)
     scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
 
@@ -106,10 +113,10 @@ def numbers_of(problem: Problem, wrt: Sequence[str], driver: HybridDriver) -> Nu
     values = [*map(internal, (*q, *carried), variables.units.values())]
     state = variables.join(values[: variables.moving], values[variables.moving :])
     return Numbers(
-        len(wrt),
+        ways.shape[1],
         scales,
         valued(first, leaves(problem.internal_body)),
-        valued(body, leaves(driver.world.body)),
+        valued(body, leaves(of_world)),
         rules,
         valued(tuple(state), problem.start()),
         sizes,
@@ -120,7 +127,7 @@ def valued(record: Any, values: Any) -> Any:
     """Return a record with other values, and its derivatives."""
     pairs = zip(leaves(record), values, strict=True)
     made = (
-        Dual(float(value), one.first) if isinstance(one, Dual) else float(value)
+        Dual(float(value), *one.parts[1:]) if isinstance(one, Dual) else float(value)
         for one, value in pairs
     )
     return refill(record, made)
@@ -131,11 +138,11 @@ def joined(values: Any, moves: np.ndarray) -> list[Dual]:
     return [Dual(*pair) for pair in zip(values, moves, strict=True)]
 
 
-def parted(numbers: Sequence, directions: int) -> tuple[np.ndarray, np.ndarray]:
+def parted(numbers: Sequence, directions: int, order: int = 1) -> tuple[np.ndarray, ...]:
     """Return the values (n,) and derivatives (n, directions) of numbers."""
-    pairs = [parts_of(one, 1) for one in numbers]
-    values = np.array([value for value, _ in pairs], float)
-    return values, np.array([by + np.zeros(directions) for _, by in pairs])
+    values, *moves = zip(*(parts_of(one, order) for one in numbers), strict=True)
+    none = np.zeros(directions)
+    return np.array(values, float), *(np.array([by + none for by in move]) for move in moves)
 
 
 class Motion(NamedTuple):
@@ -145,32 +152,41 @@ class Motion(NamedTuple):
     variables: Variables
     pars: np.ndarray
     moves: np.ndarray
+    bends: tuple[np.ndarray, ...] = ()  # their second derivatives
+    tolerance: float = EXACT
+    careful: bool = False
 
     def flow(
-        self, values: np.ndarray, moves: np.ndarray, times: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, times: np.ndarray, values: np.ndarray, *moves: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
         """Return the values (n, times) and derivatives (n, directions, times) of a state that moves
         for these times, ascending.
         """
-        n, directions = moves.shape
+        order = len(moves)
+        directions = moves[0].shape[1]
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes
+        key = self.formulas, self.variables, lanes, order, self.tolerance, self.careful
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
-        sizes = np.abs(moves).max(axis=0).clip(min=1.0)  # the largest numbers decide the errors
-        both = np.empty((2 * len(self.pars), directions))
-        both[::2] = self.pars[:, None]
-        both[1::2] = self.moves / sizes
-        state = np.concatenate([np.repeat(values[:, None], directions, axis=1), moves / sizes])
-        found = np.empty((2 * n, directions, len(times)))
+        sizes = np.abs(moves[0]).max(axis=0).clip(min=1.0)  # the largest decide the errors
+
+        def scaled(values: np.ndarray, *moves: np.ndarray) -> np.ndarray:
+            each = (move / sizes**k for k, move in enumerate(moves, 1))
+            return np.array([np.repeat(values[:, None], directions, axis=1), *each])
+
+        known = scaled(self.pars, self.moves, *self.bends).swapaxes(0, 1).reshape(-1, directions)
+        state = scaled(values, *moves).reshape(-1, directions)
+        found = np.empty((*state.shape, len(times)))
         grid = times if times[0] == 0 else np.append(0.0, times)
         for first in range(0, directions, lanes):
             some = np.arange(first, first + lanes).clip(max=directions - 1)
-            ta.set_time(0.0)
-            ta.state[:] = state[:, some]
-            ta.pars[:] = both[: len(ta.pars), some]
-            _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
+            with _one_at_a_time:
+                ta.set_time(0.0)
+                ta.state[:] = state[:, some]
+                ta.pars[:] = known[: len(ta.pars), some]
+                _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
             found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
-        return found[:n, 0], found[n:] * sizes[:, None]
+        values, *moves = found.reshape(order + 1, -1, directions, len(times))
+        return values[:, 0], *(move * sizes[:, None] ** k for k, move in enumerate(moves, 1))
 
     def rates(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the rates of the variables and of their derivatives."""
@@ -346,6 +362,10 @@ class Pass:
         Dotted names of numbers.
     times
         Internal times of states, ascending; the run is followed to the last.
+    ways
+        Directions, (numbers, directions); by default one number each.
+    order
+        1, or 2 for second derivatives of a smooth run.
 
     Attributes
     ----------
@@ -358,11 +378,30 @@ class Pass:
     """
 
     steps = False
+    states: np.ndarray | None = None  # of a smooth run, as rows
 
     @QUIET
-    def __init__(self, problem: Problem, wrt: Sequence[str], times: np.ndarray):
+    def __init__(
+        self,
+        problem: Problem,
+        wrt: Sequence[str],
+        times: np.ndarray,
+        ways: np.ndarray | None = None,
+        order: int = 1,
+    ):
+        ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
+        self.directions = ways.shape[1]
+        self.order = order
+        self.motions = dict[str, Motion]()
+        self.legs = list[Leg]()
+        self.shifts = list[np.ndarray]()
+        self.samples = list[Samples]()
+        if not problem.system.is_hybrid:
+            self.numbers = numbers_of(problem, wrt, problem.internal_body, ways, order)
+            self._flow()
+            return
         self.driver = driver = HybridDriver(problem)
         self.runs = driver.legs = list[Leg]()
         status = driver.ended
@@ -371,20 +410,37 @@ class Pass:
         if not self.runs or (self.runs[-1].jump is not None and status is None):
             driver.last_rows()
         with noting(len(wrt)) as least:
-            self.numbers = numbers_of(problem, wrt, driver)
-        self.directions = len(wrt)
+            self.numbers = numbers_of(problem, wrt, driver.world.body, ways)
+        self.tracks = driver.tracks
         rules = self.numbers.rules
         given = self.numbers.body, () if rules is None else (rules.e_n,)
         self.plain = plain(given)
         self.known = parted(leaves(given), self.directions)
-        self.motions = dict[str, Motion]()
         self.regions = [*driver.impacts.stages] if rules else []
-        self.legs = list[Leg]()
-        self.shifts = list[np.ndarray]()
-        self.samples = list[Samples]()
         self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
         self.between = list[Samples]()  # states in each phase, for what nearly happened
         self._follow()
+
+    def _flow(self) -> None:
+        """Follow a smooth run."""
+        problem = self.problem
+        system = problem.system
+        formulas = formulas_of(system, problem.form.name, problem.friction.__class__)
+        track: Any = SimpleNamespace(
+            name="", phase=system.phase, variables=problem.variables, b=problem.internal_body
+        )
+        numbers = self.numbers
+        pars, moves, *bends = parted(leaves(numbers.body), self.directions, self.order)
+        precise = problem.tolerance, problem.tolerance < COARSE
+        motion = Motion(formulas, problem.variables, pars, moves, (*bends,), *precise)
+        self.motions[""] = motion
+        start = parted(numbers.state, self.directions, self.order)
+        values, *every = motion.flow(self.times, *start)
+        self.samples = [
+            Samples(track, np.zeros(self.directions), np.arange(len(self.times)), values, every[0])
+        ]
+        whole = np.broadcast_to(values[:, None], every[0].shape)
+        self.states = np.stack([whole, *every], axis=1)
 
     def wanted(self) -> np.ndarray:
         """Return the times of rows of the plain run: none."""
@@ -512,7 +568,7 @@ class Pass:
             apart = np.linspace(done, stop, count + 2)[1:]
             every = np.concatenate([self.times[which], apart])
             times, back = np.unique(every, return_inverse=True)
-            values, moves = motion.flow(values, moves, times - done)
+            values, moves = motion.flow(times - done, values, moves)
             for found, some, of, shift in (
                 (self.samples, back[: len(which)], which, began.first + more),
                 (self.between, back[len(which) : -1], np.full(count, len(self.legs)), 0 * more),
@@ -564,7 +620,7 @@ class Pass:
         at = 2 + 2 * count
         motion = Motion(formulas, variables, pars, moves[-len(pars) :])
         elapsed = float(impacts.driver(region).reached()[0])
-        _, after = motion.flow(state[:size], moves[at : at + size], np.array([elapsed]))
+        _, after = motion.flow(np.array([elapsed]), state[:size], moves[at : at + size])
         after = after[..., 0]
         if made[2] >= 0:
             last = np.array(made[3 : 3 + size])
@@ -576,7 +632,7 @@ class Pass:
 
     def _together(self, samples: list[Samples]) -> Iterator[tuple]:
         """Yield each phase, the body in it, and all samples there as state and numbers."""
-        for track in self.driver.tracks.values():
+        for track in self.tracks.values():
             if mine := [one for one in samples if one.track is track]:
                 which, values, moves = (
                     np.concatenate([one[k] for one in mine], axis=-1) for k in (2, 3, 4)
@@ -595,9 +651,11 @@ class Pass:
 
     @QUIET
     def rows(self) -> np.ndarray:
-        """Return the rows of the run at all times, (variables, 2, directions, times): values and
-        derivatives, in internal units.
+        """Return the rows of the run at all times, (variables, order + 1, directions, times), in
+        internal units.
         """
+        if self.states is not None:
+            return self.states
         variables = self.problem.variables
         shape = self.directions, len(self.times)
         rows = np.full((len(variables.names), 2, *shape), np.nan)
@@ -615,22 +673,22 @@ class Pass:
 
     @QUIET
     def read(self) -> dict[str, np.ndarray]:
-        """Return the columns and other functions of the state at all times by name, (2, times,
-        directions) each.
+        """Return the columns and other functions of the state at all times by name, (order + 1,
+        times, directions) each.
         """
-        state = [Dual(value[0], moves) for value, moves in self.rows()]
+        state = [Dual(value[0], *moves) for value, *moves in self.rows()]
         first = _columned(self.numbers.first)
         found = expressions_of(self.problem.system, self.problem.variables, state, first)
         shape = self.directions, len(self.times)
         return {
-            name: np.array([np.broadcast_to(part, shape).T for part in parts_of(value, 1)])
+            name: np.array([np.broadcast_to(part, shape).T for part in parts_of(value, self.order)])
             for name, value in found.items()
         }
 
     def in_units(self, table: np.ndarray, unit: Unit) -> np.ndarray:
         """Return values and derivatives in units that do not change with the numbers."""
-        value, moves = parts_of(self.numbers.scales.of(unit) / self.problem.unit(unit), 1)
-        return np.array([table[0] * value, table[1] * value + table[0] * moves])
+        ratio = self.numbers.scales.of(unit) / self.problem.unit(unit)
+        return np.array((Dual(*table) * ratio).parts)
 
     @QUIET
     def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
@@ -680,10 +738,19 @@ class Pass:
         return sorted(notes, key=attrgetter("time"))
 
 
+def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: Any) -> Pass:
+    """Return the `Pass` of a run to times [s], while signals are handled."""
+    internal = times / problem.unit(SECOND)
+    follow = partial(Pass, problem, wrt, internal, *options)
+    return awaited(follow, "the variational equations are integrated")
+
+
 def _columned(record: Any) -> Any:
     """Return numbers of a record for arithmetic with arrays."""
     numbers = (
-        Dual(one.value, one.first[:, None]) if isinstance(one, Dual) else one
+        Dual(one.value, *(part[:, None] for part in one.parts[1:]))
+        if isinstance(one, Dual)
+        else one
         for one in leaves(record)
     )
     return refill(record, numbers)
