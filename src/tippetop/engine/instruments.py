@@ -38,7 +38,7 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     variables = tops.variables
     form = variables.form
     body = tops.body_of_pars(tops.pars[:, which])
-    q, carried = variables.split(in_motion(variables, states, body, 2))
+    q, carried = variables.split(in_motion(variables, [*states], body, 2))
     scalars = form.scalars(q, body)
     found = orientation_of(tops.base.system, form, q, carried, body)
     first, third = (Vector(*(found[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class Predictions:
     def __init__(self, problem: Problem, free: Sequence[str]):
         refuse(problem, free)
         self.is_smooth = not problem.system.is_hybrid
-        changes = {"on_liftoff": "continue", "tolerance": TOLERANCE} if self.is_smooth else {}
+        changes: Any = {"on_liftoff": "continue", "tolerance": TOLERANCE} if self.is_smooth else {}
         self.tolerance = problem.tolerance
         self.problem = dataclasses.replace(problem, stop_when="until", **changes)
 

@@ -103,7 +103,7 @@ def sensitivities(
     By the variational equations, along one direction in each SIMD lane: exact to rounding, no
     differences are taken. Units of mass, length and time are those of the run, and fixed. A column
     that is undefined at a pole is NaN there. Where the equations cannot be integrated further along
-    one direction, the derivatives along up to four directions are NaN.
+    one direction, the derivatives along up to eight directions are NaN.
 
     Examples
     --------

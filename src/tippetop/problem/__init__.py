@@ -5,7 +5,7 @@ numbers of a single run are computed there, as the case n = 1.
 """
 
 from .batch import Problems
-from .derivability import name_faults, refuse
+from .derivability import refuse
 from .faults import key_faults
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 from .problem import AUTO, PRECISIONS, Problem, numbers_of
@@ -26,7 +26,6 @@ __all__ = [
     "column_faults",
     "column_names",
     "key_faults",
-    "name_faults",
     "numbers_of",
     "refuse",
 ]

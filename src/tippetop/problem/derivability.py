@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 EXCLUDED = ("run.",)  # tables: a motion has no derivatives by their numbers
 
 
-def derivative_faults(problem: "Problem") -> list[str]:
-    """Return why a run has no derivatives, or none that is computed; empty if it has."""
+def derivative_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
+    """Return why a run has no derivatives by these numbers; empty if it has."""
     if problem.precision != "double":
         return [f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".']
     if problem.origin is not None:
@@ -23,22 +23,12 @@ def derivative_faults(problem: "Problem") -> list[str]:
             "`initial.from` must not be given for derivatives: the end of another run has none "
             "here."
         ]
-    return []
-
-
-def name_faults(
-    problem: "Problem", wrt: Sequence[str], without: tuple[str, ...] = EXCLUDED
-) -> list[str]:
-    """Return sentences on the names of the numbers by which there are derivatives.
-
-    `without`: the tables whose numbers are not among them.
-    """
-    faults = key_faults(problem, wrt, without=without)
     added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
+    faults = key_faults(problem, wrt, without=EXCLUDED)
     return faults or problem.system.clashes({**problem.initial, **added})
 
 
 def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
     """Raise InputError for a run that has no derivatives, and for wrong names."""
-    if faults := derivative_faults(problem) or name_faults(problem, wrt):
+    if faults := derivative_faults(problem, wrt):
         raise InputError(faults)

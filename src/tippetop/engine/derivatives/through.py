@@ -64,7 +64,6 @@ huge numbers there, and six digits would be lost.
 class Numbers(NamedTuple):
     """The numbers of a run, in its units, with derivatives by the relative changes of some."""
 
-    directions: int
     scales: Scales
     first: Any  # the body
     body: Any  # the body as jumps take it
@@ -86,7 +85,8 @@ def numbers_of(
     sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
     for name, size, way in zip(wrt, sizes, ways, strict=True):
         given[name] = Dual(float(given[name]), size * way, *[0 * way] * (order - 1))
-    tables = {t: {} for t in ("initial", "friction", "contact", "stem")} | by_table(given)
+    tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
+    tables |= by_table(given)
     friction = problem.friction._replace(**tables["friction"])
     b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
     mass, length = system.scales(b)
@@ -113,7 +113,6 @@ def numbers_of(
     values = [*map(internal, (*q, *carried), variables.units.values())]
     state = variables.join(values[: variables.moving], values[variables.moving :])
     return Numbers(
-        ways.shape[1],
         scales,
         valued(first, leaves(problem.internal_body)),
         valued(body, leaves(of_world)),
@@ -138,7 +137,7 @@ def joined(values: Any, moves: np.ndarray) -> list[Dual]:
     return [Dual(*pair) for pair in zip(values, moves, strict=True)]
 
 
-def parted(numbers: Sequence, directions: int, order: int = 1) -> tuple[np.ndarray, ...]:
+def parted(numbers: Sequence, directions: int, order: int = 1) -> Any:
     """Return the values (n,) and derivatives (n, directions) of numbers."""
     values, *moves = zip(*(parts_of(one, order) for one in numbers), strict=True)
     none = np.zeros(directions)
@@ -185,8 +184,9 @@ class Motion(NamedTuple):
                 ta.pars[:] = known[: len(ta.pars), some]
                 _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
             found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
-        values, *moves = found.reshape(order + 1, -1, directions, len(times))
-        return values[:, 0], *(move * sizes[:, None] ** k for k, move in enumerate(moves, 1))
+        parts = found.reshape(order + 1, -1, directions, len(times))
+        moved = (part * sizes[:, None] ** k for k, part in enumerate(parts[1:], 1))
+        return parts[0, :, 0], *moved
 
     def rates(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the rates of the variables and of their derivatives."""
@@ -409,9 +409,8 @@ class Pass:
             status = driver.advance(self, STEPS_PER_SLICE).status
         if not self.runs or (self.runs[-1].jump is not None and status is None):
             driver.last_rows()
-        with noting(len(wrt)) as least:
+        with noting(self.directions) as least:
             self.numbers = numbers_of(problem, wrt, driver.world.body, ways)
-        self.tracks = driver.tracks
         rules = self.numbers.rules
         given = self.numbers.body, () if rules is None else (rules.e_n,)
         self.plain = plain(given)
@@ -424,21 +423,19 @@ class Pass:
     def _flow(self) -> None:
         """Follow a smooth run."""
         problem = self.problem
-        system = problem.system
-        formulas = formulas_of(system, problem.form.name, problem.friction.__class__)
-        track: Any = SimpleNamespace(
-            name="", phase=system.phase, variables=problem.variables, b=problem.internal_body
-        )
         numbers = self.numbers
+        formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
         pars, moves, *bends = parted(leaves(numbers.body), self.directions, self.order)
-        precise = problem.tolerance, problem.tolerance < COARSE
-        motion = Motion(formulas, problem.variables, pars, moves, (*bends,), *precise)
+        careful = problem.tolerance < COARSE
+        motion = Motion(
+            formulas, problem.variables, pars, moves, tuple(bends), problem.tolerance, careful
+        )
         self.motions[""] = motion
         start = parted(numbers.state, self.directions, self.order)
         values, *every = motion.flow(self.times, *start)
-        self.samples = [
-            Samples(track, np.zeros(self.directions), np.arange(len(self.times)), values, every[0])
-        ]
+        track: Any = SimpleNamespace(name="")
+        which = np.arange(len(self.times))
+        self.samples = [Samples(track, np.zeros(self.directions), which, values, every[0])]
         whole = np.broadcast_to(values[:, None], every[0].shape)
         self.states = np.stack([whole, *every], axis=1)
 
@@ -632,7 +629,7 @@ class Pass:
 
     def _together(self, samples: list[Samples]) -> Iterator[tuple]:
         """Yield each phase, the body in it, and all samples there as state and numbers."""
-        for track in self.tracks.values():
+        for track in self.driver.tracks.values():
             if mine := [one for one in samples if one.track is track]:
                 which, values, moves = (
                     np.concatenate([one[k] for one in mine], axis=-1) for k in (2, 3, 4)
