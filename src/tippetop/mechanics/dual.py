@@ -36,7 +36,9 @@ def _product(a: Sequence, b: Sequence) -> list:
     made = []
     for n in range(max(len(a), len(b))):
         some = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
-        terms = (PASCAL[n][k] * (a[n - k] * b[k]) for k in some)
+        terms = (a[n - k] * b[k] for k in some)
+        if n > 1:
+            terms = (PASCAL[n][k] * term for k, term in zip(some, terms, strict=True))
         made.append(reduce(operator.add, terms))
     return made
 
