@@ -69,7 +69,7 @@ def expressions_of(
 
 
 class Moving(Dual):
-    """A number and its derivatives by time."""
+    """A number with its derivatives by time."""
 
     __slots__ = ()
     level = 1
