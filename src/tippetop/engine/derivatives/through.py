@@ -443,11 +443,11 @@ class Pass:
         whole = np.broadcast_to(values[:, None], every[0].shape)
         self.states = np.stack([whole, *every], axis=1)
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         """Request no rows of the plain run."""
         return np.zeros(0)
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Ignore rows of the plain run."""
 
     @QUIET
