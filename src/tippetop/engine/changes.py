@@ -1,10 +1,11 @@
 """Changes of phase that the compiled loop makes by itself, by programs of jumps.
 
-A jump is a Python function, which takes 0.2 to 0.5 ms; its arithmetic takes some microseconds. It
-is therefore recorded once with numbers that write down what is done to them, and repeated in C with
-other numbers. A comparison that turns out otherwise ends a program: the next one of the jump, which
-was recorded on another branch, is tried, and at last Python makes the change. All have the same
-bits, so that it does not matter when a program is recorded.
+A jump is a Python function: it takes 0.2 to 0.5 ms, its arithmetic some microseconds, and a
+bouncing top jumps hundreds of times. The jump is therefore recorded once, by numbers that write
+down each operation, and the loop repeats this straight-line program with other numbers. A
+comparison that turns out otherwise ends a program; then one that was recorded on another branch is
+tried, and at last Python makes the jump. All have the same bits, so it does not matter when a
+program is recorded.
 """
 
 import ctypes
@@ -43,6 +44,8 @@ NODES = 8
 
 
 class _Change(NamedTuple):
+    """The structure `Change` of `loop.c`: a program, and the effects of its jump."""
+
     lines: np.ndarray
     registers: np.ndarray
     events: np.ndarray
@@ -58,6 +61,8 @@ class _Change(NamedTuple):
 
 
 class _Phases(NamedTuple):
+    """The structure `Phases` of `loop.c`: the loops and programs of a run of several phases."""
+
     loops: np.ndarray
     changes: np.ndarray
     events: np.ndarray
@@ -75,7 +80,7 @@ class _Phases(NamedTuple):
 
 
 class Written(NamedTuple):
-    """The program of a jump, for every run of its system."""
+    """The recorded program of a jump, which serves every run of its system."""
 
     change: _Change
     motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
@@ -86,12 +91,12 @@ class Written(NamedTuple):
 
 
 def numbers_of(world: Any) -> list:
-    """Return the numbers by which the jumps of runs of a system differ."""
+    """Return the numbers of a body and its contact, the constant inputs of a program."""
     return [*leaves(world.body), world.rules.e_n]
 
 
 class Changes:
-    """The changes of phase that the loop makes by itself in a run.
+    """Record the jumps of a run as programs, and let the loop execute them.
 
     Parameters
     ----------
@@ -101,7 +106,7 @@ class Changes:
     Attributes
     ----------
     known
-        The programs that the loop has in this run, by their number.
+        The programs of this run, by the number that the loop reports.
     """
 
     patience = PATIENCE
@@ -122,8 +127,9 @@ class Changes:
         self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
 
     def learn(self, jump: Any, *given: Any) -> None:
-        """Let the loop make a change of the present phase by itself, if its jump only begins a
-        phase; Python has made it with these arguments.
+        """Count a jump that Python has made with these arguments, and record it when it is due.
+
+        Only a jump that begins a phase, and does nothing else, becomes a program.
         """
         jump.calls += 1
         is_due = jump.calls >= self.patience and not jump.calls & (jump.calls - 1)
@@ -135,7 +141,7 @@ class Changes:
         self.take_up(self.run.track, jump)
 
     def take_up(self, track: Any, jump: Any) -> None:
-        """Let the loop make the change of a phase by a jump, as far as it has programs."""
+        """Register the programs of a jump as those of an exit of this phase."""
         run = self.run
         name = jump.exit.event
         event = self.events if name in (CLOCK, START) else run.numbers.get(name)
@@ -158,7 +164,7 @@ class Changes:
             taken.append(made)
 
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
-        """Return the program of a jump; None where it does more than begin a phase."""
+        """Record the program of a jump; return None if it does more than begin a phase."""
         run = self.run
         track = run.track
         motions = list[tuple[int, str]]()
@@ -222,7 +228,7 @@ class Changes:
         )
 
     def drive(self, steps: int, changes: int) -> int:
-        """Make at most so many steps and changes of phase, and return the number of steps."""
+        """Make at most this many steps and changes of phase; return the number of steps."""
         run: Any = self.run
         record = self.record
         for track in run.tracks.values():

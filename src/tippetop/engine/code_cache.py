@@ -1,5 +1,7 @@
-"""Integrators and functions of heyoka on disk, compressed: their machine code is loaded only from a
-file that belongs to this user alone, and only if its SHA-256 digest is right.
+"""Cache integrators and functions that heyoka has compiled on disk.
+
+Machine code is loaded only from a file that belongs to this user alone, and only if its SHA-256
+digest is right.
 
 heyoka's own cache is one database without checksums, readable and writable as the umask of the
 process allows. A damaged object in it gives wrong numbers or ends the process, so nothing is

@@ -1,4 +1,10 @@
-"""One run, driven by the compiled loop slice by slice."""
+"""One run, which the compiled loop integrates slice by slice.
+
+A slice is the steps between two moments at which Python is called. Within it C steps, finds events
+and fills arrays; after it Python logs events, compares invariants, writes rows and may commit or
+stop. A slice ends after a fixed number of steps or changes of phase, or when the log is full, never
+after a time: a stored run that is resumed has the slices of an undisturbed one, hence its bits.
+"""
 
 import weakref
 from collections.abc import Iterable, Sequence
@@ -34,7 +40,7 @@ RUNNING = Status.RUNNING.code
 
 
 class Extremes(NamedTuple):
-    """Smallest and largest value of a quantity and when, in internal units."""
+    """The smallest and the largest value of a quantity with their times, in internal units."""
 
     least: float = np.inf
     t_least: float = np.nan
@@ -54,7 +60,7 @@ class Passages(NamedTuple):
 
 @dataclass
 class Slice:
-    """Accepted steps, one after another."""
+    """The result of `Driver.advance`: what was found in some consecutive steps."""
 
     steps: int
     time: Any  # reached, internal, in the working precision
@@ -66,7 +72,7 @@ class Slice:
 
 
 class Request(Protocol):
-    """The rows that are wanted of a run."""
+    """The caller of `Driver.advance`, which asks for rows and receives them."""
 
     steps: bool  # at the ends of steps, rather than at given times
 
@@ -76,7 +82,7 @@ class Request(Protocol):
         """
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take rows: internal times (k,), states (k, variables)."""
+        """Receive rows: internal times (k,), states (k, variables)."""
 
 
 def view(array: np.ndarray) -> Any:
@@ -85,11 +91,11 @@ def view(array: np.ndarray) -> Any:
 
 
 RULES = Rules(np.inf, ENDLESS, EVERY, FIRST)
-"""Of a single run: only an event ends it before its time."""
+"""Rules of a single run: only an event ends it before its time."""
 
 
 class Place:
-    """The arrays of a run in one phase, and the loop that is bound to their addresses.
+    """The integrator of one phase with its arrays, and the loop that is bound to them.
 
     Parameters
     ----------
@@ -112,7 +118,7 @@ class Place:
 
 
 class Driver:
-    """Steps of one run in doubles, and the findings of the observer.
+    """Integrate one run in doubles, and find its events and rows.
 
     Parameters
     ----------
@@ -156,12 +162,14 @@ class Driver:
         self.end_at(end)
 
     def stepper_of(self, code: Compiled) -> Stepper:
-        """Return the stepper of a new place."""
+        """Return the object or machine code that makes the steps of an integrator."""
         return code.machine
 
     def share(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
-        """Make the arrays of all phases of a run that starts with these event functions,
-        (events, 1), and has at most `width` variables.
+        """Allocate the tallies, log and samples that all phases of a run share.
+
+        `functions` are the event functions at the start, (events, 1); a phase has at most `width`
+        variables.
         """
         room = PASSAGES + len(rows.events) * MOST_COEFFICIENTS
         number = self.number
@@ -180,17 +188,17 @@ class Driver:
         self.want(NO_ROWS)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
-        """Return what the observer of a new place writes."""
+        """Return the tallies, log and samples into which the loop of a phase writes."""
         return self.tallies, self.log, self.samples
 
     def want(self, rows: Rows) -> None:
-        """Make these rows from now on."""
+        """Let the next steps write their rows here."""
         self.wanted = rows
         self.made = view(rows.filled)
         self.given = 0
 
     def work_in(self, place: Place) -> None:
-        """Make the next steps in a place."""
+        """Make the next steps with the integrator and arrays of this phase."""
         self.place = place
         self.compiled = place.compiled
         self.motion = place.motion
@@ -198,14 +206,14 @@ class Driver:
         self.stepper = place.stepper
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
-        """Take the parameters of an integrator, perhaps with others behind."""
+        """Set the parameters of an integrator to the first of these numbers."""
         pars = place.motion.pars[:, 0]
         pars[:] = body[: len(pars)]
 
     # --- steps -----------------------------------------------------------------------------------
 
     def advance(self, request: Request, most: int) -> Slice:
-        """Make at most `most` steps; rows go to the request."""
+        """Make a slice of at most `most` steps; rows go to the request."""
         self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
         steps, when, last, ended = self.run(most)
         logged = slice(self.logged[0])
@@ -236,11 +244,11 @@ class Driver:
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def begin(self) -> None:
-        """Mark the run as one that has made no step."""
+        """Mark the phase as one that has made no step."""
         self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
     def forget(self) -> None:
-        """Forget samples and passages."""
+        """Empty the log and the samples."""
         self.logged[0] = self.sampled_so_far[0] = 0
 
     def drive(self, most: int) -> int:
@@ -254,9 +262,7 @@ class Driver:
                 return steps
 
     def ask(self) -> None:
-        """Give the rows that exist, and go on with those that are wanted next, or with room for
-        some at the ends of steps.
-        """
+        """Hand over the rows that are filled, and make room for the next ones."""
         self.give()
         times = self.request.wanted()
         n = len(times)
@@ -266,7 +272,7 @@ class Driver:
         self.want(Rows(times, states, phases, filled, self.request.steps, n))
 
     def give(self) -> None:
-        """Give the rows that were made since the last time."""
+        """Hand the rows that were filled since the last call to the request."""
         wanted = self.wanted
         made = slice(self.given, self.made[0])
         rows = self.rows_of(wanted.phases[made], wanted.states[made])
@@ -275,7 +281,7 @@ class Driver:
             self.request.take(wanted.times[made], rows)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return the rows of states (k, all variables), of which the numbers of phases are (k,)."""
+        """Return states (k, all variables) of phases, by number (k,), as rows of the run."""
         return states[:, : self.variables]
 
     def make(self, most: int) -> int:
@@ -284,8 +290,9 @@ class Driver:
         return self.loop.drive(most)
 
     def reached(self) -> tuple[Any, np.ndarray]:
-        """Return the internal time reached, and the state: of the last passage, if it ended the run
-        within a step.
+        """Return the internal time reached and the state there.
+
+        They are those of the last passage, if it ended the run within a step.
         """
         if self.upto[0] < 1.0:
             last = self.logged[0] - 1
@@ -296,36 +303,36 @@ class Driver:
 
     @property
     def now(self) -> Any:
-        """Internal time reached."""
+        """Return the internal time at the end of the last step."""
         return self.time[0]
 
     @property
     def tally(self) -> Any:
-        """The tally of the run."""
+        """Return the record of counters of the run: see `tallies.LANE_RECORD`."""
         return self.tallies.lane[0]
 
     @property
     def clock(self) -> tuple[Any, Any]:
-        """Internal time, in double length."""
+        """Return the internal time in double length, as the sum of two numbers."""
         return float(self.motion.high[0]), float(self.motion.low[0])
 
     @property
     def state(self) -> np.ndarray:
-        """All that is integrated, (all variables,), in the working precision."""
+        """Return all integrated variables, (all variables,), in the working precision."""
         return self.motion.state[:, 0]
 
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Put state and time in place."""
+        """Set the state, padded with zeros, and the time."""
         self.motion.state[: len(state), 0], self.motion.state[len(state) :] = state, 0.0
         self.motion.high[0], self.motion.low[0] = clock
 
     def end_at(self, end: Any) -> None:
-        """Put the end of the next steps at an internal time, `goal` in the working precision."""
+        """Let the next steps end at an internal time, kept as `goal` in the working precision."""
         self.goal = end
         self.motion.end[0] = float(end)
 
     def last_rows(self) -> dict[str, Arrays]:
-        """Return the rows of further tables that an end of the run here completes."""
+        """Return the last rows of further tables, if the run ends here."""
         return {}
 
     def present(self) -> np.ndarray:
@@ -337,7 +344,7 @@ class Driver:
         return (self.compiled,)
 
     def extremes(self) -> Extremes:
-        """Return those of the normal force so far, internal units; empty where none is known."""
+        """Return the extremes of the normal force so far, internal units; NaN times if unknown."""
         records = self.all_events.events
         functions = self.tallies.functions[:, 0]
         kept = records["extremes"]
@@ -349,11 +356,11 @@ class Driver:
 
     @property
     def width(self) -> int:
-        """The greatest number of variables of a phase, with those of event functions."""
+        """Return the length of stored states: the most variables that a phase integrates."""
         return self.log.states.shape[1]
 
     def snapshot(self) -> dict[str, Any]:
-        """Return the state from which a run continues bit by bit."""
+        """Return plain data from which a run continues bit by bit, for `restore`."""
         return {
             "state": self.state.copy(),
             "time": list(self.clock),
@@ -363,8 +370,10 @@ class Driver:
         }
 
     def joint(self, names: Iterable[str]) -> dict[str, Any]:
-        """Return what a run that starts here needs in addition to the state: signs of the functions
-        of these events, 0 if unknown, which decide whether a zero here has been passed.
+        """Return the signs of the functions of these events, 0 if unknown.
+
+        A run that starts from the present state needs them: they decide whether a zero here has
+        been passed.
         """
         signs = self.tallies.functions["sign"][:, 0] * self.place.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}

@@ -1,5 +1,6 @@
-"""A system as heyoka expressions: for the integrator, and for functions over arrays that are
-compiled like it.
+"""Convert the formulas of a system to heyoka expressions.
+
+They are compiled to integrators (`integrator`) and to functions over arrays (`observables`).
 """
 
 import math
@@ -21,7 +22,7 @@ from .opt_level import opt_level
 
 
 class Equations(NamedTuple):
-    """A system in symbols, internal units.
+    """The equations of motion of a system as heyoka expressions, in internal units.
 
     Parameters
     ----------
@@ -65,7 +66,7 @@ class Formulas:
 
 @lru_cache(maxsize=64)
 def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
-    """Return the formulas of a system in a form, with the type of the record of a friction law."""
+    """Return the formulas of a system in a form, under a friction law given by its type."""
     form = system.forms[form_name]
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -101,9 +102,10 @@ def equations_of_motion(formulas: Formulas, variables: Variables) -> Equations:
 
 
 def component(variable: str) -> str:
-    """The name of a component of a vector among the values of a row; a quantity may be called as
-    the variable is: L_z of a heavy top is about the tip, that of the column L about the centre of
-    mass.
+    """Return the name of a component of a vector among the values of a row.
+
+    It differs from that of the variable, because a quantity may have the same name: L_z of a heavy
+    top is about the tip, that of the column L about the centre of mass.
     """
     return f"vector_{variable}"
 
@@ -156,7 +158,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
 
 
 def integrates_axis(system: System, form: Form) -> bool:
-    """True if the form integrates the components of 3hat, whose length must then stay 1."""
+    """Return whether the form integrates the components of 3hat, whose length must stay 1."""
     axis = system.vectors.get("axis", ())
     return bool(axis) and set(axis) <= set(form.units._fields)
 

@@ -1,8 +1,8 @@
-"""One run of a system of several phases: an ordinary driver for each, and jumps from one to
-another.
+"""One run of a hybrid system: several phases with equations of their own, and jumps between them.
 
-Jumps are functions of the common state, which every phase can be read as; the driver does not
-depend on balls or laws. All phases of a run have the same integrals.
+Each phase has its own integrator; all of them share the tallies, the log and the integrals of the
+run. A phase ends by an exit: an event, and a jump, which is a function of the state that all phases
+have in common. The driver does not depend on balls or friction laws.
 """
 
 import copy
@@ -67,7 +67,7 @@ QUIET = np.errstate(all="ignore")
 
 @lru_cache(maxsize=256)
 def completed(phase: Phase, variables: Variables) -> Phase:
-    """Return a phase with the integrals of a run: those that it does not move stay."""
+    """Return a phase with all integrals of a run; those that it does not change have rate 0."""
     moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
     integrals = tuple(
         moved.get(one.name, replace(one, rate=lambda q, carried, b: 0.0))
@@ -78,8 +78,9 @@ def completed(phase: Phase, variables: Variables) -> Phase:
 
 @lru_cache(maxsize=256)
 def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) -> Formulas:
-    """Return the formulas of a phase, whose parameters are a record like `pattern`, of `kinds`
-    `types`.
+    """Return the equations and event functions of a phase.
+
+    `pattern` is a record like its parameters; `types` are the `kinds` of this record.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]
@@ -102,7 +103,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
 
 
 class World(NamedTuple):
-    """Context of a jump in addition to the state: see `form.Exit`."""
+    """The arguments of a jump in addition to the state: see `form.Exit`."""
 
     body: Any
     system: System
@@ -120,7 +121,7 @@ class World(NamedTuple):
 
 @dataclass(eq=False)
 class Jump:
-    """The jump of a phase by an exit, for every run of its system.
+    """The jump of an exit, with its checks and its programs, for every run of its system.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ class Jump:
     kind
         The kind of its impacts, for which programs are made.
     name, phase
-        The phase that ends; "" at the start.
+        The phase that ends; its name is "" at the start of a run.
     exit
         How it ends.
     calls, programs
@@ -151,16 +152,15 @@ class Jump:
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
     def must(self, fault: str) -> None:
-        """Raise InputError for what the jump must do and does not, if anything."""
+        """Raise InputError if there is a fault: what the jump must do, but does not."""
         if fault:
             raise InputError(f"{self.where} must {fault}.")
 
     def __call__(self, run: "HybridDriver", state: Sequence, world: World) -> tuple:
-        """Return what follows in a run, as a Next; the Track of the next phase, the variables with
-        which it begins, and the event functions there.
+        """Make the jump: return its `Next`; the next phase, its variables and event functions.
 
-        The run ends, as `stalled`, if the jump raises ArithmeticError, or one of this package
-        cannot compute: nothing can follow.
+        If the jump raises ArithmeticError, or one of this package cannot compute, the run ends as
+        `stalled`.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ class Jump:
         state
             The variables where the phase ended.
         world
-            Of the run, with the time that is left.
+            The context of the jump, with the time that is left.
 
         Raises
         ------
@@ -211,12 +211,12 @@ jump_of = lru_cache(maxsize=256)(Jump)
 
 
 def begin_in_first(x: Any, world: World) -> Next:
-    """Return the first phase."""
+    """Begin in the first phase: the jump at the start of a system without `begin`."""
     return Next(next(iter(world.phases)), x)
 
 
 def wrong_time(n: Next, to: "Track") -> str:
-    """Return what a time, or the motion in it, must be and is not; or ""."""
+    """Return the fault of the times or the series of a Next; "" without one."""
     for what in ("delay", "lasts"):
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
@@ -237,9 +237,9 @@ def wrong_time(n: Next, to: "Track") -> str:
 
 
 def wrong_root(n: Next, to: "Track", q: Any, carried: Any, values: Sequence) -> str:
-    """Return which event has no root of the multiplicity that `zeros` gives, or "".
+    """Return the fault of the multiplicities of a Next; "" without one.
 
-    The value of its function, or its slope if there is more than one root, is not zero.
+    It is a fault if the event function, or its slope for a multiple root, is not zero.
     """
     rates = to.phase.form.rates(q, to.b)
     moved = type(q)(*(v + NEAR * rate for v, rate in zip(q, rates, strict=True)))
@@ -259,7 +259,7 @@ def wrong_root(n: Next, to: "Track", q: Any, carried: Any, values: Sequence) -> 
 
 
 class Leg(NamedTuple):
-    """A phase that a run went through: internal times, where it ended, and how."""
+    """A phase that a run has gone through: internal times, the last state, and the jump."""
 
     track: "Track"
     began: float
@@ -269,14 +269,14 @@ class Leg(NamedTuple):
 
 
 class Track:
-    """A phase that a run may have, and where its steps are made.
+    """A phase that a run can enter: its equations, events and exits, compiled.
 
     Parameters
     ----------
     run
         The run.
     name
-        Of the phase.
+        The name of the phase.
     """
 
     def __init__(self, run: "HybridDriver", name: str):
@@ -308,7 +308,7 @@ class Track:
             self.ahead = copy.deepcopy(code_for(problem, self.formulas, run.stop).integrator)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
-        """Return the events of the run, of which those of this phase, `mine`, are looked for."""
+        """Return the records of all events of the run; only those of this phase are searched."""
         known = run.all_events.events
         records = np.zeros_like(run.all_events.events)
         for (number, event), record in zip(self.events.items(), mine, strict=True):
@@ -326,28 +326,32 @@ class Track:
         return records
 
     def value(self, number: int, state: Any) -> Any:
-        """Return an event function in a state."""
+        """Return the event function of this number in a state."""
         functions = self.formulas.functions(*self.variables.split(state), self.b)
         return functions[[*self.events].index(number)]
 
     def begins(self, n: Next, values: Sequence, signs: Sequence) -> tuple[list, list, list[int]]:
-        """Return on which side of their zeros the event functions of the run begin.
+        """Return on which side of their zeros the event functions begin in this phase.
+
+        The value alone cannot decide this, because a jump leads exactly to a zero, up to rounding.
+        The function of an exit begins on the side from which it can reach its zero, or where the
+        jump says; any other one keeps its sign from before, and has passed its zero in the jump if
+        its value has the other sign by more than rounding.
 
         Parameters
         ----------
         n
-            What leads to this phase.
+            The result of the jump to this phase.
         values
-            Its event functions.
+            The event functions of this phase.
         signs
-            Those of all event functions before; 0: not known.
+            Signs of all event functions before the jump; 0: not known.
 
         Returns
         -------
         signs, zeros, passed
-            Their signs, 0 for those of other phases; 1 for those that begin on a zero, and minus
-            the number of roots of those that end the phase; numbers of the events that have
-            happened in the jump.
+            Signs, 0 for events of other phases; 1 for functions that begin on a zero, and minus the
+            multiplicity of the root for exits; numbers of the events that happened in the jump.
         """
         sides = [0.0] * len(signs)
         zeros = [0.0] * len(signs)
@@ -368,7 +372,7 @@ class Track:
 
 
 class HybridDriver(Driver):
-    """Makes the steps of a run through its phases.
+    """Integrate one run through its phases, in doubles.
 
     Parameters
     ----------
@@ -429,7 +433,7 @@ class HybridDriver(Driver):
         self.begin_run()
 
     def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body of the world of a problem, in internal units, and its phases."""
+        """Return the body as jumps take it, in internal units, and the phases of a problem."""
         system = problem.system
 
         def internal(value: float, unit: Any) -> Any:
@@ -442,14 +446,14 @@ class HybridDriver(Driver):
         return refill(body, map(self.number, leaves(body))), phases
 
     def begin_run(self) -> None:
-        """Take up the start of the problem."""
+        """Enter the first phase from the start of the problem."""
         self._start(tuple(self.problem.start().tolist()))
         self.first = self.present()
         if self.series:
             self.first = self.rows_of(np.array([self.track.at]), self.series(self.number(0)))
 
     def _start(self, state: tuple) -> None:
-        """Enter the first phase."""
+        """Make the jump from the start to the first phase."""
         system = self.problem.system
         world = self.world._replace(left=self.end)
         phase = completed(system.phase, self.problem.variables)
@@ -473,12 +477,12 @@ class HybridDriver(Driver):
         begin_lasting(self.tallies, self.all_events)
 
     def learn_start(self, jump: Jump, *given: Any) -> None:
-        """Let the loop make the jump to the first phase, where runs share a loop."""
+        """Record the jump to the first phase, where several runs share a loop."""
 
     # --- phases ----------------------------------------------------------------------------------
 
     def track_of(self, name: str) -> Track:
-        """Return the phase of this name, compiled when it is first entered."""
+        """Return the phase of this name, which is compiled when it is first entered."""
         if name not in self.tracks:
             track = self.tracks[name] = Track(self, name)
             if self.copies:
@@ -491,16 +495,20 @@ class HybridDriver(Driver):
         return code_for(self.problem, formulas, self.stop)
 
     def codes(self) -> tuple[Compiled, ...]:
+        """Return the integrators of all phases, compiled."""
         return tuple(self.track_of(name).place.compiled for name in self.phases)
 
     def follow(self, track: Track, began: float) -> None:
-        """Make the next steps in a phase that begins at an internal time."""
+        """Make the next steps in a phase that begins at this internal time."""
         self.track = track
         self.began = began
         self.work_in(track.place)
 
     def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
-        """Take up what follows a phase `before`, at an internal time."""
+        """Begin a phase by the result of a jump, which was made at an internal time.
+
+        `before` is the phase that has ended; None at the start.
+        """
         n, track, state, values = begun
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
@@ -526,7 +534,7 @@ class HybridDriver(Driver):
     def keep_leg(
         self, track: Track, began: float, ended: Any, state: Iterable, jump: Jump | None
     ) -> None:
-        """Keep a phase that has ended, in a state that begins with its variables."""
+        """Append a phase that has ended to `legs`; the state begins with its variables."""
         if self.legs is not None:
             last = [float(one) for one in islice(state, len(track.variables.names))]
             self.legs.append(Leg(track, began, float(ended), last, jump))
@@ -535,6 +543,7 @@ class HybridDriver(Driver):
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
+        """Make a slice of at most `most` steps, with the new rows of phases and impacts."""
         return replace(super().advance(request, most), tables=self.tables.take())
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
@@ -576,8 +585,9 @@ class HybridDriver(Driver):
         return steps, when, self.last, status
 
     def end_next(self) -> None:
-        """Put the end of the next steps at that of the phase, or where a sampled event happens in
-        the next one; `ending` is that event, or CLOCK, or None at the end of the run.
+        """Let the next steps end with the phase, or at a sampled event in the next step.
+
+        `ending` is that event, or CLOCK, or None at the end of the run.
         """
         when, self.ending = self.next_end()
         self.end_at(when)
@@ -587,16 +597,16 @@ class HybridDriver(Driver):
             self.status[0] = Status.FINISHED.code
 
     def next_end(self) -> tuple[Any, Any]:
-        """Return where the next steps end, and `ending`."""
+        """Return the time at which the next steps end, and `ending`."""
         ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
         if self.track.sampled:
             ends += sampled_in_next_step(self)
         return min(ends, key=itemgetter(0))
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
-        """Take up what follows the end of a phase in its last state.
+        """Make the jump by which a phase ends, and begin the next one.
 
-        Return how it ends the run, or None.
+        Return the status of a run that ends here, or None.
         """
         shortest = CHATTER * max(self.began, 1.0)
         if float(self.until) > self.began:  # it was to last some time
@@ -636,6 +646,7 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make(self, most: int) -> int:
+        """Make at most `most` steps and their rows, with the jumps that have programs."""
         self.add_in_jump()
         if self.copies is None or self.wanted.steps:
             return super().make(most)
@@ -650,7 +661,7 @@ class HybridDriver(Driver):
                 self.add(inside, self.series(*inside) if self.series else first)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
+        """Add rows that lie in no step: times, and states of the present phase (k, variables)."""
         rows = self.wanted
         made = self.made
         part = slice(made[0], made[0] + len(times))
@@ -658,7 +669,7 @@ class HybridDriver(Driver):
         rows.states[part, : states.shape[1]] = states
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
-        """Log an event that no step has logged, in a state of a phase, given by its number."""
+        """Log an event that no step has found, in a state of the phase of this number."""
         at = self.logged[0]
         when = float(time)
         event = self.all_events.events[number]
@@ -675,8 +686,9 @@ class HybridDriver(Driver):
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
-        """Take in the extremes of event functions during a jump; return the functions at its
-        start.
+        """Update the extremes of event functions during a jump that takes time.
+
+        Return the event functions at its start.
         """
         track = self.track
         every = []
@@ -707,6 +719,7 @@ class HybridDriver(Driver):
             self._note(number, now, sign, before.at, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return states of phases, by number (k,), as rows in the variables of the run."""
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
         rows[:, : as_rows.shape[1]] = as_rows
@@ -719,7 +732,7 @@ class HybridDriver(Driver):
         return rows
 
     def read(self, rows: np.ndarray, some: Any, track: Track, states: np.ndarray, b: Any) -> None:
-        """Write some rows of states of a phase, whose parameters are b."""
+        """Convert states of a phase with parameters b to rows, in place for the indices `some`."""
         variables = self.problem.variables
         q, carried = track.variables.split(states[some].T)
         read, _ = self.problem.system.read(track.phase, q, carried, b)
@@ -730,12 +743,13 @@ class HybridDriver(Driver):
     # --- where the run is ------------------------------------------------------------------------
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
-        """End the phase that is under way; return its row."""
+        """End the present phase; return its row of the table of phases."""
         self.keep_leg(self.track, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
 
     def joint(self, names: Iterable[str]) -> PlainData:
+        """Return the data with which another run continues in the present phase."""
         joint = super().joint(self.numbers)
         lasts = float(self.until - self.now)
         sides = {name: sign for name, sign in joint["signs"].items() if sign}
@@ -749,8 +763,9 @@ class HybridDriver(Driver):
         return joint | {"next": follows, "lasted": lasted}
 
     def snapshot(self) -> dict[str, Any]:
-        """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
-        but for `state`.
+        """Return plain data from which a run continues bit by bit.
+
+        The lists have the same length in every phase, except for `state`.
         """
         phase = [self.track.at, self.short, self.began, *self.tables.under_way]
         return super().snapshot() | {"phase": phase, "until": [self.until]}
@@ -766,4 +781,4 @@ class HybridDriver(Driver):
 
 
 class WideHybridDriver(HybridDriver, WideDriver):
-    """Makes the steps of a run through its phases in numbers wider than doubles."""
+    """Integrate one run through its phases in numbers wider than doubles."""

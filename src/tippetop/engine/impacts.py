@@ -1,5 +1,9 @@
-"""Impacts of a run, as motions: executed like any other, in the precision of the run, and compiled
-once for a law.
+"""Impacts, which are integrated as motions.
+
+In an impact the slip may turn, stop and reverse while the normal impulse grows, so its end has no
+formula. It is the solution of an equation whose clock is the normal velocity, and whose events are
+the end of slip and of compression. The compiled loop integrates this motion like that of any phase:
+in the precision of the run, with derivatives, and within the programs of jumps.
 """
 
 import math
@@ -27,7 +31,7 @@ from .wide import WideDriver
 
 
 MOST_STEPS = 200_000
-"""Of an impact: some seconds."""
+"""Steps of an impact, at most: some seconds."""
 
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
 STIFF = "friction within an impact is too stiff to be followed"
@@ -41,15 +45,17 @@ STOPS = {name: math.log(1e-3 * rounding) for name, rounding in ROUNDING.items()}
 """Logarithm of the slip at which a contact stops, by precision: a thousandth of rounding."""
 
 LONGEST, REST_SPAN, SHORTEST = 64.0, 0.25, 2.0**-40
-"""Of the clock of an impact: a piece of it; one at rest; and one in which a contact at rest gives
-way.
+"""Lengths on the clock of an impact: the longest piece; the first one at rest; and the shortest one
+in which a contact at rest gives way.
 """
 
 
 @lru_cache(maxsize=64)
 def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> Formulas:
-    """Return the formulas of a stage, of a law and of a body like `pattern` that `lies` like this;
-    both are filled with numbers.
+    """Return the formulas of a stage of an impact under a friction law.
+
+    `pattern` is a record like the body, and `lies` one like its inclination; the numbers in them do
+    not matter.
     """
     stage = motion.stages(friction)[name]
     vector = Vector(1.0, 1.0, 1.0)
@@ -62,7 +68,7 @@ def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> For
 
 
 class Impact(NamedTuple):
-    """An impact of a ball."""
+    """The result of an impact of a ball: its impulses and works."""
 
     p: Vector  # impulses of force and torque, (3,) each
     twist: Vector
@@ -73,23 +79,24 @@ class Impact(NamedTuple):
 
     @property
     def makes_energy(self) -> Any:
-        """Return whether it adds more than rounding does; only restitution = newton can, and that
-        is no model of an impact.
+        """Return whether the impact adds more energy than rounding does.
+
+        Only restitution = newton can do so, and such an impact is not physical.
         """
         return self.gained > 1e-12 * abs(self.compression)
 
 
 class ImpactMotions:
-    """Impacts that are followed as motions.
+    """Integrate the impacts of a run under its friction law.
 
     Parameters
     ----------
     law
-        The type of its record.
+        The friction law, as the type of its record.
     restitution
         One of `contact.restitution.RESTITUTIONS`.
     precision
-        Of the numbers: "double", "longdouble" or "quad".
+        "double", "longdouble" or "quad".
     stop
         Set it to give up while a motion is being compiled.
     body
@@ -116,7 +123,7 @@ class ImpactMotions:
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
-        """Return the executor of the motion in a region, compiled when it is first needed."""
+        """Return the driver of the motion in a region of slip, compiled when it is first needed."""
         if region not in self.drivers:
             formulas = formulas_of_impact(self.law, region, *self.pattern)
             code = compiled_when((formulas, self.precision, 0.0, 0, False), self.stop)
@@ -137,10 +144,10 @@ class ImpactMotions:
         state: tuple,
         pars: tuple,
     ) -> list:
-        """Follow a motion until its clock reaches `end` or an event happens.
+        """Integrate a motion until its clock reaches `end` or an event happens.
 
-        Return the code of its status, the number of steps and of the event, -1 without one, and the
-        state.
+        Return the code of its status, the number of steps, the number of the event (-1 without
+        one), and the state.
         """
         driver = self.driver(region)
         known = driver.tallies.functions
@@ -159,7 +166,7 @@ class ImpactMotions:
     def struck(self, x: Moving, b: Touch, e_n: Any, piece: Callable | None = None) -> Impact:
         """Return the impact of a ball whose lowest point moves down.
 
-        `piece` follows motions as the method does.
+        `piece` replaces the method of this name, to record or differentiate the impact.
 
         Raises
         ------

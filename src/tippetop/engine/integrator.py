@@ -1,5 +1,9 @@
-"""Formulas become an integrator of heyoka, and the machine code of its step becomes something that
-a kernel calls.
+"""Compile formulas to an integrator of heyoka, whose machine code the loop calls.
+
+The loop finds events on the Taylor coefficients of this integrator, because heyoka's own detection
+takes three times the integration. An event function that is a variable, or the rate of one, has
+such coefficients already. Any other one becomes the rate of a further variable, whose coefficients
+come with the step; it is scaled by a small power of two, so that it does not control the step.
 """
 
 import threading
@@ -25,16 +29,16 @@ from .tallies import EventRows, event_rows
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """An integrator, and the places of event functions among its Taylor coefficients.
+    """A compiled integrator, and the positions of event functions among its coefficients.
 
     Parameters
     ----------
     integrator
-        heyoka's, to be copied: state, parameters and time are zero. It detects no events.
+        heyoka's integrator, to be copied: state, parameters and time are zero.
     rows
-        Where the event functions stand among the variables.
+        The events, with the positions of their functions among the variables.
     machine
-        Its step as machine code, `Loaded`; None in numbers wider than doubles.
+        The step as machine code, `Loaded`; None in numbers wider than doubles.
     """
 
     integrator: Any
@@ -80,6 +84,8 @@ _known: set[tuple] = set()  # what this process has compiled
 
 
 class _Compiling(threading.local):
+    """The time that a thread has waited for the compiler."""
+
     seconds = 0.0
 
 
@@ -102,7 +108,7 @@ def compiled_from(
     formulas
         The equations of motion and the event functions.
     precision, tolerance
-        Of the integrator.
+        Type of its numbers, and tolerance of a step.
     lanes
         How many runs it advances at a time; 0 is one run, with heyoka's integrator for one.
     orientation
@@ -117,10 +123,6 @@ def compiled_from(
     Numbers wider than doubles and huge equations of one run get heyoka's compact code: it runs a
     third slower, but other code would take 6 s (longdouble), 25 s (quad), 4 s for each phase of
     drilling friction or 5 s (a rattleback) to compile.
-
-    Taylor coefficients of an event function are those of a variable, or of a rate; if it is
-    neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
-    takes three times the integration.
     """
     number = PRECISIONS[precision]
     variables = Variables(formulas.form, orientation)
@@ -165,8 +167,10 @@ def compiled_from(
 def _source(
     e: int, function: Any, equations: list[tuple], formulas: Formulas, variables: Variables
 ) -> tuple[int, int, float, float] | None:
-    """Index of the variable that event function `e` is, give or take a number (shift 0), or is the
-    rate of (shift 1); its scale, and that number.
+    """Return where the coefficients of event function `e` are, or None if it is not integrated.
+
+    It is a variable plus an offset (shift 0), or the rate of one (shift 1) times a scale: return
+    the index of the variable, shift, scale and offset.
     """
     for index, (variable, rate) in enumerate(equations):
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
@@ -179,8 +183,9 @@ def _source(
 
 
 def _at_zero(e: int, index: int, formulas: Formulas, variables: Variables) -> float:
-    """An event function that depends on one variable, where this is zero: heyoka would take 70 ms
-    to compile it.
+    """Return an event function that depends on one variable, where this is zero.
+
+    It is computed by the formula, because heyoka would take 70 ms to compile it.
     """
     state = np.ones(len(variables.names))
     state[index] = 0.0

@@ -21,8 +21,8 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
     Returns
     -------
     dict
-        The conserved quantities of the system, of a ball that was taken later than at the start
-        what has become of them since; energy_balance = energy + work of friction; axis_norm =
+        The conserved quantities of the system; if the ball in contact has changed, their change
+        since then; energy_balance = energy + work of friction; axis_norm =
         |3hat| in forms that integrate the axis. Internal units, (k,) each.
     """
     integrals = {
@@ -41,9 +41,7 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
 
 
 def taken(name: str) -> str:
-    """Return the name of the value of an integral when the ball in contact was taken, if the ball
-    may change.
-    """
+    """Return the name of the value that an integral had when the present contact began."""
     return f"{name}_taken"
 
 
@@ -51,7 +49,7 @@ CANCELS = 0.1  # of its parts: a smaller invariant is small because its parts ca
 
 
 def sizes(problem: Problem, values: Arrays) -> Arrays:
-    """Scales of the drifts of the invariants: their values at the start.
+    """Return the scales of the drifts of the invariants: their values at the start.
 
     Rounding does not become less where the parts of an invariant cancel at the start: it is then
     compared with a tenth of them, that is of the internal unit (m g R) or, for a momentum, of the

@@ -1,8 +1,7 @@
-"""The compiled loop of a run and of lanes: `loop.c` of `tippetop_kernels`, called with the arrays
-of the caller.
+"""Call the compiled loop, `loop.c` of `tippetop_kernels`, with arrays of Python.
 
-The arrays are passed as structures of pointers, which are made from the records (named tuples) that
-hold them.
+A record (named tuple) of numbers and arrays becomes a structure of C with the same fields, in which
+arrays are pointers: `structure` makes its type, `filled` its values.
 """
 
 import ctypes
@@ -27,7 +26,7 @@ MOST_COEFFICIENTS = 64
 
 
 class Motion(NamedTuple):
-    """The lanes of an integrator: internal units, time in double length."""
+    """The arrays of the lanes of an integrator: internal units, time in double length."""
 
     state: np.ndarray  # (variables, lanes)
     before: np.ndarray  # (variables, lanes) where the present step began
@@ -46,8 +45,9 @@ class Motion(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """States of a run that are wanted, at given times or at the ends of its steps; or those of each
-    top in lanes, along a first dimension.
+    """Output arrays for the states of a run at given times, or at the ends of its steps.
+
+    For tops in lanes, a first dimension counts the tops.
     """
 
     times: np.ndarray  # (length,) internal, ascending; those of steps are written here
@@ -70,6 +70,8 @@ NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1,
 
 
 class _Sizes(NamedTuple):
+    """Lengths of the arrays of a `_Loop`."""
+
     width: int
     variables: int
     parameters: int
@@ -82,6 +84,8 @@ class _Sizes(NamedTuple):
 
 
 class _Loop(NamedTuple):
+    """The structure `Loop` of `loop.c`."""
+
     step: int
     dense: int
     fused: bool
@@ -102,7 +106,7 @@ class _Loop(NamedTuple):
 
 @cache
 def structure(record: type) -> type[ctypes.Structure]:
-    """Return the structure of C whose fields are those of a named tuple: arrays are pointers."""
+    """Return the type of the structure of C that has the fields of a named tuple."""
     whole = ctypes.c_int64
     number = ctypes.c_double
     pointer = ctypes.c_void_p
@@ -114,15 +118,16 @@ def structure(record: type) -> type[ctypes.Structure]:
 
 
 def filled(record: Any) -> ctypes.Structure:
-    """Return the structure of C with the values of a named tuple, whose arrays must be contiguous
-    and outlive it.
+    """Return the structure of C with the values of a named tuple.
+
+    The arrays must be contiguous and outlive it.
     """
     kind: Any = type(record)
     return structure(kind)(*map(_field, record))
 
 
 def address_of(made: Any) -> int:
-    """Return where a structure is."""
+    """Return the address of a structure."""
     return ctypes.addressof(made)
 
 
@@ -187,11 +192,11 @@ class Loop:
     motion
         The lanes.
     rows, tallies, log, samples
-        What the observer reads and writes. The log is that of the first lane.
+        The events to find, and the arrays for what is found.
     rules
-        What ends a run.
+        When a run ends or is sampled.
     stepper
-        The steps.
+        Makes the Taylor steps.
     """
 
     def __init__(
@@ -230,7 +235,7 @@ class Loop:
         self.output = NO_ROWS
 
     def fill(self, rows: Rows) -> None:
-        """Write these rows from now on."""
+        """Let the next steps write their rows here."""
         if rows is not self.output:
             states = rows.states if self.record.sizes.width else self.out
             self.structure.output = filled(rows._replace(states=states))
@@ -239,8 +244,8 @@ class Loop:
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
 
-        It stops earlier where the caller must look: a run has ended, all rows are written, or there
-        is no room for what a step may find.
+        The loop stops earlier if a run has ended, all rows are written, or the log may not have
+        room for the events of a step.
         """
         steps = library().loop_drive(self.place, most)
         if self.failures:
@@ -248,7 +253,7 @@ class Loop:
         return steps
 
     def keep(self, event: np.void, when: float, sign: int) -> None:
-        """Keep the numbers of an event of the first lane that no step has found."""
+        """Update the numbers that an event keeps, for one in the first lane that no step found."""
         library().loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 

@@ -1,4 +1,4 @@
-"""Integrated states become named columns: Euler angles, quantities and their drift, in SI units."""
+"""Convert integrated states to named columns: angles, vectors and quantities, in SI units."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -26,13 +26,13 @@ from .orientation import quaternion
 
 @dataclass(frozen=True)
 class Observables:
-    """Values and columns of rows of internal states (n, variables) of a problem."""
+    """Compute values and columns from rows of internal states (n, variables) of a problem."""
 
     problem: Problem
 
     @property
     def body(self) -> Any:
-        """The body that formulas take, in internal units."""
+        """Return the body that formulas take, in internal units."""
         pars = _widened(self.problem.alone.pars[:, 0], self.problem)
         return refill(self.problem.internal_body, iter(pars))
 
@@ -62,9 +62,7 @@ class Observables:
         return {h.meaning: float(np.min(h.formula(state, body))) for h in domains}
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
-        """Return the rows as columns of the store's group `trajectory`, SI; times [s] as they were
-        asked for.
-        """
+        """Return rows at these times [s] as columns of the store's group `trajectory`, SI."""
         problem = self.problem
         values = self.evaluate(rows)
         if not set(TURN).isdisjoint(problem.kept_columns):
@@ -109,7 +107,7 @@ class Source(NamedTuple):
     parts
         Names of the values that it consists of.
     unit, long_name
-        Of the column.
+        Unit and description of the column.
     dims
         Its dimensions beyond the time.
     attributes
@@ -150,8 +148,9 @@ def sources(problem: Problem) -> dict[str, Source]:
 
 
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
-    """Return all values of states (variables, k) of the runs `which` (k,) by name, in internal
-    units; (k,) each. NaN where an angle is undefined, exactly at a pole.
+    """Return the values of states by name, in internal units.
+
+    An angle is NaN exactly at a pole, where it is undefined.
 
     Parameters
     ----------
@@ -179,9 +178,9 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arra
 
 
 def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
-    """Return the unit quaternions that turn body axes into space axes, by QUATERNION, and `psi`
-    [rad], NaN exactly at a pole, unless the motion is planar, in states (variables, k) of the runs
-    `which` (k,).
+    """Return the unit quaternions that turn body axes into space axes, and `psi`, of states.
+
+    psi [rad] is NaN exactly at a pole, and missing if the motion is planar.
 
     Parameters
     ----------
@@ -238,8 +237,9 @@ def _computed(
 
 
 def _widened(values: np.ndarray, problem: Problem) -> np.ndarray:
-    """Return numbers in which columns are computed, doubles or 80 bits; quadruple ones in two
-    halves, since numpy has no direct way to 80 bits.
+    """Return values in the precision in which columns are computed, doubles or 80 bits.
+
+    Quadruple numbers are converted in two halves, since numpy has no direct way to 80 bits.
     """
     if problem.precision == "quad":
         high = values.astype(np.float64)

@@ -1,6 +1,4 @@
-"""How hard LLVM tries when it compiles a system: an environment variable, for tests and those who
-compile a lot.
-"""
+"""The optimisation level of LLVM, which an environment variable can lower to compile faster."""
 
 import os
 
@@ -12,7 +10,7 @@ DEFAULT = 3
 
 
 def opt_level() -> int:
-    """LLVM's level, 0 to 3: 0 compiles ten times faster and runs 1.3 to 1.8 times slower.
+    """Return LLVM's level, 0 to 3: 0 compiles ten times faster and runs 1.3 to 1.8 times slower.
 
     Other operations are fused than at 3, and four lanes may differ from eight: a run is not
     resumed under another level. Raises InputError.

@@ -1,4 +1,4 @@
-"""Tables of the phases of a run and of occurrences between them: groups of its store."""
+"""The tables of phases and impacts of a run, which become groups of its store."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -14,12 +14,17 @@ Table = dict[str, np.ndarray]
 
 
 class PhaseTables:
-    """New rows of the tables, in internal units; and the phase that is under way, if any.
+    """Collect new rows of the tables of phases and impacts, in internal units.
 
     Parameters
     ----------
     problem
         The run; its system has `tables`.
+
+    Attributes
+    ----------
+    under_way
+        Start and words of the present phase; empty without one.
     """
 
     def __init__(self, problem: Problem):
@@ -30,7 +35,7 @@ class PhaseTables:
         self.numbers = dict[tuple, list]()  # of the words of a phase that begins
 
     def begin(self, time: float, track: Any, cause: str) -> None:
-        """Begin a phase at an internal time."""
+        """End the present phase, and begin another one at an internal time."""
         self.end(time)
         name = track.name
         phase = track.phase
@@ -41,7 +46,7 @@ class PhaseTables:
         self.under_way = [time, *self.numbers[name, cause]]
 
     def end(self, time: float) -> None:
-        """End the phase that is under way."""
+        """Add the row of the present phase, which ends at an internal time."""
         if self.under_way:
             start, *rest = self.under_way
             self.rows["phases"].append([start, time, *rest])
@@ -53,7 +58,7 @@ class PhaseTables:
             self.rows[name] += [(time, *row) for row in some]
 
     def take(self) -> dict[str, Table]:
-        """Return the rows that came since the last call, by table."""
+        """Return the rows since the last call, as columns by table, and remove them."""
         rows = self.rows
         self.rows = defaultdict(list)
         return {
@@ -63,14 +68,14 @@ class PhaseTables:
 
 
 def number_of(value: Any, kind: Any) -> Any:
-    """Return the place of a word among those of its column; a number as it is."""
+    """Return the index of a word among the words of its column; a number unchanged."""
     return kind.index(value) if isinstance(value, str) else value
 
 
 def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
-    """Return rows, in internal units, as columns in SI; words as their places."""
+    """Return rows, in internal units, as columns in SI; words become their indices."""
     table = Table()
     times = ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):

@@ -1,9 +1,13 @@
-"""Many tops in lanes.
+"""Integrate many tops in SIMD lanes.
 
-Each phase has a pool: the lanes of its integrator, and a queue of tops that are in this phase. C
-steps the phase in which most tops are until a lane ends, moves its top by a program to the queue of
-the next phase, and takes another one. Python makes only the changes that no program makes. The
-numbers of a top depend on its own alone, whatever its neighbours, its slot and its turn.
+Each phase has a pool: the lanes of its integrator, and a queue of tops that are in this phase. The
+loop steps the phase in which most tops are until a lane ends, moves its top by a program to the
+queue of the next phase, and fills the lane from its queue. Python makes only the jumps that have no
+program. The result of a top does not depend on its neighbours, its slot or its turn.
+
+The start of a top is a jump too, to its first phase, and there are as many starts as tops. So tops
+begin in a further phase, the last one, which has no equations and ends at its start: its jump gets
+programs like any other, and only the first few tops start by Python.
 """
 
 import math
@@ -55,7 +59,7 @@ LANES = 8
 EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
 PATIENCE = 2
-"""As in `changes`: many tops make the same changes."""
+"""As in `changes`, but lower: many tops make the same jumps."""
 A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING = range(5)
 """What a top waits for: a lane; its change, by Python; a look whether it has settled; the end of
 its next step, in a phase that Python samples; nothing."""
@@ -74,6 +78,8 @@ POOL_RECORD = np.dtype([*_PLACES, *_COUNTS])
 
 
 class _Pools(NamedTuple):
+    """The structure `Pools` of `loop.c`."""
+
     pools: np.ndarray
     loops: np.ndarray
     changes: np.ndarray
@@ -97,7 +103,7 @@ class _Pools(NamedTuple):
 
 
 class Begun(NamedTuple):
-    """Tops at their starts, k of them, internal."""
+    """The starts of k tops, in internal units."""
 
     states: np.ndarray  # (variables, k)
     functions: np.ndarray  # (events, k) of their phase, if they have only one
@@ -107,7 +113,7 @@ class Begun(NamedTuple):
 
 
 class Pools:
-    """Tops in slots, and the pools of lanes of their phases.
+    """Integrate tops, each of which has a slot, in the pools of their phases.
 
     Attributes
     ----------
@@ -130,7 +136,7 @@ class Pools:
     def allot(
         self, room: int, phases: int, width: int, numbers: int, row_count: int, changes: Any = None
     ) -> None:
-        """Make the arrays; no top has begun.
+        """Allocate the arrays; no top has begun.
 
         Parameters
         ----------
@@ -170,20 +176,20 @@ class Pools:
         self.record_at = address_of(self.record)
 
     def lane_tallies(self, rows: EventRows) -> Tallies:
-        """Return tallies of lanes that have no tops."""
+        """Return the tallies of empty lanes."""
         tallies = new_tallies(rows, np.ones((len(rows.events), self.lanes)))
         tallies.lane["status"] = Status.FINISHED.code
         return tallies
 
     def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
-        """Let tops enter a phase, whose parameters are these numbers of a body."""
+        """Add the pool of a phase, whose parameters are these numbers of a body, by index."""
         loop.record.motion.in_lane[:] = -1
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = address_of(loop.structure), mine.ctypes.data, by_steps, 0, 0
 
     def begin_tops(self, slots: np.ndarray, begun: Begun) -> None:
-        """Begin tops in slots, (k,)."""
+        """Begin tops in free slots, (k,)."""
         tallies = new_tallies(self.all_events, begun.functions)
         self.tallies_of[slots] = tallies.lane
         self.functions_of[slots] = tallies.functions.T
@@ -202,14 +208,14 @@ class Pools:
             self.over = self.step(0)[0]
 
     def place_in_first(self, slots: np.ndarray) -> None:
-        """Put tops that begin into their first phase."""
+        """Put tops that begin into the phase of starts, if there is one."""
 
     def push(self, slot: int) -> None:
-        """Let a top wait for a lane."""
+        """Append a top to the queue of its phase."""
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
-        """Do what the loop cannot do for a top. Return what the top waits for then."""
+        """Make the jump of a top that the loop cannot make. Return what it waits for next."""
         return NOTHING
 
     @QUIET
@@ -262,10 +268,9 @@ def bodies_of(tops: Problems) -> np.ndarray:
 
 
 class HybridPools(Pools, HybridDriver):
-    """Pools of tops whose contact may change its phase; as a driver, it holds the top that Python
-    begins or changes.
+    """Pools of tops whose contact may change its phase.
 
-    Tops begin in a further phase, which they leave at once: its programs are those of the start.
+    It is also the driver of one top at a time: that for which Python makes a jump.
 
     Parameters
     ----------
@@ -286,7 +291,7 @@ class HybridPools(Pools, HybridDriver):
         super().__init__(problem, stop)
 
     def begin_run(self) -> None:
-        """Make the arrays of all tops; none has begun."""
+        """Allocate the arrays of all tops; none has begun."""
         room, row_count = self.sizes
         copies = self.programs
         copies.patience = PATIENCE
@@ -307,21 +312,24 @@ class HybridPools(Pools, HybridDriver):
 
     @property
     def programs(self) -> Changes:
-        """Return the programs of the changes."""
+        """Return the programs of jumps."""
         assert self.copies is not None
         return self.copies
 
     # --- lanes of phases -------------------------------------------------------------------------
 
     def code_of(self, formulas: Formulas) -> Compiled:
+        """Return the integrator of a phase, with one lane for each of several tops."""
         problem = self.problem
         key = formulas, "double", problem.tolerance, self.lanes, problem.orientation
         return compiled_when(key, self.stop)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
+        """Return tallies of the lanes of a phase, an unused log, and the common samples."""
         return self.lane_tallies(rows), new_log(0, self.width), self.samples
 
     def track_of(self, name: str) -> Track:
+        """Return the phase of this name; when it is first entered, it gets a pool."""
         is_new = name not in self.tracks
         track = super().track_of(name)
         if is_new:
@@ -333,18 +341,22 @@ class HybridPools(Pools, HybridDriver):
         return track
 
     def work_in(self, place: Any) -> None:
+        """Select the phase of the top that the driver holds; its loop only logs events."""
         self.place = place
         self.loop = self.notes
 
     @property
     def clock(self) -> tuple[Any, Any]:
+        """Return the internal time of the top that the driver holds."""
         return self.at
 
     @property
     def state(self) -> np.ndarray:
+        """Return the state of the top that the driver holds."""
         return self.present_state
 
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Set the state and the time of the top that the driver holds."""
         self.at = clock
         self.present_state = np.zeros(len(self.place.motion.state))
         self.present_state[: len(state)] = state
@@ -352,6 +364,7 @@ class HybridPools(Pools, HybridDriver):
     # --- one top ---------------------------------------------------------------------------------
 
     def place_in_first(self, slots: np.ndarray) -> None:
+        """Put tops that begin into the phase of starts."""
         self.tops["stop"][slots] = 0.0
         self.tops["stops_by"][slots] = len(self.numbers)
         self.tops["phase"][slots] = len(self.phases)
@@ -359,7 +372,7 @@ class HybridPools(Pools, HybridDriver):
         self.tallies_of["lasts_since"][slots] = np.nan
 
     def _load(self, slot: int) -> None:
-        """Take a top from its slot into the driver."""
+        """Load a top from its slot into the driver."""
         self.problem = self.problems[slot]
         body = refill(self.world.body, iter(self.bodies[slot].tolist()))
         self.world = self.world._replace(body=body, rules=self.problem.contact)
@@ -414,9 +427,11 @@ class HybridPools(Pools, HybridDriver):
             count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
 
     def learn_start(self, *given: Any) -> None:
+        """Record the jump to the first phase."""
         self.programs.learn(*given)
 
     def attend(self, slot: int) -> int:
+        """Start a top, make its jump, or set the end of its next step in a sampled phase."""
         self._load(slot)
         top = self.tops[slot]
         if top["waits"] == AN_END:
@@ -442,6 +457,7 @@ class HybridPools(Pools, HybridDriver):
         return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
+        """Return states of phases, by number, as rows in the variables of the runs."""
         rows = states[:, : self.variables].copy()
         for track in self.tracks.values():
             mine = np.flatnonzero(phases == track.at)

@@ -1,4 +1,4 @@
-"""Events of a phase that Python evaluates, whose functions have no Taylor series."""
+"""Find events of a phase whose functions have no Taylor series, and are sampled by Python."""
 
 from functools import partial
 from typing import Any
@@ -8,8 +8,9 @@ from ..mechanics.operand import leaves
 
 
 def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
-    """Return the internal times of sampled events that would end the phase of a run in its next
-    step, and their numbers. The step is made by another integrator of the phase, `track.ahead`.
+    """Return the internal times and numbers of the sampled events in the next step of a run.
+
+    The step is made by a copy of the integrator of the phase, `track.ahead`.
     """
     track, (high, low) = run.track, run.clock
     ta = track.ahead

@@ -1,4 +1,4 @@
-"""The end of sliding, and the fates of runs: near an unstable pole a motion is still under way."""
+"""Decide whether sliding has ended for good, and classify the final motions of tops."""
 
 from typing import Any
 

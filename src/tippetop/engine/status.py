@@ -1,10 +1,10 @@
-"""Ends of a run."""
+"""The ways in which a run can end."""
 
 from enum import Enum
 
 
 class Status(Enum):
-    """End of a run. All are ordinary ends except NON_FINITE and STALLED.
+    """The way in which a run has ended.
 
     The value is the word in stores; `code` is the number in the lanes of ensembles and in the
     stores of sweeps.
@@ -42,12 +42,12 @@ class Status(Enum):
 
     @property
     def code(self) -> int:
-        """The number of the status: its place in the list above."""
+        """Return the number of the status: its index in the list above."""
         return list(Status).index(self)
 
     @property
     def ordinary(self) -> bool:
-        """True if the run ended for a reason that lies in the motion of the top."""
+        """Return whether the run ended for a reason that lies in the motion of the top."""
         return self in (
             Status.FINISHED,
             Status.LIFTOFF,
@@ -58,7 +58,7 @@ class Status(Enum):
 
     @classmethod
     def of_event(cls, ends: str) -> "Status":
-        """The status of a run that an event with this ending has ended.
+        """Return the status of a run that an event with this ending has ended.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
-"""Taylor steps of heyoka, made by one of two steppers.
+"""Make Taylor steps by the code that heyoka has compiled, in one of two ways.
 
-`Loaded` is heyoka's machine code, loaded by LLVM: the compiled loop calls its addresses. `Called`
-is called by the loop in Python: for numbers wider than doubles.
+`Loaded` is heyoka's machine code in memory, whose functions the loop calls by their addresses.
+`Called` is a Python object whose methods the loop calls, for numbers wider than doubles.
 
 step(state, pars, time, h, tc, tape) makes one step in place: h is the longest allowed step, and
 then the one that was made; code in heyoka's compact mode works on the tape, other code ignores it.
@@ -21,7 +21,7 @@ from .opt_level import DEFAULT
 
 
 class Loaded(NamedTuple):
-    """The functions of an integrator in memory."""
+    """The machine code of an integrator in memory."""
 
     library: Any  # owns the memory
     step: int  # addresses
@@ -48,7 +48,7 @@ def load(code: list[bytes], level: int, tape: int = 0) -> Loaded:
 
 
 class Called:
-    """Steps in Python, which the loop calls back.
+    """Base of steppers in Python, whose methods the loop calls.
 
     It writes state, time and coefficients rounded to the arrays of the loop, and keeps states at
     passages and rows itself. It may also correct the time at which the step starts (`start_high`
@@ -63,7 +63,7 @@ class Called:
         raise NotImplementedError
 
     def keep(self) -> None:
-        """Keep the state at the next passage of the present step, or else at the next row."""
+        """Store the state at the next passage of the present step, or else at the next row."""
         raise NotImplementedError
 
 

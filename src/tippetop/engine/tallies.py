@@ -1,4 +1,4 @@
-"""Tallies of runs, and the places of event functions among the Taylor coefficients."""
+"""Arrays that the loop fills (tallies, log of events, samples), and its table of events."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -15,14 +15,13 @@ WHAT = {"first": FIRST, "last": LAST, "count": COUNT}
 
 
 class EventRows(NamedTuple):
-    """The events of a system, in its order, as arrays of records.
+    """The events of a system, in its order, as arrays of records that the loop reads.
 
-    `events`: where a function stands among the kept coefficients (`row`): it is a variable plus
-    `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two.
-    `direction`, `sense`, `lasting`, `extremes` are those of the event; `ends` the code of the
-    status of a top that it ends, or 0; it keeps the `numbers` from `first` to `last`, this one
-    excluded. Zeros are detected of `watched` events only, least and greatest values of `ranged`
-    ones.
+    An event function is variable `row` plus `offset` (`shift` 0), or the rate of this variable
+    (`shift` 1), times `scale`, a power of two. `direction`, `sense`, `lasting` and `extremes` are
+    those of `Event`; `ends` is the code of the status of a run that it ends, or 0; it keeps the
+    `numbers` from `first` to before `last`. Only `watched` events are searched for zeros, and only
+    `ranged` ones for extremes.
     """
 
     events: np.ndarray  # (events,)
@@ -33,9 +32,7 @@ class EventRows(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """When a run ends before its time, other than by an event; how often its state is sampled; and
-    thresholds of events.
-    """
+    """The limits at which a run ends other than by an event, sampling, and thresholds of events."""
 
     settled_for: float  # internal time that the lasting event must have lasted
     most_steps: int
@@ -74,7 +71,7 @@ values, in the scale of the coefficients, and their times.
 
 
 class Tallies(NamedTuple):
-    """Tallies of the tops in the lanes; times are internal."""
+    """Counters, event functions and kept numbers of the tops in lanes; times are internal."""
 
     lane: np.ndarray  # (lanes,) records: how far each has come, and its turnings
     functions: np.ndarray  # (events, lanes) records of event functions
@@ -93,8 +90,8 @@ def event_rows(
 ) -> EventRows:
     """Return events as arrays of records.
 
-    `sources` are variable, shift, scale and offset of each function; `axis` are the variables of
-    3hat, none in a form without it.
+    `sources` contains variable, shift, scale and offset of each function; `axis` the variables of
+    3hat, empty in a form without it.
     """
     records: list[tuple] = []
     numbers: list[tuple[int, int]] = []
@@ -113,8 +110,10 @@ def event_rows(
 def looked_for(
     rows: EventRows, watched: Iterable[bool], ranged: Iterable[bool] | None = None, *, stops: bool
 ) -> EventRows:
-    """Return the events as a run looks for them: those that are `watched`, the extremes of those
-    that are `ranged` (None: of all that have some), and the ends of runs if it `stops`.
+    """Return the events with the options of a run.
+
+    `watched`: whose zeros are found; `ranged`: whose extremes are found (None: all that have some);
+    `stops`: whether events end the run.
     """
     records = rows.events.copy()
     records["watched"] = list(watched)
@@ -145,7 +144,7 @@ def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
 
 
 def begin_lasting(tallies: Tallies, rows: EventRows) -> None:
-    """Let lasting events last from the start, where their functions have the sign for it there."""
+    """Let events last from the start of the run, if their functions have the sign for it there."""
     lasting, direction = (rows.events[name][:, None] for name in ("lasting", "direction"))
     lasts = lasting & (tallies.functions["sign"] == direction)
     tallies.lane["lasts_since"] = np.where(lasts.any(axis=0), 0.0, math.nan)
@@ -158,7 +157,7 @@ from now on.
 
 
 class PassageLog(NamedTuple):
-    """Zeros of event functions, those of a lane in order; of length 0 if unused."""
+    """The log of zeros of event functions, those of a lane in order; of length 0 if unused."""
 
     filled: np.ndarray  # (1,) how many there are
     rows: np.ndarray  # (n,) records
@@ -180,7 +179,7 @@ def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
 
 
 class Samples(NamedTuple):
-    """States on the way, at which the invariants are compared."""
+    """States at some ends of steps, at which the invariants are compared with the start."""
 
     filled: np.ndarray  # (1,)
     top: np.ndarray  # (n,) whose state it is

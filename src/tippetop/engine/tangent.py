@@ -1,6 +1,4 @@
-"""How a motion changes with the numbers that a user gives: states, columns and their derivatives
-along directions.
-"""
+"""Derivatives of states and columns by the numbers of a problem, for motions of one phase."""
 
 import threading
 from collections.abc import Mapping, Sequence
@@ -21,7 +19,7 @@ _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
 
 
 class Tangents:
-    """Motions with their derivatives by the numbers of a problem.
+    """Integrate motions together with their derivatives by the numbers of a problem.
 
     Parameters
     ----------
@@ -61,7 +59,7 @@ class Tangents:
         self.second = problem.unit(SECOND)
 
     def scale(self, name: str) -> float:
-        """SI units in one internal unit of a number."""
+        """Return how many SI units are one internal unit of a number."""
         return self.problem.unit(self.problem.rules[name].unit)
 
     def parameters(self, ways: np.ndarray, values: Mapping[str, Any] | None = None) -> np.ndarray:
@@ -82,7 +80,7 @@ class Tangents:
         return np.concatenate([rows, ways])
 
     def _kind(self, order: int) -> Kind:
-        """Key of the compiled functions."""
+        """Return the key of the compiled functions."""
         problem = self.problem
         names = tuple(self.values)
         return Kind(problem.system, problem.variables, problem.law, names, self.flags, order)

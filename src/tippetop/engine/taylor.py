@@ -1,4 +1,4 @@
-"""A problem becomes a driver, which integrates it."""
+"""Compile the equations of a problem, and return the driver that integrates it."""
 
 import hashlib
 import threading
@@ -21,9 +21,10 @@ from .wide import WideDriver
 
 
 def silence() -> None:
-    """Stop heyoka's warnings for the whole process: they go to standard output, and every outcome
-    that they are about has a status here. Call it in processes of this package only: the
-    command line, and the workers of a sweep.
+    """Stop heyoka's warnings for the whole process.
+
+    They go to standard output, and a status reports the same outcomes. Call it only in processes of
+    this package: the command line, and the workers of a sweep.
     """
     hy.set_logger_level_critical()
 

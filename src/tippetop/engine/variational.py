@@ -1,5 +1,4 @@
-"""The variational equations: derivatives of motions along directions in the space of all numbers
-that a user gives.
+"""Compile the variational equations: derivatives of motions along directions of the input numbers.
 
 The formulas are those of the run; their operands are expressions with derivatives. A number and its
 direction are parameters of the compiled functions, so that one integrator serves every direction,
@@ -42,7 +41,7 @@ the centre of mass.
 
 
 class Kind(NamedTuple):
-    """Key of compiled tangents.
+    """The key of compiled functions with derivatives.
 
     Parameters
     ----------
@@ -64,8 +63,9 @@ class Kind(NamedTuple):
     order: int
 
     def numbers(self) -> tuple[Any, dict[str, Any]]:
-        """Return the body and the initial data of the user's numbers, as symbols with derivatives;
-        second derivatives of numbers are zero.
+        """Return the body and the initial data as symbols with derivatives.
+
+        Second derivatives of numbers are zero.
         """
         n = len(self.names)
         tables: dict[str, dict[str, Any]] = {"parameters": {}, "friction": {}, "initial": {}}
@@ -98,7 +98,7 @@ def by_order(values: Iterable, order: int) -> list[Any]:
 
 @lru_cache(maxsize=16)
 def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> tuple[Any, Any]:
-    """Return the state and its derivatives in motion.
+    """Return compiled functions of the start and of the motion, with derivatives.
 
     Returns
     -------
@@ -153,9 +153,7 @@ def _integrator(
 def expressions_of(
     system: System, variables: Variables, state: Sequence[Any], body: Any
 ) -> dict[str, Any]:
-    """Return functions of the state by name: columns, the height of the centre of mass, axes of the
-    body.
-    """
+    """Return columns, the height of the centre of mass and body axes, as functions of the state."""
     form = variables.form
     q, carried = variables.split(state)
     values = observed(system, form, q, carried, body)
@@ -180,9 +178,10 @@ def with_events(kind: Kind, state: Sequence[Any], body: Any) -> dict[str, Any]:
 
 
 def _own_units(kind: Kind, state: Sequence[Any], body: Any) -> tuple[list[Any], Any]:
-    """Return state and body in the units in which a run with these numbers would be integrated:
-    events are looked for there, and one whose level is not zero moves with them. The unit of time
-    is a power of two, and stays.
+    """Return state and body in the units in which a run with these numbers would be integrated.
+
+    Events are found in these units, and one whose level is not zero moves with them. The unit of
+    time is a power of two, which does not change.
     """
     mass, length = kind.system.scales(body)
     scales = Scales(mass, length * kind.variables.form.length_unit, 1.0)
@@ -220,7 +219,7 @@ def compiled_readings(kind: Kind, names: tuple[str, ...] | None) -> tuple[tuple[
 
 
 class Moving(Dual):
-    """A number and its derivatives by time."""
+    """A number with its derivatives by time."""
 
     __slots__ = ()
     level = 1

@@ -1,8 +1,8 @@
-"""One run in numbers wider than doubles: heyoka makes each step, and the loop follows its rounded
-coefficients.
+"""One run in numbers wider than doubles.
 
-Events are found in doubles, from the same polynomials as those of a run in doubles, and their times
-then refined in the working precision.
+heyoka makes each step, and the loop gets its coefficients rounded to doubles. It finds events on
+them, by the same code as in a run in doubles; Python then refines their times by Newton's rule in
+the working precision. So no second search for events has to be written or trusted.
 """
 
 import copy
@@ -27,15 +27,14 @@ LARGEST = 1e300
 
 
 class WideSteps(Called):
-    """Steps whose state and time are those of heyoka's integrator; the loop gets them rounded to
-    doubles.
+    """Make steps by heyoka's integrator, and pass them to the loop rounded to doubles.
 
-    Whatever the loop keeps, this keeps too, in the working precision.
+    Passages, samples and rows that the loop stores are stored here in the working precision.
 
     Parameters
     ----------
     integrator
-        heyoka's, which is copied.
+        heyoka's integrator, which is copied.
     run
         The driver whose steps these are.
 
@@ -80,7 +79,7 @@ class WideSteps(Called):
             rows[row, :n] = ta.state
 
     def keep(self) -> None:
-        """Keep the next zero of the log, which is refined, or else the next row."""
+        """Store the next zero of the log, refined, or else the next row."""
         ta = self.integrator
         run = self.run
         n = len(self.integrator.state)
@@ -101,28 +100,34 @@ class WideSteps(Called):
 
 
 class WideDriver(Driver):
-    """Makes the steps of one run in numbers wider than doubles."""
+    """Integrate one run in numbers wider than doubles."""
 
     def stepper_of(self, code: Compiled) -> Stepper:
+        """Return a stepper in Python around heyoka's integrator."""
         return WideSteps(code.integrator, weakref.proxy(self))
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
+        """Set the parameters of an integrator to the first of these numbers."""
         pars = place.stepper.integrator.pars
         pars[:] = [self.number(number) for number in body[: len(pars)]]
 
     @property
     def now(self) -> Any:
+        """Return the internal time at the end of the last step."""
         return self.stepper.integrator.time
 
     @property
     def clock(self) -> tuple[Any, Any]:
+        """Return the internal time in double length, as the sum of two numbers."""
         return self.stepper.integrator.dtime
 
     @property
     def state(self) -> np.ndarray:
+        """Return all integrated variables."""
         return self.stepper.integrator.state
 
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
+        """Set the state, padded with zeros, and the time."""
         ta = self.stepper.integrator
         ta.state[:] = 0
         ta.state[: len(state)], ta.dtime = state, clock

@@ -1,3 +1,1 @@
-"""How a motion answers to a change of its numbers: derivatives along a run, and how fast nearby
-motions part.
-"""
+"""Derivatives of runs by their numbers, and the growth of small errors."""

@@ -21,7 +21,7 @@ INDEPENDENT = 1e-9
 
 
 class Growth(NamedTuple):
-    """How small errors of the start grow along a run.
+    """The growth of small errors of the start along a run.
 
     Parameters
     ----------
@@ -38,13 +38,13 @@ class Growth(NamedTuple):
 
     @property
     def exponents(self) -> np.ndarray:
-        """The finite-time Lyapunov exponent up to each row [1/s], (rows,); NaN at the start."""
+        """Return the finite-time Lyapunov exponent up to each row [1/s]; NaN at the start."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.times > 0, np.log(self.factor) / self.times, np.nan)
 
     @property
     def horizon(self) -> float:
-        """Time at which an error of 1e-16 has grown to 1e-3 [s]; NaN if later than the run."""
+        """Return the time [s] at which an error of 1e-16 has grown to 1e-3; NaN if none."""
         beyond = np.flatnonzero(self.factor * ROUNDING > LOST)
         if not len(beyond):
             return math.nan
@@ -53,7 +53,7 @@ class Growth(NamedTuple):
         return float(np.interp(math.log(LOST / ROUNDING), logs, self.times[around]))
 
     def sentence(self) -> str:
-        """Return a sentence for reports."""
+        """Return the growth as a sentence for reports."""
         if math.isfinite(self.horizon):
             return (
                 f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: "

@@ -23,7 +23,7 @@ OF_EVENT = "of the event, as the numbers change"
 
 
 class Derivatives(NamedTuple):
-    """Columns of derivatives by name.
+    """The derivatives of a run, as columns by name.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def differentiate(
 def _limit(
     found: Derivatives, notes: Sequence[Any], wrt: Sequence[str], second: float, times: Any
 ) -> None:
-    """Add `valid_within` to the tables of first derivatives, and leave out what has none."""
+    """Add `valid_within` to the tables of first derivatives, and remove undefined derivatives."""
     least = np.fmin.accumulate([np.full(len(wrt), np.inf), *(note.least for note in notes)])
     starts = np.array([note.time for note in notes]) * second
     every = {"time": found.trajectory, "event": found.events, **found.moments}
@@ -176,8 +176,9 @@ def _limit(
 
 
 def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return second derivatives by n numbers, (..., n, n), of those along the means of the
-    directions i and j, (..., lanes).
+    """Return second derivatives by n numbers, (..., n, n).
+
+    `along` are those along the means of the directions i and j, (..., lanes).
     """
     n = i[-1] + 1
     means = np.empty((*along.shape[:-1], n, n))

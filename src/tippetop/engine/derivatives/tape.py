@@ -1,4 +1,4 @@
-"""Functions of numbers that are recorded once, and repeated with derivatives by compiled code.
+"""Record functions of numbers, and repeat them with derivatives by compiled code.
 
 A formula or a jump takes milliseconds in numbers with derivatives, and its record microseconds.
 """
@@ -21,8 +21,10 @@ assert OPERATIONS[RESULT] == "result"
 
 
 def _executed(lines, k, values, moves, least):
-    """Execute lines from the k-th to the end, or to one that follows a motion, and return its
-    number; -1 if a comparison turns out otherwise. Take in by how much each could change.
+    """Execute lines from the k-th on; return the number of the next MOTION, or of the end.
+
+    Return -1 if a comparison turns out otherwise. `least` gets the smallest change along each
+    direction at which one would.
     """
     first = len(values) - len(lines)
     while k < len(lines):
@@ -96,7 +98,7 @@ _execute = Entry(_executed)
 
 
 class Tape:
-    """A record of function(*inputs) -> numbers, where its comparisons turn out as here.
+    """The recorded operations of function(*inputs) -> numbers, on one branch of its comparisons.
 
     Parameters
     ----------
@@ -120,8 +122,10 @@ class Tape:
     def __call__(
         self, values: np.ndarray, moves: np.ndarray, follow: Any = None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """Return the results, their derivatives, and the least change along each direction at which
-        a comparison turns out otherwise; None if one does.
+        """Repeat the function for other inputs; return None if a comparison turns out otherwise.
+
+        Return the results, their derivatives, and the least change along each direction at which a
+        comparison would.
 
         Parameters
         ----------

@@ -1,9 +1,10 @@
 """Derivatives of a run through every change of its contact.
 
-The plain run gives the phases that it goes through. They are followed once more: the flow of each
-by its variational equations, one number in each lane; the start, times of events, jumps and columns
-by numbers with derivatives, which the formulas take as they are. So where a phase ends moves with
-the numbers, and no jump has derivatives of its own.
+A plain run decides which phases follow each other. They are then followed once more: the flow of
+each by its variational equations, one number in each lane; the start, times of events, jumps and
+columns by dual numbers, which the formulas take like any numbers. The end of a phase so moves with
+the numbers, which is the saltation matrix of the textbooks, and no jump needs written derivatives.
+Whole steps in dual numbers would need step control and events a second time.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -127,12 +128,12 @@ def valued(record: Any, values: Any) -> Any:
 
 
 def joined(values: Any, moves: np.ndarray) -> list[Dual]:
-    """Return numbers of values (n, ...) and derivatives (n, directions, ...)."""
+    """Return dual numbers of these values (n, ...) and derivatives (n, directions, ...)."""
     return [Dual(*pair) for pair in zip(values, moves, strict=True)]
 
 
 def parted(numbers: Sequence, directions: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the values (n,) and derivatives (n, directions) of numbers."""
+    """Return the values (n,) and derivatives (n, directions) of dual numbers."""
     pairs = [parts_of(one, 1) for one in numbers]
     values = np.array([value for value, _ in pairs], float)
     return values, np.array([by + np.zeros(directions) for _, by in pairs])
@@ -149,8 +150,9 @@ class Motion(NamedTuple):
     def flow(
         self, values: np.ndarray, moves: np.ndarray, times: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the values (n, times) and derivatives (n, directions, times) of a state that moves
-        for these times, ascending.
+        """Return the state after each of these times, ascending, with its derivatives.
+
+        They are (n, times) and (n, directions, times).
         """
         n, directions = moves.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
@@ -233,8 +235,9 @@ class Motion(NamedTuple):
         return shift, moves + np.outer(rates, shift)
 
     def lost(self, event: Any, values: np.ndarray, moves: np.ndarray) -> np.ndarray:
-        """Return the change of the numbers along each direction by which the zero of an event is
-        lost: the extreme of its function that follows comes to zero.
+        """Return the change along each direction at which an event no longer happens.
+
+        There the next extreme of its function comes to zero.
         """
         rates, turns = self.rates(values, moves)
         now = self.slopes(event, values, moves, rates)
@@ -249,7 +252,7 @@ class Motion(NamedTuple):
 
 @contextmanager
 def noting(directions: int) -> Iterator[list[np.ndarray]]:
-    """Note the changes along each direction at which comparisons turn out otherwise."""
+    """Collect the changes along each direction at which comparisons turn out otherwise."""
     least = [np.full(directions, np.inf)]
 
     def note(one: Dual) -> None:
@@ -265,7 +268,7 @@ def noting(directions: int) -> Iterator[list[np.ndarray]]:
 
 @lru_cache(maxsize=1024)
 def tapes_of(key: tuple) -> list[Tape]:
-    """Return the records of a function, which has been called so far on these branches."""
+    """Return the tapes of a function, one for each branch on which it was called so far."""
     return []
 
 
@@ -277,13 +280,15 @@ def evaluated(
     moves: np.ndarray,
     follow: Any = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Any]:
-    """Return the numbers that a function returns, their derivatives, the least change along each
-    direction at which a comparison turns out otherwise, and its second result.
+    """Call a function with derivatives, by a tape of it if possible.
+
+    Return its numbers, their derivatives, the least change along each direction at which a
+    comparison turns out otherwise, and its second result.
 
     Parameters
     ----------
     key
-        By which the function is known.
+        Identifies the function.
     function
         function(call, *records) -> numbers, and what they depend on; call(place, function, *inputs)
         follows a motion.
@@ -315,7 +320,7 @@ def evaluated(
 
 
 class Note(NamedTuple):
-    """By how much numbers may change before something turns out otherwise: see `Pass.notes`."""
+    """How far numbers may change before a comparison or an exit differs: see `Pass.notes`."""
 
     time: float
     what: str
@@ -336,7 +341,7 @@ class Samples(NamedTuple):
 
 
 class Pass:
-    """Follows a run with derivatives.
+    """Repeat a run with derivatives.
 
     Parameters
     ----------
@@ -387,15 +392,15 @@ class Pass:
         self._follow()
 
     def wanted(self) -> np.ndarray:
-        """Return the times of rows of the plain run: none."""
+        """Request no rows of the plain run."""
         return np.zeros(0)
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take no rows of the plain run."""
+        """Ignore rows of the plain run."""
 
     @QUIET
     def _follow(self) -> None:
-        """Follow the run."""
+        """Repeat all phases and jumps of the plain run with derivatives."""
         begin = Exit("start", (), self.problem.system.begin or begin_in_first)
         phase = completed(self.problem.system.phase, self.problem.variables)
         now = Dual(0.0, np.zeros(self.directions))
@@ -422,8 +427,10 @@ class Pass:
                 return
 
     def _jumped(self, phase: Phase, exit: Exit, state: tuple, now: Dual) -> tuple:
-        """Return the phase that follows one that ended in a state; how long until it begins and
-        how long it lasts at most; and its variables.
+        """Make a jump with derivatives.
+
+        Return the next phase, the time until it begins, the longest time that it lasts, and its
+        variables.
         """
         driver = self.driver
         world = driver.world._replace(phase=phase)
@@ -547,7 +554,7 @@ class Pass:
         return (last, moves), Dual(leg.ended, began.first + more + by)
 
     def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
-        """Follow a motion of an impact, of the inputs of `ImpactMotions.piece`."""
+        """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`."""
         impacts = self.driver.impacts
         region = self.regions[place]
         formulas = formulas_of_impact(impacts.law, region, *impacts.pattern)
@@ -595,8 +602,9 @@ class Pass:
 
     @QUIET
     def rows(self) -> np.ndarray:
-        """Return the rows of the run at all times, (variables, 2, directions, times): values and
-        derivatives, in internal units.
+        """Return the values and derivatives of the variables of the run at all times.
+
+        The array is (variables, 2, directions, times), in internal units.
         """
         variables = self.problem.variables
         shape = self.directions, len(self.times)
@@ -615,8 +623,9 @@ class Pass:
 
     @QUIET
     def read(self) -> dict[str, np.ndarray]:
-        """Return the columns and other functions of the state at all times by name, (2, times,
-        directions) each.
+        """Return the columns and other functions of the state at all times, by name.
+
+        Each is (2, times, directions): values and derivatives.
         """
         state = [Dual(value[0], moves) for value, moves in self.rows()]
         first = _columned(self.numbers.first)
@@ -634,8 +643,9 @@ class Pass:
 
     @QUIET
     def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the times of events, (events, directions): of the end of a
-        phase where one ends, or of the zero of the event function.
+        """Return the derivatives of the times of events, (events, directions).
+
+        A time is that of the end of a phase, or of the zero of an event function.
         """
         shifts = np.zeros((len(times), self.directions))
         ends = [leg.ended for leg in self.legs]
@@ -658,7 +668,7 @@ class Pass:
 
     @QUIET
     def margins(self) -> list[Note]:
-        """Return what could turn out otherwise, with exits of phases that nearly happened."""
+        """Return all notes by time, with those of exits that nearly happened."""
         notes = list(self.notes)
         ends = self.runs
         for track, b, (q, _), which in self._together(self.between):
