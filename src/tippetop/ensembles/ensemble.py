@@ -1,4 +1,4 @@
-"""Many tops of one scenario, in memory: a Dataset with one row per top."""
+"""Integrate many tops of one scenario in memory, on several threads."""
 
 import itertools
 import os
@@ -34,22 +34,22 @@ def measure(
     events: bool = False,
     times: np.ndarray | None = None,
 ) -> Outcomes:
-    """Integrate every valid top to its end; `progress(done, n)` is called now and then.
+    """Integrate every valid top to its end.
 
     Parameters
     ----------
     tops
-        As `vary` gives them.
+        The tops, made by `vary`.
     threads
-        How many; by default one per usable core.
+        Number of threads; by default one per usable core.
     progress
         Called as progress(done, of), which count valid tops, from any thread.
     wanted
-        Names of the columns that are read, None: all. The others may be empty; these have the
+        Names of the columns that are read; None: all. The others may be empty; these have the
         same bits.
     lyapunov
-        Whether the finite-time Lyapunov exponents are wanted: one top after the other, several
-        runs' cost each. That of a top that is invalid, or ends at its start, is NaN.
+        Whether finite-time Lyapunov exponents are computed: one top after the other, each at the
+        cost of several runs. That of a top that is invalid, or ends at its start, is NaN.
     events
         Whether the events of each top are logged.
     times
@@ -141,7 +141,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     Parameters
     ----------
     base
-        Their base.
+        The problem that is varied.
     variations
         Arrays (n,) in SI units, under dotted keys like `friction.mu`.
     orientation
@@ -176,7 +176,7 @@ def base_faults(base: Problem) -> list[str]:
     Returns
     -------
     list of str
-        Sentences; lanes need the vector form and doubles.
+        Sentences. Lanes require a form that integrates the axis, and doubles.
     """
     sentences = []
     if not base.system.events:

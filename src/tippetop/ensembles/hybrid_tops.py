@@ -1,4 +1,4 @@
-"""Tops that run one after the other, each followed by a separate driver instead of a lane."""
+"""Integrate tops one after the other, each by an `Integration` instead of a lane."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -57,7 +57,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
 
 
 def faults_of(problem: Problem) -> list[str]:
-    """Return why a problem cannot be followed alone, in sentences."""
+    """Return why a problem cannot be integrated alone, in sentences; empty if it can."""
     return [*problem.clashes(), *contact_faults(problem)]
 
 
@@ -69,9 +69,9 @@ def run_each(
     Parameters
     ----------
     outcomes
-        A row per top; those of tops that cannot be followed are marked as invalid.
+        A row per top; tops that cannot be integrated are marked as invalid.
     numbers
-        Of the tops.
+        Numbers of the tops.
     ended
         Called whenever a top has ended.
     events

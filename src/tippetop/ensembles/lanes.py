@@ -1,4 +1,4 @@
-"""Many tops in lanes, taken from a queue as others end; see `engine.pools`."""
+"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`."""
 
 import threading
 from collections.abc import Callable, Collection, Iterator
@@ -35,12 +35,12 @@ MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 
 
 class PoolOfOne(Pools):
-    """The pool of tops of a system of one phase.
+    """The only pool of a system of one phase.
 
     Parameters
     ----------
     tops
-        All that may run in it.
+        All tops that may enter it.
     room, row_count
         As for `allot`.
     wanted, events
@@ -81,12 +81,12 @@ class PoolOfOne(Pools):
 
 
 class Lanes:
-    """The lanes of one thread.
+    """Integrate tops of a common queue on one thread, and write their outcomes.
 
     Parameters
     ----------
     outcomes
-        A row per top; gets those of all tops that end here.
+        A row per top; the rows of tops that end here are written.
     functions
         The event functions of all tops at their starts, (n, events).
     ended
@@ -128,7 +128,7 @@ class Lanes:
             self.pools = PoolOfOne(self.tops, self.room, row_count, wanted, events=events)
 
     def run(self, queue: Iterator[int]) -> None:
-        """Run tops of a queue, which threads may share, to their ends."""
+        """Integrate tops of a queue, which threads may share, until it is empty."""
         free = list(range(self.room))
         done = list[int]()  # slots of tops that have ended
         is_more = True
@@ -192,7 +192,7 @@ class Lanes:
         return is_more
 
     def _checked(self, tops: list[int]) -> dict[int, Any]:
-        """Return the problems of the tops that can be followed; the others are invalid."""
+        """Return the problems of the tops that can be integrated; mark the others as invalid."""
         found = {}
         for top in tops:
             if self.stop.is_set():
@@ -218,7 +218,7 @@ class Lanes:
     # --- rows of tops ----------------------------------------------------------------------------
 
     def _stays(self, slot: int) -> bool:
-        """Return whether a top that may have settled has, and stays as it is."""
+        """Return whether a top that may have settled has done so for good."""
         pools = self.pools
         assert pools is not None
         problem = problem_of(self.tops, int(self.top_in[slot]))
@@ -231,7 +231,7 @@ class Lanes:
         return is_settled and stays(problem, view.evaluate(last))
 
     def _look(self) -> None:
-        """Compare the invariants of the states that were sampled, and take the events."""
+        """Compare the invariants of sampled states with the start, and empty samples and log."""
         pools = self.pools
         if pools is None:
             return
@@ -305,7 +305,9 @@ class Lanes:
 
 
 def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:
-    """Return the events that end or settle a top, that are wanted, or that columns need.
+    """Return the events of a system, with those marked that a run in lanes has to find.
+
+    They end or settle a top, are wanted, or are needed by a column.
 
     Parameters
     ----------
@@ -316,11 +318,6 @@ def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> Event
     reads
         reads(*names) -> whether a column, or an event, is wanted whose name begins like one of
         these.
-
-    Returns
-    -------
-    EventRows
-        These events are found with the same bits.
     """
     watches = []
     ranges = []

@@ -1,4 +1,4 @@
-"""The outcome of each top of an ensemble: status, class, times, angles, forces, drift."""
+"""The outcomes of the tops of an ensemble: status, class, times, angles, forces, drift."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -77,7 +77,7 @@ def columns_of(system: System) -> dict[str, Form]:
 
 
 class Outcomes:
-    """One row per top, as arrays (n,); and the cost of the computation."""
+    """The results of an ensemble, as arrays (n,) with one element per top, and its cost."""
 
     def __init__(self, tops: Problems, lyapunov: bool = False, times: np.ndarray | None = None):
         self.tops = tops
@@ -106,7 +106,7 @@ class Outcomes:
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     def refuse(self, top: int, sentence: str) -> None:
-        """Mark a top as invalid, and keep why."""
+        """Mark a top as invalid, and store the reason."""
         self.status[top] = Status.INVALID.code
         self.faults.append((top, sentence))
 

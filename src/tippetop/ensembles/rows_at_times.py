@@ -1,4 +1,4 @@
-"""Columns of many tops at given times, of systems of one phase and of several."""
+"""Compute columns of many tops at given times."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -22,12 +22,12 @@ def rows_at_times(
     Parameters
     ----------
     tops
-        As `vary` gives them, with orientation if `psi` or `orientation` is wanted.
+        The tops, made by `vary`, with orientation if `psi` or `orientation` is wanted.
     times
         [s], ascending, common to all tops (k,) or those of each (n, k). A top runs until the last
-        of them; if none is positive, as long as its scenario says.
+        of them; if no time is positive, until the end in its scenario.
     names
-        Of columns of runs, such as `theta` and `axis`.
+        Names of columns of runs, such as `theta` and `axis`.
     threads
         As for `measure`.
 

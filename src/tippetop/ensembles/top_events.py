@@ -1,4 +1,4 @@
-"""The events of many tops, as the log of a run has them."""
+"""Convert the zeros that lanes found to an event log of each top, as that of a single run."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def log_of(tops: Problems, top: int) -> EventLog:
 
 
 def log_events(measured: Outcomes) -> None:
-    """Log the zeros that lanes found."""
+    """Write the event table of each top from the zeros that lanes found."""
     tops = measured.tops
     rows, states = map(np.concatenate, zip(*measured.passages, strict=True))
     order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend
