@@ -31,7 +31,7 @@ def datasets(run: "Solution", attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def dataset(columns: dict[str, Column], attrs: PlainData) -> Any:
-    """Return columns as a labelled Dataset."""
+    """Return columns as a labelled Dataset with these attributes."""
     import xarray as xr
 
     return with_coordinates(xr.Dataset(dict(columns), attrs=plain_attributes(attrs)))
@@ -70,7 +70,7 @@ OF_SUMMARY = (
     "versions",
     "cpu",
 )
-"""Root attributes that a summary repeats, where they are there."""
+"""Root attributes that a summary repeats if they exist."""
 
 
 def info(attrs: PlainData) -> PlainData:

@@ -76,7 +76,7 @@ def broken_by_tops(table: Any, tolerance: float) -> list[str]:
 
 
 def _bound(name: str, t_end: Any) -> Any:
-    """Return the largest drift of an invariant that runs may show which end then [s]."""
+    """Return the largest drift of an invariant that a run which ends at `t_end` [s] may show."""
     growth = np.sqrt(np.maximum(1.0, t_end / DRIFT_GROWS_AFTER))
     return MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT) * growth
 

@@ -76,7 +76,7 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
 
 
 class _Columns(Sink):
-    """Make columns of rows, and keep none."""
+    """A sink that converts rows to columns, as a store would, and drops them."""
 
     keeps_rows = True
 
@@ -84,7 +84,7 @@ class _Columns(Sink):
         self.view = view
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Take rows."""
+        """Convert rows to columns."""
         self.view.columns(times, states())
 
 

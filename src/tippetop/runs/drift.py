@@ -1,4 +1,4 @@
-"""The drift of the invariants of runs: relative, and the worst so far."""
+"""Measure the drift of the invariants of runs: the largest relative deviation so far."""
 
 from typing import Any
 
@@ -45,7 +45,7 @@ class Drift:
 
     @np.errstate(all="ignore")  # the numbers of invalid runs
     def look(self, states: np.ndarray, which: np.ndarray) -> None:
-        """Take in states (variables, k), internal, of the runs `which`, (k,)."""
+        """Update the worst drift by states (variables, k), internal, of the runs `which`, (k,)."""
         problems = self.problems
         values = values_of(problems, states[: len(problems.start)], which)
         for name, value in invariants(problems.base, values).items():

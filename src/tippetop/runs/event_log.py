@@ -1,4 +1,10 @@
-"""The event log as it grows: zeros of a slice become rows, later findings become marks on rows."""
+"""The event log of a run while it grows.
+
+Zeros of event functions become rows immediately. Whether a turning or a lasting event is
+significant is known only later: a turning counts once theta has come back from it by more than
+rounding, so that one true turning which rounding splits into three counts once, and a decay that
+ends in noise not at all. Such rows are marked when this is known.
+"""
 
 import math
 from dataclasses import replace
@@ -36,7 +42,7 @@ class LogReport(NamedTuple):
     numbers: list[tuple[Kept, float]]  # what events keep, internal
 
     def kept(self) -> PlainData:
-        """Return the numbers that events keep: counts, and times [s] or None, by name."""
+        """Return the kept numbers of events by name: counts, and times [s] or None."""
         return {
             kept.name: int(value)
             if kept.what == "count"
@@ -47,7 +53,7 @@ class LogReport(NamedTuple):
         }
 
     def settled_since(self, view: Observables, last: np.ndarray) -> float | None:
-        """Return when the lasting event last happened [s], if it lasts to the state `last`."""
+        """Return when the lasting event last happened [s]; None if it is over in state `last`."""
         since = float(self.tally["lasts_since"])
         if math.isnan(since):
             return None
@@ -77,7 +83,7 @@ class LogReport(NamedTuple):
 
 
 class EventLog:
-    """Turn the zeros of slices into rows of the event table.
+    """Convert the zeros of slices to rows of the event table.
 
     The log covers 0 < t <= t_end, and what jumps log at t = 0: a run that starts on the zero of an
     event function does not find it, but one that starts where another run has ended does, if that
@@ -119,7 +125,7 @@ class EventLog:
     # --- a slice ---------------------------------------------------------------------------------
 
     def take(self, zeros: Passages) -> tuple[EventTable, list[int], np.ndarray]:
-        """Take the zeros of a slice.
+        """Add the zeros of a slice.
 
         Returns
         -------
@@ -191,12 +197,12 @@ class EventLog:
         return [row for row in (waiting, self.lasting) if row >= 0]
 
     def note_at_start(self, event: Event) -> None:
-        """Keep that an event happened at the start."""
+        """Set the times that an event keeps to 0, because it happened at the start."""
         is_time = [kept in event.kept and kept.what != "count" for kept in self.kept]
         self.tallies.kept[is_time, 0] = 0.0
 
     def summary(self) -> LogReport:
-        """Return the events so far."""
+        """Return counts, tally and kept numbers of the events so far."""
         tally = self.tallies.lane[0].copy()
         numbers = zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True)
         return LogReport(self.events, self.second, dict(self.counts), tally, list(numbers))

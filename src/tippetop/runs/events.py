@@ -45,14 +45,14 @@ class EventTable:
 
     @classmethod
     def empty(cls, kinds: tuple[str, ...] = NUMBERED) -> "EventTable":
-        """Make a log without rows."""
+        """Return a table without rows."""
         return cls(
             kinds, *(np.zeros(0, dtype) for dtype in (float, np.int8, float, np.int8, float, bool))
         )
 
     @classmethod
     def joined(cls, tables: list["EventTable"]) -> "EventTable":
-        """Join several logs of the same kinds, in order."""
+        """Return several tables of the same kinds as one, in order."""
         if not tables:
             return cls.empty()
         columns = zip(*(table.columns().values() for table in tables), strict=True)

@@ -1,4 +1,4 @@
-"""Facts about a scenario before it is run: invariants, regime, fate."""
+"""Predict a run from its start: invariants, regime, fate, cost."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""One run from start to end: slices go to a sink, the event log and the drift."""
+"""Integrate one run from start to end; slices go to a sink, the event log and the drift."""
 
 import threading
 import time
@@ -36,9 +36,10 @@ SETTLED_SLICE, SETTLED_SLICE_OF_PHASES = 1024, 64
 
 
 class Integration:
-    """A run on its way from start to end.
+    """Integrate a run slice by slice, and measure it.
 
-    It also implements `Request`: the driver reads the times of the wanted rows from it.
+    It also implements `engine.driver.Request`, by which the driver gets the times of rows and hands
+    the rows over.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ class Integration:
     Attributes
     ----------
     driver
-        Makes the steps; its state is the last of the run, in internal units.
+        Makes the steps.
     last
         The last good state, (1, variables), internal.
     t_end
@@ -58,7 +59,7 @@ class Integration:
     status
         How it ended; None while it has not.
     seconds
-        Of compiling and of integrating.
+        Times of compiling and of integrating.
     last_slice
         The state at the start of the last slice: a longer run continues from there.
     """
@@ -89,7 +90,7 @@ class Integration:
         Parameters
         ----------
         sink
-            Takes rows and events; after each slice a snapshot corresponds to its rows.
+            Receives rows and events; after each slice a snapshot corresponds to its rows.
         progress
             Called after every slice.
 
@@ -128,14 +129,14 @@ class Integration:
             self._write(np.array([self.t_end]), self.last)
 
     def part(self, sink: Sink, steps: int, more: Callable[[], bool]) -> None:
-        """Make slices of `steps` steps while `more()`: for part of a run, or a measurement."""
+        """Integrate a part of a run, in slices of `steps` steps, as long as `more()` is true."""
         self.begin(sink)
         while self.status is None and more():
             self.follow(self.driver.advance(self, steps))
         self.fill()
 
     def begin(self, sink: Sink) -> None:
-        """Direct the run to a sink; end it if it ends at its start."""
+        """Connect the run to a sink; set its status if it ends at its start."""
         self.sink, self.asked = sink, self.filled
         self.steps, self.at_times = (
             sink.keeps_rows and self.problem.output == output for output in ("steps", "times")
@@ -179,7 +180,7 @@ class Integration:
     # --- rows ------------------------------------------------------------------------------------
 
     def wanted(self) -> np.ndarray:
-        """Return the internal times of the next rows, or room for rows at the ends of steps."""
+        """Return the internal times of the next rows, or an empty array for the ends of steps."""
         if self.steps:
             return np.empty(ROWS_PER_BLOCK)
         if not self.at_times:
@@ -189,12 +190,12 @@ class Integration:
         return times / self.second
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take rows at these internal times."""
+        """Pass rows at these internal times to the sink."""
         rows = slice(self.filled, self.filled + len(times))
         self._write(times * self.second if self.steps else self.problem.times[rows], states)
 
     def fill(self) -> None:
-        """Write the rows at the end of the run that no step has: the last good state."""
+        """Write the rows at the very end of the run, which lie in no step: the last good state."""
         if not self.at_times:
             return
         times = self.problem.times[self.filled : self.problem.times.count(self.t_end)]
@@ -202,16 +203,17 @@ class Integration:
             self._write(times, np.repeat(self.last, len(times), axis=0))
 
     def _write(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Give rows to the sink: times [s], internal states."""
+        """Pass rows to the sink: times [s], internal states."""
         self.sink.rows(times, lambda: states)
         self.filled += len(times)
 
     # --- slices ----------------------------------------------------------------------------------
 
     def follow(self, piece: Slice) -> Status | None:
-        """Take in a slice; return how it ended the run, or None.
+        """Measure and log a slice; return how it ended the run, or None.
 
-        Only samples and the end of the run count, not the ends of slices.
+        Drift is measured at samples and at the end of the run, but not at the ends of slices, so
+        that it does not depend on their number.
         """
         self.status = piece.status
         self.last = piece.last
@@ -232,12 +234,12 @@ class Integration:
         return self.status
 
     def _take_tables(self, tables: dict) -> None:
-        """Take rows of further tables."""
+        """Pass rows of phases and impacts to the sink."""
         self.story.follow(tables)
         self.sink.tables(tables)
 
     def progress(self) -> RunProgress:
-        """Return how far the run has come."""
+        """Return the present progress and measurements as an immutable record."""
         return RunProgress(
             self.problem,
             self.status,
@@ -258,13 +260,14 @@ class Integration:
     # --- snapshots -------------------------------------------------------------------------------
 
     def snapshot(self) -> PlainData:
-        """Return all that is needed to continue bit by bit, as plain JSON data."""
+        """Return the data from which the run continues bit by bit, as plain JSON data."""
         return self._encoded(self._state())
 
     def ending(self) -> dict[str, Any]:
-        """Return the last slice's start, which no end has shortened, and the end.
+        """Return states from which a run can continue: at the start of the last slice, and last.
 
-        A run that starts there continues this one by its `joint`, unless an event has ended it.
+        The end has shortened the last step, so a longer run repeats the last slice from its start.
+        Another run may start from the last state, with the `joint`, unless an event ended this one.
         """
         end = {"state": self.last[0], "t_end": self.t_end}
         if self.status in (Status.FINISHED, Status.SETTLED):

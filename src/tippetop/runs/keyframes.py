@@ -16,9 +16,9 @@ from ..problem import Problem
 # Keyframes per chunk: 1 MB.
 PER_CHUNK = 1024
 EXACT = ("state", "time", "until")
-"""Entries of a snapshot in the precision of the run; all others are doubles."""
+"""Entries of a snapshot that have the precision of the run; all others are doubles."""
 PARTS = {"double": 1, "longdouble": 2, "quad": 3}
-"""Doubles that add up to a number exactly."""
+"""Number of doubles that add up to a number exactly, by precision."""
 
 
 def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[str, Column]:
@@ -42,7 +42,7 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
 
 
 def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
-    """Put a driver in the state of a keyframe."""
+    """Set a driver to the state of a keyframe, which is a row by column."""
     first = 0
     kept = {}
     for name, like in _snapshot(driver).items():
@@ -60,7 +60,7 @@ def _snapshot(driver: Driver) -> dict[str, Any]:
 
 
 def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
-    """Return the columns of the group without rows."""
+    """Return the columns of the group `keyframes` without rows."""
     return without_rows(columns(problem, driver, 0.0, 0))
 
 

@@ -12,10 +12,10 @@ from ..mechanics.system import System
 from ..mechanics.units import JOULE, METRE_PER_SECOND, NEWTON_SECOND, SECOND
 
 
-# Rows per chunk.
 Rows = dict[str, np.ndarray]
 """Rows of a table, by column."""
 
+# Rows per chunk.
 PER_CHUNK = 4096
 DIMENSIONS = {"phases": "interval", "impacts": "impact"}
 """The tables of a run whose contact may change its phase, and their dimensions."""
@@ -37,7 +37,7 @@ NAMED = {
     "reason": "why the phase began",
     "mode": "how friction ended within the impact",
 }
-# Phases that a report names.
+# Number of first phases that a report lists.
 FIRST = 6
 
 
@@ -50,7 +50,7 @@ def tables_of(attributes: PlainData) -> tuple[str, ...]:
 
 @dataclass
 class Story:
-    """The phases of a contact as a report counts them, with the first ones and the last."""
+    """Count the phases and impacts of a run for its report, and keep the first and last phases."""
 
     words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)
@@ -59,7 +59,7 @@ class Story:
     last: PlainData | None = None
 
     def follow(self, new: dict[str, Rows]) -> None:
-        """Take in rows of the tables."""
+        """Count new rows of the tables."""
         if not new:
             return
         self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
@@ -105,7 +105,7 @@ def columns(system: System, name: str, table: Rows) -> dict[str, Column]:
 
 
 def joined(system: System, parts: dict[str, list[Rows]]) -> dict[str, dict[str, Column]]:
-    """Return the tables whose rows are in these parts; without any, the tables without rows."""
+    """Return the tables of a system as columns, joined from parts; empty tables without parts."""
     whole = {}
     for name, kinds in system.tables.items():
         tables = [as_table(name, kinds, []), *parts.get(name, [])]

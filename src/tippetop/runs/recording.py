@@ -1,4 +1,8 @@
-"""A run becomes a store as it goes: full chunks, a tail of waiting rows, acknowledging records."""
+"""Write a run to a store while it is integrated.
+
+Rows are gathered in tables. Full chunks go to files immediately; every few seconds a commit
+acknowledges them, together with a tail: the rows that fill no chunk yet, and the state of the run.
+"""
 
 import json
 import threading
@@ -41,7 +45,7 @@ PATIENCE = 2.0
 
 
 class Recorder(Writer, Sink):
-    """The sink of a run that writes its store."""
+    """A sink that writes the store of a run, on a thread."""
 
     keeps_rows = True
 
@@ -57,7 +61,7 @@ class Recorder(Writer, Sink):
         self.asked = 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Take rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
+        """Write rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
         if self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
@@ -65,24 +69,24 @@ class Recorder(Writer, Sink):
         self.later(lambda: self._append("trajectory", self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
-        """Take rows of the event log."""
+        """Write rows of the event log, and mark rows as significant."""
         if len(table.time):
             self.later(lambda: self._append("events", event_columns(table)))
         if marks:
             self.later(lambda: self.mark(marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
-        """Take a keyframe."""
+        """Write a keyframe."""
         self.later(lambda: self._append("keyframes", row))
 
     def tables(self, new: dict[str, Rows]) -> None:
-        """Take rows of further tables."""
+        """Write rows of phases and impacts."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
                 self.later(partial(self.growing[name].append, table))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], PlainData]) -> None:
-        """Commit now and then; stop at a commit if asked to."""
+        """Commit every few seconds; if `stop` is set, commit and raise Interrupted."""
         asked = self.stop.is_set()
         if asked or time.monotonic() - self.committed_at > COMMIT_EVERY:
             self.commit(progress, snapshot())
@@ -95,7 +99,7 @@ class Recorder(Writer, Sink):
             self.growing[part].append(values)
 
     def mark(self, rows: list[int], value: bool = True) -> None:
-        """Set the flags of some events."""
+        """Set the flag `significant` of some events."""
         self.growing["events" + LATE].mark(SIGNIFICANT, rows, value)
 
     def commit(self, progress: RunProgress, snapshot: PlainData) -> None:
@@ -124,7 +128,7 @@ class Recorder(Writer, Sink):
         return head + b"".join(table.tail() for table in self.growing.values())
 
     def restore(self, tail: bytes) -> None:
-        """Take back the rows of a tail."""
+        """Load the rows of a tail into the tables."""
         head, _, data = tail.partition(b"\n")
         for name, (written, rows) in json.loads(head)["tables"].items():
             data = self.growing[name].restore(written, rows, data)
@@ -173,14 +177,14 @@ def record(
         The store to make.
     overwrite
         Whether an existing store may be replaced; not while another process writes it.
-    in_sweep
-        Whether the target lies in the store of a sweep, which writes it.
     progress
         Called after every slice.
     stop
-        Set it, from a signal handler or another thread, and the run stops at a commit within a
-        slice; before its first step, if it is set already. An exception such as KeyboardInterrupt
-        leaves the store as it was at the last commit. Either way it can be resumed.
+        Set it, from a signal handler or another thread, to stop the run with a commit within a
+        slice; if it is set already, before the first step. An exception such as KeyboardInterrupt
+        leaves the store as it was at the last commit. In both cases the run can be resumed.
+    in_sweep
+        Whether the target lies in the store of a sweep, which writes it.
 
     Returns
     -------
@@ -211,7 +215,7 @@ def run_into(
     stop: threading.Event | None,
     take_up: Callable[[Recorder], None] = lambda _: None,
 ) -> tuple[Integration, PlainData]:
-    """Integrate into an open store: from its start, or from where `take_up` puts it."""
+    """Integrate into an open store, after `take_up` has set the state to continue from, if any."""
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
         take_up(recorder)

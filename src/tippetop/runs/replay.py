@@ -33,13 +33,13 @@ STEPS = 512
 
 
 class _Rows(recording.Recorder):
-    """Record rows; events and phases are copied from the run."""
+    """A recorder of rows only: events and phases are copied from the run."""
 
     def events(self, table: EventTable, marks: list[int]) -> None:
-        """Drop rows of the event log."""
+        """Ignore rows of the event log."""
 
     def tables(self, new: dict[str, Rows]) -> None:
-        """Drop rows of further tables."""
+        """Ignore rows of phases and impacts."""
 
 
 def columns(

@@ -22,7 +22,7 @@ from .event_log import LogReport
 
 @dataclass(frozen=True)
 class RunProgress:
-    """The progress of a run: the record that sinks, progress callbacks and reports take.
+    """The progress and measurements of a run, for sinks, progress callbacks and reports.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class RunProgress:
     last
         The last good state, (1, variables), internal.
     drift
-        Of each invariant, the largest relative deviation from its start.
+        The largest relative deviation of each invariant from its start.
     force
         Extremes of the normal force, internal.
     events
@@ -61,7 +61,7 @@ class RunProgress:
 
     @cached_property
     def view(self) -> Observables:
-        """Return the observables of its states."""
+        """Return the object that converts its states to columns."""
         return Observables(self.problem)
 
     @property
@@ -129,7 +129,7 @@ def outcome(progress: RunProgress) -> dict[str, str]:
 
 
 def reason(progress: RunProgress) -> str:
-    """Return the sentence that the user reads about the end."""
+    """Return a sentence about how and why the run ended."""
     t = progress.t_end
     status = progress.status
     if status is None:
@@ -160,7 +160,7 @@ def reason(progress: RunProgress) -> str:
 
 
 def _beyond(progress: RunProgress) -> str:
-    """Return that the run continued after a liftoff, where the model ends (no fixed tip)."""
+    """Return a clause if the run continued after a liftoff, where the model ends; or ""."""
     lifted = progress.lifted_at
     ends = {event.ends for event in progress.problem.system.events}
     if lifted is None or Status.LIFTOFF.value not in ends:

@@ -1,4 +1,4 @@
-"""A stored run is continued: to its end, or to a later one, bit by bit as one run."""
+"""Continue a stored run to its end, or to a later one, with the bits of one undisturbed run."""
 
 import json
 import threading
@@ -43,7 +43,7 @@ def resume(
         Whether to continue a run that other versions or another processor began: its bits may
         differ from those of an undisturbed run, and the store names both.
     known
-        Its system, where that has user-defined events or columns.
+        The system, if it has user-defined events or columns.
 
     Returns
     -------
@@ -132,9 +132,10 @@ def opened(target: Path) -> Ledger:
 def same_here(
     target: Path, kept: PlainData, accept_other_version: bool, verb: str = "resumed"
 ) -> PlainData:
-    """Return a record of a store with `begun_with` as it is from here on.
+    """Compare the versions and the processor of a store with those here.
 
-    Raises StoreError if other versions or another processor wrote it, and that is not accepted.
+    Return its record, in which `begun_with` also lists the former ones if they differ. Raises
+    StoreError if they differ and this is not accepted.
     """
     before = {key: kept[key] for key in here()}
     now = here()

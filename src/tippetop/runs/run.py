@@ -31,19 +31,19 @@ class Solution:
     times: np.ndarray  # [s]
     rows: np.ndarray  # (n, variables), internal
     events: EventTable
-    seconds: dict[str, float]  # of compiling and of integrating
-    ending: dict[str, Any]  # of the integration, where other runs continue
+    seconds: dict[str, float]  # times of compiling and of integrating
+    ending: dict[str, Any]  # states from which other runs continue
     others: dict[str, list[Rows]] = field(default_factory=dict)
     """Rows of additional tables."""
 
     @property
     def problem(self) -> Problem:
-        """Return the problem."""
+        """Return the problem that was integrated."""
         return self.progress.problem
 
     @property
     def status(self) -> Status:
-        """Return how it ended."""
+        """Return how the run ended."""
         assert self.progress.status is not None
         return self.progress.status
 
@@ -59,7 +59,7 @@ class Solution:
 
     @cached_property
     def report(self) -> dict[str, Any]:
-        """Return the measurements."""
+        """Return the measurements of the run, as `info --json` prints them."""
         return reporting.report(self.progress)
 
     def columns(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The shape of a body: the surfaces that touch the plane, or the ellipsoid with its moments."""
+"""The shape of a body for pages and films: its surfaces, or the ellipsoid with its moments."""
 
 from typing import Any, NamedTuple
 
@@ -62,7 +62,7 @@ def columns_of(attrs: dict[str, Any]) -> set[str]:
 
 
 class Surface(NamedTuple):
-    """What touches the plane: an ellipsoid or, with a meridian, a surface of revolution.
+    """The surface of a body: an ellipsoid or, with a meridian, a surface of revolution.
 
     `centre` is seen from the centre of mass, in body axes; the half axes are turned against them by
     `turn` about axis 3. A meridian has height and radius, in units of the half axes, and the
@@ -77,7 +77,7 @@ class Surface(NamedTuple):
 
     @property
     def axes(self) -> np.ndarray:
-        """Return its axes in body axes, the columns of a matrix."""
+        """Return the axes of the surface in body axes, as the columns of a matrix."""
         k, s = np.cos(self.turn), np.sin(self.turn)
         return np.array([[k, -s, 0.0], [s, k, 0.0], [0.0, 0.0, 1.0]])
 

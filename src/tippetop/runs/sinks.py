@@ -1,4 +1,4 @@
-"""Destinations of a run: nowhere, or memory; `recording.Recorder` is a store."""
+"""Destinations of the rows and events of a run; `recording.Recorder` is the one with a store."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,32 +12,32 @@ from .reporting import RunProgress
 
 
 class Sink:
-    """Take a run as it is made, and keep nothing of it: the base of all sinks."""
+    """The base of all sinks, which drops the rows and events of a run."""
 
     keeps_rows = False
     """True if rows are wanted."""
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Take rows: times [s], and a function that returns their internal states.
+        """Receive rows: times [s], and a function that returns their internal states.
 
-        It may be called later, in another thread.
+        The function may be called later, in another thread.
         """
 
     def events(self, table: EventTable, marks: list[int]) -> None:
-        """Take new rows of the event log, and indices of rows that are significant after all."""
+        """Receive rows of the event log, and indices of rows now known to be significant."""
 
     def keyframe(self, row: dict[str, Column]) -> None:
-        """Take a keyframe, as a row of its table."""
+        """Receive a keyframe, as a row of its table."""
 
     def tables(self, new: dict[str, Rows]) -> None:
-        """Take new rows of the tables of a contact that changes its phase, SI."""
+        """Receive rows of the tables of phases and impacts, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
-        """Finish a slice: the moment to commit a snapshot, or to raise Interrupted."""
+        """Handle the end of a slice: commit a snapshot, or raise Interrupted to stop."""
 
 
 class Memory(Sink):
-    """Gather a run in memory."""
+    """A sink that keeps the rows and events of a run in memory."""
 
     keeps_rows = True
 
@@ -49,22 +49,22 @@ class Memory(Sink):
         self.others: dict[str, list[Rows]] = {}
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Take rows."""
+        """Keep rows."""
         self.times.append(times)
         self.states.append(states())
 
     def events(self, table: EventTable, marks: list[int]) -> None:
-        """Take rows of the event log."""
+        """Keep rows of the event log, and marks."""
         self.logs.append(table)
         self.marks += marks
 
     def tables(self, new: dict[str, Rows]) -> None:
-        """Take new rows of further tables."""
+        """Keep rows of phases and impacts."""
         for name, columns in new.items():
             self.others.setdefault(name, []).append(columns)
 
     def table(self) -> EventTable:
-        """Return the event log."""
+        """Return the whole event log, with its marks."""
         log = EventTable.joined(self.logs)
         log.significant[self.marks] = True
         return log

@@ -1,4 +1,4 @@
-"""A run starts where another has ended: exactly, and the store names the other."""
+"""Load scenarios, also those whose start is exactly the end of a stored run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..store import hexfloat, ledger, root
 SAME = ("system", "form", "parameters")
 """Tables that a run shares with the one where it starts."""
 TAKEN = (*SAME, "friction", "contact", "stem", *TABLES)
-"""Tables that are those of the other run where none are given."""
+"""Tables that are copied from the other run unless they are given."""
 
 
 def load(
