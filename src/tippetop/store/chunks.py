@@ -1,4 +1,4 @@
-"""Read the columns of a store: a block at a time, or thinned where there are many rows."""
+"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -32,9 +32,9 @@ def export(
     tables
         Datasets by name, in memory or read when needed.
     attrs
-        The attributes of the file, as those of the root of a store.
+        The attributes of the file, those of the root of a store.
     of
-        What has the tables, for messages: a store, or the run.
+        The source of the tables in messages: a store, or the run.
     to
         netcdf, csv or parquet.
     out

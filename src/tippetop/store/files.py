@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all.
+"""Create files and folders that appear whole or not at all.
 
 No link is followed where something is written: scratch names cannot be guessed, and a rename
 replaces a link rather than its target.
@@ -41,9 +41,9 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     Raises
     ------
     StoreError
-        `path` exists, unless it may be overwritten.
+        If `path` exists and may not be overwritten.
     OSError
-        The disk; see `writing`.
+        If writing fails; see `writing`.
     """
     path = Path(path)
     if not path.name or (path.exists() and not path.is_file()):
@@ -86,7 +86,7 @@ def scratch_folder(path: Path) -> Iterator[Path]:
 
 
 def put_back(path: Path) -> None:
-    """Put back a store that a killed writer moved aside, or remove it if it was replaced."""
+    """Restore a store that a killed writer had moved aside, or remove it if it was replaced."""
     old = name_aside(path)
     if not begins_in(old):
         return
@@ -152,12 +152,12 @@ def name_aside(path: Path) -> Path:
 
 
 def synced(folder: Path, name: str = "") -> None:
-    """Wait until the disk has the names in a folder, or a file in it."""
+    """Wait until a file in a folder, or the list of its files, is on the disk."""
     Folder(folder.resolve()).sync_one(name)
 
 
 def own_folder(path: str | Path) -> Path:
-    """Return a path that is not a link. Raises StoreError."""
+    """Return a path, unless it is a link. Raises StoreError."""
     if os.path.islink(path):
         raise StoreError(f"`{path}` must be a folder, but is a link.")
     return Path(path)

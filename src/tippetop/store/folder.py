@@ -1,4 +1,4 @@
-"""The folder of a store: every path is relative to one descriptor of the folder.
+"""Operations on the files of a store, by paths relative to one descriptor of its folder.
 
 So nothing is ever written into another folder that took its place. Files are written without
 waiting for the disk; `sync` then waits for all of them together.
@@ -26,11 +26,11 @@ NO_LOCKS = errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK
 
 
 class NoLocks(OSError):
-    """The file system has no locks."""
+    """Raised if the file system has no locks."""
 
 
 class Folder:
-    """An open folder. Every operation raises OSError."""
+    """An open folder, and the files in it that are not synced. Every operation raises OSError."""
 
     # files that are synced together share a commit of the journal
     threads = 8
@@ -61,7 +61,7 @@ class Folder:
         self.put(name, data, os.O_APPEND)
 
     def put(self, name: str, data: bytes, how: int = os.O_CREAT | os.O_TRUNC) -> None:
-        """Write a file in place: anew, or at its end."""
+        """Write a file in place, by default from its beginning."""
         with self._open(name, WRITE | how) as descriptor:
             rest = memoryview(data)
             while rest:
@@ -97,7 +97,7 @@ class Folder:
             return size, os.pread(descriptor, 4, max(0, size - 4))
 
     def names(self, name: str) -> list[str]:
-        """Return the names in a folder inside, sorted."""
+        """Return the names of the files in a folder of the store, sorted."""
         with self._open(name, READ | os.O_DIRECTORY) as descriptor:
             return sorted(os.listdir(descriptor))
 
@@ -119,18 +119,18 @@ class Folder:
         return descriptor
 
     def is_at(self, place: Path, held: int) -> bool:
-        """Return whether the file at a path is the one that is locked."""
+        """Return whether the file at a path is the locked one."""
         try:
             return os.path.samestat(os.lstat(place), os.fstat(held))
         except (FileNotFoundError, NotADirectoryError):
             return False
 
     def release(self, held: int) -> None:
-        """Release a lock."""
+        """Release a lock that `lock` returned."""
         os.close(held)
 
     def sync(self) -> None:
-        """Wait until the disk has all that was written: a power failure cannot undo it."""
+        """Wait until all written files are on the disk, where a power failure cannot undo them."""
         names = sorted(self.unsynced)
 
         def work(first: int) -> None:
@@ -142,7 +142,7 @@ class Folder:
         self.unsynced = set()
 
     def sync_one(self, name: str) -> None:
-        """Wait until the disk has the content of a file, or the names in a folder."""
+        """Wait until the content of a file, or the list of files in a folder, is on the disk."""
         with self._open(name) as descriptor:
             try:
                 os.fsync(descriptor)

@@ -1,4 +1,4 @@
-"""Numbers in JSON without loss: hexadecimal floats, wider ones as a sum of several."""
+"""Encode numbers in JSON without loss: as hexadecimal doubles, wider ones as sums of them."""
 
 from typing import Any
 

@@ -1,14 +1,16 @@
 """The ledger of a store: an append-only file of records that acknowledge files.
 
-Each record has a digest of itself and of the record before it. The first is the header: the
-attributes of the store, the documents of its groups and arrays, and which arrays form a table.
-Every further record acknowledges chunks, and a tail: the rows that do not fill a chunk, and the
-state of a run. Acknowledged chunks never change. Everything else in a store is derived, and made
-again when the store is continued, or was never acknowledged: it is set aside, and removed when
-everything is acknowledged.
+It promises that what `commit` has acknowledged survives a kill and a power failure, that a reader
+finds a store as of one commit, and that damage is found. Data are synced before the record that
+lists them; each record has a digest of itself and of the one before; a chunk has a checksum, and
+never changes once acknowledged. Other files are derived, and made again, or were never
+acknowledged: they are set aside when a store is continued, and removed when it is sealed.
 
-A finished store has a ledger of two records, the header and the seal: equal runs make equal files.
-The first two lines of a ledger are renamed into place; each further line is appended.
+The first record is the header: the attributes of the store, the documents of its groups and
+arrays, and which arrays form a table. Every further record acknowledges chunks, and a tail: the
+rows that do not fill a chunk, and the state of a run. A finished store has a ledger of two records,
+the header and the seal: equal runs make equal files. The first two lines of a ledger are renamed
+into place; each further line is appended.
 """
 
 import contextlib
@@ -48,12 +50,12 @@ FORGED = (
 
 
 class Damaged(ValueError):
-    """A ledger or an acknowledged file is damaged."""
+    """Raised if a ledger or an acknowledged file is damaged."""
 
 
 @dataclass
 class Acknowledged:
-    """The sum of the records of a ledger."""
+    """The content of a store according to its ledger: the sum of all records."""
 
     header: PlainData
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
@@ -66,7 +68,7 @@ class Acknowledged:
 
     @classmethod
     def of(cls, records: list[PlainData]) -> "Acknowledged":
-        """Add up the records of a ledger."""
+        """Return the sum of the records of a ledger."""
         state = cls(records[0])
         for record in records[1:]:
             state.add(record)
@@ -83,7 +85,7 @@ class Acknowledged:
 
     @property
     def attributes(self) -> PlainData:
-        """Those of the root group."""
+        """Return the attributes of the root group."""
         return self.header["attributes"] | self.changed
 
     def sum(self) -> PlainData:
@@ -112,12 +114,12 @@ class Acknowledged:
 
 
 def digest(data: bytes) -> str:
-    """Return the digest of some bytes."""
+    """Return a short SHA-256 digest of some bytes."""
     return hashlib.sha256(data).hexdigest()[:DIGITS]
 
 
 def mark(tips: Mapping[str, tuple[int, bytes]]) -> str:
-    """Return a digest of the names, sizes and last bytes (the checksums) of files of a chunk."""
+    """Return a digest of a chunk: of names, sizes and last bytes (the checksums) of its files."""
     return digest(repr(sorted(tips.items())).encode())
 
 
@@ -200,10 +202,10 @@ def header(attributes: PlainData, tables: Mapping[str, Mapping[str, PlainData]])
 
 
 class Ledger:
-    """The ledger of a store that is being written, locked. A context that releases the lock.
+    """The locked ledger of a store that is being written; a context that releases the lock.
 
-    After an error of the disk nothing more is written: a page that could not be synced
-    may look written and be lost.
+    After an error of the disk nothing more is written: a page that could not be synced may look
+    written and be lost.
     """
 
     def __init__(self, path: Path):
@@ -216,7 +218,7 @@ class Ledger:
 
     @classmethod
     def created(cls, path: Path, head: PlainData) -> "Ledger":
-        """Make the store of a header in an empty folder. Raises OSError.
+        """Create a store with this header in an empty folder, and lock it. Raises OSError.
 
         Its root document contains all others, which are written when rows are acknowledged, so
         that a short run takes less time.
@@ -232,7 +234,7 @@ class Ledger:
 
     @classmethod
     def locked(cls, path: Path) -> "Ledger":
-        """Lock a store that is to be replaced, and read nothing. Raises StoreError, OSError."""
+        """Lock a store that will be replaced, without reading it. Raises StoreError, OSError."""
         self = cls(path)
         with self.released_on_failure():
             self._lock()
@@ -240,14 +242,14 @@ class Ledger:
 
     @classmethod
     def opened(cls, path: Path) -> "Ledger":
-        """Open a store to write it, as its ledger acknowledges it, and change nothing yet.
+        """Lock a store and read its ledger, to continue it; nothing is changed yet.
 
         Raises
         ------
         StoreError
-            Another process writes it, or its ledger or tail is damaged.
+            If another process writes it, or its ledger or tail is damaged.
         OSError
-            The disk.
+            If reading fails.
         """
         self = cls.locked(path)
         with self.released_on_failure(), sound(path):
@@ -256,9 +258,9 @@ class Ledger:
         return self
 
     def recover(self) -> None:
-        """Make again what follows from the ledger, and set aside what it does not list.
+        """Write the derived files of a store again, and set aside files that it does not list.
 
-        Only a store that is known to be continued here is changed.
+        Call it only when it is certain that the store will be continued.
         """
         self._make_folders()
         if torn := self.folder.read(LEDGER).rpartition(b"\n")[2]:
@@ -292,11 +294,11 @@ class Ledger:
             self.folder.put(WRITER, f"process {os.getpid()} on {os.uname().nodename}".encode())
 
     def in_place(self) -> bool:
-        """Return whether the folder that is locked is still in its place."""
+        """Return whether the locked ledger is still at the path of the store."""
         return self.held is not None and self.folder.is_at(self.path / LEDGER, self.held)
 
     def check(self) -> None:
-        """Raise StoreError if the folder is no longer in its place."""
+        """Raise StoreError if the store was moved, removed or replaced."""
         if not self.in_place():
             raise StoreError(
                 f"`{self.path}` must stay in its place while it is written, but was moved, "
@@ -304,7 +306,7 @@ class Ledger:
             )
 
     def release(self) -> None:
-        """Let others write."""
+        """Release the lock, so that other processes can write."""
         if self.held is not None:
             try:
                 with contextlib.suppress(OSError):
@@ -396,7 +398,7 @@ class Ledger:
             self.pending[key] = mark_of(files)
 
     def commit(self, tail: bytes | None = None, **record: Any) -> None:
-        """Acknowledge the chunks that were put, and a tail: data first, then the record."""
+        """Acknowledge the chunks since the last commit, and a tail; data first, then the record."""
         with self._whole():
             old = self.state.tail
             record |= {"chunks": self.pending, "tail": self._write_tail(tail)}
@@ -419,16 +421,16 @@ class Ledger:
         return name
 
     def derive(self, files: Mapping[str, bytes]) -> None:
-        """Write documents, and copies of rows in the tail, for other readers."""
+        """Write documents and further files for readers, which `recover` can make again."""
         with self._whole():
             for name, data in files.items():
                 self.folder.write(name, data, derived=True)
             self._describe(derived=True)
 
     def finish(self, changed: PlainData, **record: Any) -> None:
-        """Acknowledge that everything is written, in one step; `changed` are the last attributes.
+        """Seal the store: acknowledge that it is complete. `changed` are its last attributes.
 
-        The ledger then has its last form: equal stores have equal ones.
+        The ledger becomes its sum, so that equal stores have equal ledgers.
         """
         with self._whole():
             record |= {"chunks": self.pending, "tail": "", "changed": changed, "seal": True}
@@ -441,7 +443,7 @@ class Ledger:
     def restart(
         self, head: PlainData, keys: Collection[str], tail: bytes | None = None, **record: Any
     ) -> None:
-        """Continue from some of the chunks, with another header and tail, in one step."""
+        """Replace header, chunks and tail in one step, to continue from an earlier state."""
         with self._whole():
             record["tail"] = self._write_tail(tail)
             self.folder.sync()
@@ -466,7 +468,7 @@ class Ledger:
 
 
 def read(path: Path, *, chunks: bool = True) -> Acknowledged:
-    """Return what the ledger of a store acknowledges, after comparing the store with it.
+    """Return the content of a store according to its ledger, after comparing the two.
 
     Sizes and checksums of all chunks are compared, and the content of every document; a changed
     byte within a chunk is found when its numbers are read.
@@ -481,7 +483,7 @@ def read(path: Path, *, chunks: bool = True) -> Acknowledged:
     Raises
     ------
     StoreError
-        The store is damaged, or cannot be read.
+        If the store is damaged, or cannot be read.
     """
     with sound(path):
         try:

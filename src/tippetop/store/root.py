@@ -1,4 +1,4 @@
-"""The root attributes and the groups of a store."""
+"""Read the root attributes and the groups of a store, and create new stores."""
 
 import contextlib
 import math

@@ -1,4 +1,4 @@
-"""A table that grows row by row: full chunks go to the ledger, rows that wait go to the tail."""
+"""Tables of a store that grow row by row."""
 
 from collections.abc import Iterator, Mapping
 
@@ -12,7 +12,10 @@ LATE = "-late"  # ends the name of a table of columns that may change until the 
 
 
 class Table:
-    """The rows of a table that no chunk contains yet; of a late table, all rows until the end."""
+    """Gather rows until they fill a chunk, which goes to the ledger; the others form the tail.
+
+    A late table has columns that may change until the end: it writes no chunk before.
+    """
 
     def __init__(self, ledger: Ledger, name: str):
         self.ledger = ledger
@@ -68,7 +71,7 @@ class Table:
         return [zarr3.decode(read(self._file(column, k)), document) for k in firsts]
 
     def cut(self, rows: int) -> None:
-        """Take the first rows of a finished table: full chunks remain, the other rows wait."""
+        """Shorten a finished table to its first rows; those that fill no chunk are read again."""
         full = rows // self.chunk * self.chunk if self.name == self.group else 0
         self.rows = rows
         self.written = full
@@ -89,16 +92,16 @@ class Table:
                 yield self._file(column, self.written + start), data
 
     def finish(self) -> None:
-        """Write the chunks of all rows that wait."""
+        """Write all rows that are not in chunks yet."""
         while self.rows > self.written:
             self._put()
 
     def tail(self) -> bytes:
-        """Return the rows that wait as bytes."""
+        """Return the rows that are not in chunks yet as bytes."""
         return b"".join(self._joined(column).tobytes() for column in self.documents)
 
     def restore(self, written: int, rows: int, data: bytes) -> bytes:
-        """Take back the rows of a tail; return the bytes that follow them."""
+        """Load the rows of a tail; return the bytes that follow them."""
         self.written = written
         self.rows = rows
         for column, document in self.documents.items():

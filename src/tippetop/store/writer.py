@@ -1,4 +1,4 @@
-"""Write a store in a thread that no KeyboardInterrupt enters, and begin or continue stores."""
+"""Create or continue a store, and write it on a thread that no KeyboardInterrupt enters."""
 
 import contextlib
 import json
@@ -18,9 +18,9 @@ AHEAD = 8  # pieces of work that wait for the thread
 
 
 class Writer:
-    """The writing thread of a locked store.
+    """A thread that writes a locked store.
 
-    A context; when it ends nothing is being written any more, and the lock is released.
+    It is a context: at its end nothing is being written any more, and the lock is released.
     """
 
     def __init__(self, store: Ledger):
@@ -35,9 +35,9 @@ class Writer:
         self.behind.append(self.thread.submit(work))
 
     def now(self, work: Callable[[], None]) -> None:
-        """Do work once all that was queued is done; return when it is done.
+        """Do all queued work, then this work, and return when it is done.
 
-        Where anything went wrong before, that is raised, and the work is not begun.
+        An error of earlier work is raised, and this work is not begun.
         """
         while self.behind:
             self.behind.popleft().result()
@@ -52,7 +52,7 @@ class Writer:
 
 
 def begin(target: str | Path, head: Callable[[], PlainData], **how: bool) -> Ledger:
-    """Create the store of a header, and lock it. Raises StoreError; see `root.new_store`."""
+    """Create a store with the header `head()`, locked. Raises StoreError; see `root.new_store`."""
     with contextlib.ExitStack() as held:
         with root.new_store(target, **how) as scratch:
             store = held.enter_context(Ledger.created(scratch, head()))
@@ -67,11 +67,10 @@ def begin_or_continue(
     same: Iterable[str],
     overwrite: bool,
 ) -> Ledger:
-    """Lock the store of a header, new or continued without the chunks that are damaged.
+    """Create a store with the header `head()`, or continue it without its damaged chunks; lock it.
 
-    With `overwrite` it is new in any case.
-
-    Raises StoreError if it differs in one of the attributes `same`, or has another writer.
+    With `overwrite` it is always created. Raises StoreError if an existing store differs in one of
+    the attributes `same`, or has another writer.
     """
     path = files.own_folder(path)
     if overwrite or not path.exists():

@@ -1,4 +1,4 @@
-"""Write zarr v3 directly: documents equal those of zarr, and chunks byte for byte.
+"""Write the documents and chunks of zarr v3 directly, byte for byte as zarr does.
 
 Zarr itself takes 4 to 5 ms for each array, longer than it takes to integrate a short run; so zarr
 is used to read only.
