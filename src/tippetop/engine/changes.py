@@ -168,7 +168,7 @@ class Changes:
         run = self.run
         track = run.track
         motions = list[tuple[int, str]]()
-        state = state[: len(track.place.motion.state)]
+        state = state[: len(track.workspace.motion.state)]
         signs = tuple(run.functions["sign"].tolist())
         given = world.body, (world.rules.e_n,), (run.end - world.left, world.left), signs, state
         program = Program(*given)
@@ -205,7 +205,7 @@ class Changes:
         numbers = leaves(tuple(n.rows.values()))
         if n.ends or to.sampled or len(numbers) > NUMBERS:
             return None
-        pad = [0.0] * (len(to.place.motion.state) - len(after))
+        pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay
         ended = state[: len(track.variables.names)]
         results = [*sides, *zeros, *after, *pad, *times, *ranges, *numbers, *ended]
@@ -232,8 +232,8 @@ class Changes:
         run: Any = self.run
         record = self.record
         for track in run.tracks.values():
-            track.place.loop.fill(run.wanted)
-            self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
+            track.workspace.loop.fill(run.wanted)
+            self.loops[track.at] = ctypes.addressof(track.workspace.loop.structure)
         record.present = run.track.at
         record.began = run.began
         record.short = run.short

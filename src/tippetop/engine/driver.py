@@ -94,7 +94,7 @@ RULES = Rules(np.inf, ENDLESS, EVERY, FIRST)
 """Rules of a single run: only an event ends it before its time."""
 
 
-class Place:
+class Workspace:
     """The integrator of one phase with its arrays, and the loop that is bound to them.
 
     Parameters
@@ -155,9 +155,9 @@ class Driver:
         self.variables = len(start)
         self.number = start.dtype.type
         self.share(rows, functions[:, None], len(compiled.integrator.state))
-        self.work_in(Place(self, compiled, rows))
+        self.set_workspace(Workspace(self, compiled, rows))
         self.first = start[None, :].copy()
-        self.take(self.place, body)
+        self.take(self.workspace, body)
         self.put(start, (self.number(0), self.number(0)))
         self.end_at(end)
 
@@ -197,17 +197,17 @@ class Driver:
         self.made = view(rows.filled)
         self.given = 0
 
-    def work_in(self, place: Place) -> None:
+    def set_workspace(self, workspace: Workspace) -> None:
         """Make the next steps with the integrator and arrays of this phase."""
-        self.place = place
-        self.compiled = place.compiled
-        self.motion = place.motion
-        self.loop = place.loop
-        self.stepper = place.stepper
+        self.workspace = workspace
+        self.compiled = workspace.compiled
+        self.motion = workspace.motion
+        self.loop = workspace.loop
+        self.stepper = workspace.stepper
 
-    def take(self, place: Place, body: Sequence[Any]) -> None:
+    def take(self, workspace: Workspace, body: Sequence[Any]) -> None:
         """Set the parameters of an integrator to the first of these numbers."""
-        pars = place.motion.pars[:, 0]
+        pars = workspace.motion.pars[:, 0]
         pars[:] = body[: len(pars)]
 
     # --- steps -----------------------------------------------------------------------------------
@@ -375,7 +375,7 @@ class Driver:
         A run that starts from the present state needs them: they decide whether a zero here has
         been passed.
         """
-        signs = self.tallies.functions["sign"][:, 0] * self.place.rows.events["watched"]
+        signs = self.tallies.functions["sign"][:, 0] * self.workspace.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:

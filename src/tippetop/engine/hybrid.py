@@ -35,9 +35,9 @@ from .driver import (
     RUNNING,
     STATUSES,
     Driver,
-    Place,
     Request,
     Slice,
+    Workspace,
 )
 from .expressions import Formulas
 from .impacts import ImpactMotions
@@ -299,9 +299,9 @@ class Track:
         code = run.code_of(self.formulas)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        self.place = Place(run, code, rows)
-        self.place.motion.in_lane[0] = self.at
-        run.take(self.place, leaves(self.b))
+        self.workspace = Workspace(run, code, rows)
+        self.workspace.motion.in_lane[0] = self.at
+        run.take(self.workspace, leaves(self.b))
         self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
         self.ahead = None
         if self.sampled:
@@ -496,13 +496,13 @@ class HybridDriver(Driver):
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, compiled."""
-        return tuple(self.track_of(name).place.compiled for name in self.phases)
+        return tuple(self.track_of(name).workspace.compiled for name in self.phases)
 
     def follow(self, track: Track, began: float) -> None:
         """Make the next steps in a phase that begins at this internal time."""
         self.track = track
         self.began = began
-        self.work_in(track.place)
+        self.set_workspace(track.workspace)
 
     def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
         """Begin a phase by the result of a jump, which was made at an internal time.

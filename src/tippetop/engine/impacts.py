@@ -153,7 +153,7 @@ class ImpactMotions:
         known = driver.tallies.functions
         none = driver.number(0)
         known["sign"][:, 0], known["on_zero"][:, 0] = signs, zeros
-        driver.take(driver.place, pars)
+        driver.take(driver.workspace, pars)
         driver.begin()
         driver.put(state, (none, none))
         driver.end_at(end)

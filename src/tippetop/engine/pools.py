@@ -304,10 +304,10 @@ class HybridPools(Pools, HybridDriver):
         found = self.tallies, new_log(0, self.width), self.samples
         self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
         self.add_pool(phases, self.notes, ())
-        place = SimpleNamespace(motion=motion)
+        workspace = SimpleNamespace(motion=motion)
         none = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
-            at=phases, place=place, variables=none, sampled={}, exits={}
+            at=phases, workspace=workspace, variables=none, sampled={}, exits={}
         )
 
     @property
@@ -335,14 +335,14 @@ class HybridPools(Pools, HybridDriver):
         if is_new:
             body = self.world.body
             order = track.phase.parameters(refill(body, iter(range(len(leaves(body))))))
-            mine = leaves(order)[: len(track.place.motion.pars)]
-            self.add_pool(track.at, track.place.loop, mine, by_steps=bool(track.sampled))
-            self.programs.loops[track.at] = address_of(track.place.loop.structure)
+            mine = leaves(order)[: len(track.workspace.motion.pars)]
+            self.add_pool(track.at, track.workspace.loop, mine, by_steps=bool(track.sampled))
+            self.programs.loops[track.at] = address_of(track.workspace.loop.structure)
         return track
 
-    def work_in(self, place: Any) -> None:
+    def set_workspace(self, workspace: Any) -> None:
         """Select the phase of the top that the driver holds; its loop only logs events."""
-        self.place = place
+        self.workspace = workspace
         self.loop = self.notes
 
     @property
@@ -358,7 +358,7 @@ class HybridPools(Pools, HybridDriver):
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Set the state and the time of the top that the driver holds."""
         self.at = clock
-        self.present_state = np.zeros(len(self.place.motion.state))
+        self.present_state = np.zeros(len(self.workspace.motion.state))
         self.present_state[: len(state)] = state
 
     # --- one top ---------------------------------------------------------------------------------
@@ -390,8 +390,8 @@ class HybridPools(Pools, HybridDriver):
         self.functions[:] = self.functions_of[slot]
         self.tallies.kept[:, 0] = self.kept_of[slot]
         self.logged[0] = int(self.upto[0] < 1.0)
-        self.last = self.states[slot, : len(self.track.place.motion.state)].copy()
-        self.place = self.track.place
+        self.last = self.states[slot, : len(self.track.workspace.motion.state)].copy()
+        self.workspace = self.track.workspace
         self.put(self.last, clock)
 
     def _store(self, slot: int) -> None:
@@ -421,7 +421,7 @@ class HybridPools(Pools, HybridDriver):
         super()._note(number, time, sign, phase, state)
         sense = self.all_events.events["sense"][number]
         if sense:  # of a single run the log counts turnings
-            axis = self.tracks[[*self.phases][phase]].place.rows.axis
+            axis = self.tracks[[*self.phases][phase]].workspace.rows.axis
             x, y, z = state[axis].tolist()
             theta = math.atan2(math.sqrt(x * x + y * y), z)
             count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))

@@ -13,7 +13,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from .driver import Driver, Place
+from .driver import Driver, Workspace
 from .integrator import Compiled
 from .loop import Motion
 from .stepper import Called, Stepper
@@ -89,7 +89,7 @@ class WideSteps(Called):
             when, event, *_ = run.log.rows[k]
             on_zero = int(run.tallies.functions["on_zero"][event, 0])
             roots = -min(0, on_zero) if run.steps[0] == 1 else 0
-            function = _function(ta.tc, run.place.rows.events[event], roots)
+            function = _function(ta.tc, run.workspace.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
             run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
@@ -106,9 +106,9 @@ class WideDriver(Driver):
         """Return a stepper in Python around heyoka's integrator."""
         return WideSteps(code.integrator, weakref.proxy(self))
 
-    def take(self, place: Place, body: Sequence[Any]) -> None:
+    def take(self, workspace: Workspace, body: Sequence[Any]) -> None:
         """Set the parameters of an integrator to the first of these numbers."""
-        pars = place.stepper.integrator.pars
+        pars = workspace.stepper.integrator.pars
         pars[:] = [self.number(number) for number in body[: len(pars)]]
 
     @property

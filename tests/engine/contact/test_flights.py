@@ -45,7 +45,7 @@ class Flights:
         q = FLIGHT.enter(x, b)
         driver.state[:] = 0
         driver.state[: len(q)] = q
-        driver.take(driver.place, leaves(b))
+        driver.take(driver.workspace, leaves(b))
         driver.put(driver.state, (0.0, 0.0))
         driver.end_at(longest_flight(x, b))
         functions = driver.tallies.functions
