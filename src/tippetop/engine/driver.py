@@ -157,9 +157,9 @@ class Driver:
         self.share(rows, functions[:, None], len(compiled.integrator.state))
         self.set_workspace(Workspace(self, compiled, rows))
         self.first = start[None, :].copy()
-        self.take(self.workspace, body)
-        self.put(start, (self.number(0), self.number(0)))
-        self.end_at(end)
+        self.set_parameters(self.workspace, body)
+        self.set_state(start, (self.number(0), self.number(0)))
+        self.set_end(end)
 
     def stepper_of(self, code: Compiled) -> Stepper:
         """Return the object or machine code that makes the steps of an integrator."""
@@ -205,7 +205,7 @@ class Driver:
         self.loop = workspace.loop
         self.stepper = workspace.stepper
 
-    def take(self, workspace: Workspace, body: Sequence[Any]) -> None:
+    def set_parameters(self, workspace: Workspace, body: Sequence[Any]) -> None:
         """Set the parameters of an integrator to the first of these numbers."""
         pars = workspace.motion.pars[:, 0]
         pars[:] = body[: len(pars)]
@@ -230,7 +230,7 @@ class Driver:
         at_passages, samples, last = np.split(rows, [len(events), -1])
         columns = self.times[logged], events["event"], events["sign"], events["at_pole"]
         passages = Passages._make([*(column.copy() for column in columns), at_passages])
-        self.forget()
+        self.clear_findings()
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
@@ -243,11 +243,11 @@ class Driver:
         steps = self.steps[0] - before
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
-    def begin(self) -> None:
+    def clear_counts(self) -> None:
         """Mark the phase as one that has made no step."""
         self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
-    def forget(self) -> None:
+    def clear_findings(self) -> None:
         """Empty the log and the samples."""
         self.logged[0] = self.sampled_so_far[0] = 0
 
@@ -321,12 +321,12 @@ class Driver:
         """Return all integrated variables, (all variables,), in the working precision."""
         return self.motion.state[:, 0]
 
-    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
+    def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Set the state, padded with zeros, and the time."""
         self.motion.state[: len(state), 0], self.motion.state[len(state) :] = state, 0.0
         self.motion.high[0], self.motion.low[0] = clock
 
-    def end_at(self, end: Any) -> None:
+    def set_end(self, end: Any) -> None:
         """Let the next steps end at an internal time, kept as `goal` in the working precision."""
         self.goal = end
         self.motion.end[0] = float(end)
@@ -380,8 +380,8 @@ class Driver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        self.put(state, clock)
-        self.forget()
+        self.set_state(state, clock)
+        self.clear_findings()
         self.tallies.lane[0] = tuple(kept["tally"])
         self.tallies.functions.view(float)[:] = kept["functions"]
         self.tallies.kept[:, 0] = kept["kept"]

@@ -301,7 +301,7 @@ class Track:
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.workspace = Workspace(run, code, rows)
         self.workspace.motion.in_lane[0] = self.at
-        run.take(self.workspace, leaves(self.b))
+        run.set_parameters(self.workspace, leaves(self.b))
         self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
         self.ahead = None
         if self.sampled:
@@ -515,7 +515,7 @@ class HybridDriver(Driver):
         if n.cause:
             self.tables.begin(float(now), track, n.cause)
         self.tables.add(float(now), n.rows)
-        self.put(state, (time, 0 * time))
+        self.set_state(state, (time, 0 * time))
         self.series = n.series and partial(self._during, n.series, now)
         signs: Any = self.functions["sign"]
         if self.series:
@@ -527,7 +527,7 @@ class HybridDriver(Driver):
         self.functions["sign"], self.functions["on_zero"] = signs, zeros
         for number in passed if before or self.series else ():
             self._note_passed(number, signs[number], before, now)
-        self.begin()
+        self.clear_counts()
         self.time[0] = self.began
         self.until = time + self.number(n.lasts)
 
@@ -590,7 +590,7 @@ class HybridDriver(Driver):
         `ending` is that event, or CLOCK, or None at the end of the run.
         """
         when, self.ending = self.next_end()
-        self.end_at(when)
+        self.set_end(when)
         high, low = self.clock
         runs = self.status[0] == RUNNING
         if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step

@@ -153,11 +153,11 @@ class ImpactMotions:
         known = driver.tallies.functions
         none = driver.number(0)
         known["sign"][:, 0], known["on_zero"][:, 0] = signs, zeros
-        driver.take(driver.workspace, pars)
-        driver.begin()
-        driver.put(state, (none, none))
-        driver.end_at(end)
-        driver.forget()
+        driver.set_parameters(driver.workspace, pars)
+        driver.clear_counts()
+        driver.set_state(state, (none, none))
+        driver.set_end(end)
+        driver.clear_findings()
         steps = driver.make(int(most))
         code = driver.status[0]
         event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1

@@ -355,7 +355,7 @@ class HybridPools(Pools, HybridDriver):
         """Return the state of the top that the driver holds."""
         return self.present_state
 
-    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
+    def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Set the state and the time of the top that the driver holds."""
         self.at = clock
         self.present_state = np.zeros(len(self.workspace.motion.state))
@@ -392,7 +392,7 @@ class HybridPools(Pools, HybridDriver):
         self.logged[0] = int(self.upto[0] < 1.0)
         self.last = self.states[slot, : len(self.track.workspace.motion.state)].copy()
         self.workspace = self.track.workspace
-        self.put(self.last, clock)
+        self.set_state(self.last, clock)
 
     def _store(self, slot: int) -> None:
         """Store the top that the driver holds in its slot."""

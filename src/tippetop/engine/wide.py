@@ -106,7 +106,7 @@ class WideDriver(Driver):
         """Return a stepper in Python around heyoka's integrator."""
         return WideSteps(code.integrator, weakref.proxy(self))
 
-    def take(self, workspace: Workspace, body: Sequence[Any]) -> None:
+    def set_parameters(self, workspace: Workspace, body: Sequence[Any]) -> None:
         """Set the parameters of an integrator to the first of these numbers."""
         pars = workspace.stepper.integrator.pars
         pars[:] = [self.number(number) for number in body[: len(pars)]]
@@ -126,7 +126,7 @@ class WideDriver(Driver):
         """Return all integrated variables."""
         return self.stepper.integrator.state
 
-    def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
+    def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Set the state, padded with zeros, and the time."""
         ta = self.stepper.integrator
         ta.state[:] = 0

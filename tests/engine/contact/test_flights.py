@@ -45,14 +45,14 @@ class Flights:
         q = FLIGHT.enter(x, b)
         driver.state[:] = 0
         driver.state[: len(q)] = q
-        driver.take(driver.workspace, leaves(b))
-        driver.put(driver.state, (0.0, 0.0))
-        driver.end_at(longest_flight(x, b))
+        driver.set_parameters(driver.workspace, leaves(b))
+        driver.set_state(driver.state, (0.0, 0.0))
+        driver.set_end(longest_flight(x, b))
         functions = driver.tallies.functions
         functions["sign"], functions["on_zero"] = 1, 0
         functions["on_zero"][NAMES.index("land")] = -zeros
         tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
-        driver.forget()
+        driver.clear_findings()
         while driver.status[0] == RUNNING:
             driver.make(10**6)
         return driver.reached()[0], NAMES[int(driver.log.rows["event"][driver.log.filled[0] - 1])]
