@@ -154,7 +154,7 @@ class Driver:
         self.end = end
         self.variables = len(start)
         self.number = start.dtype.type
-        self.share(rows, functions[:, None], len(compiled.integrator.state))
+        self.allocate_tallies(rows, functions[:, None], len(compiled.integrator.state))
         self.set_workspace(Workspace(self, compiled, rows))
         self.first = start[None, :].copy()
         self.set_parameters(self.workspace, body)
@@ -165,7 +165,7 @@ class Driver:
         """Return the object or machine code that makes the steps of an integrator."""
         return code.machine
 
-    def share(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
+    def allocate_tallies(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
         """Allocate the tallies, log and samples that all phases of a run share.
 
         `functions` are the event functions at the start, (events, 1); a phase has at most `width`

@@ -406,7 +406,7 @@ class HybridDriver(Driver):
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
         phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
         width = max(self.variables, *phase_widths)
-        self.share(rows, np.ones((len(events), 1)), width + len(events))
+        self.allocate_tallies(rows, np.ones((len(events), 1)), width + len(events))
         self.functions = self.tallies.functions[:, 0]
         signs = problem.joint.get("signs", {})
         self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known

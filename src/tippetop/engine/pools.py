@@ -133,7 +133,7 @@ class Pools:
     log: PassageLog
     samples: Samples
 
-    def allot(
+    def allocate_tops(
         self, room: int, phases: int, width: int, numbers: int, row_count: int, changes: Any = None
     ) -> None:
         """Allocate the arrays; no top has begun.
@@ -277,7 +277,7 @@ class HybridPools(Pools, HybridDriver):
     problem
         One of the tops.
     room, row_count
-        As for `allot`.
+        As for `allocate_tops`.
     stop
         Set it to give up while equations are being compiled.
     """
@@ -298,7 +298,7 @@ class HybridPools(Pools, HybridDriver):
         phases = len(self.phases)
         self.request: Any = SimpleNamespace(steps=False)
         self.problems: dict[int, Problem] = {}
-        self.allot(room, phases + 1, self.width, len(copies.body), row_count, copies)
+        self.allocate_tops(room, phases + 1, self.width, len(copies.body), row_count, copies)
         motion = new_motion(self.variables, 0, 1, 1)
         rows = self.all_events._replace(axis=np.zeros(0, int))
         found = self.tallies, new_log(0, self.width), self.samples

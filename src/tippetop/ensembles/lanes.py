@@ -42,7 +42,7 @@ class PoolOfOne(Pools):
     tops
         All tops that may enter it.
     room, row_count
-        As for `allot`.
+        As for `allocate_tops`.
     wanted, events
         As in `ensemble.measure`.
     """
@@ -76,7 +76,7 @@ class PoolOfOne(Pools):
         self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
         rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
         self.loop = Loop(self.motion, rows, *found, rules, code.machine)
-        self.allot(room, 1, width, numbers, row_count)
+        self.allocate_tops(room, 1, width, numbers, row_count)
         self.add_pool(0, self.loop, range(numbers))
 
 
