@@ -232,7 +232,7 @@ class Changes:
         run: Any = self.run
         record = self.record
         for track in run.tracks.values():
-            track.workspace.loop.fill(run.wanted)
+            track.workspace.loop.fill(run.output)
             self.loops[track.at] = ctypes.addressof(track.workspace.loop.structure)
         record.present = run.track.at
         record.began = run.began

@@ -76,12 +76,12 @@ class Request(Protocol):
 
     steps: bool  # at the ends of steps, rather than at given times
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         """Return the internal times of the rows that are wanted next, (k,) doubles; for steps, an
         array with room for k. Empty at the end.
         """
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Receive rows: internal times (k,), states (k, variables)."""
 
 
@@ -185,17 +185,17 @@ class Driver:
             view(self.tallies.lane[name]) for name in names
         )
         self.logged, self.sampled_so_far = map(view, (self.log.filled, self.samples.filled))
-        self.want(NO_ROWS)
+        self.set_output(NO_ROWS)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
         """Return the tallies, log and samples into which the loop of a phase writes."""
         return self.tallies, self.log, self.samples
 
-    def want(self, rows: Rows) -> None:
+    def set_output(self, rows: Rows) -> None:
         """Let the next steps write their rows here."""
-        self.wanted = rows
+        self.output = rows
         self.made = view(rows.filled)
-        self.given = 0
+        self.delivered = 0
 
     def set_workspace(self, workspace: Workspace) -> None:
         """Make the next steps with the integrator and arrays of this phase."""
@@ -219,7 +219,7 @@ class Driver:
         logged = slice(self.logged[0])
         sampled = slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
-        self.give()
+        self.deliver_rows()
         phases = events["phase"], self.samples.top[sampled], self.motion.in_lane
         states = (
             self.log.states[logged],
@@ -255,30 +255,30 @@ class Driver:
         """Make at most `most` steps and their rows, and return the number of steps."""
         steps = 0
         while True:
-            if self.made[0] == self.wanted.length:
-                self.ask()
+            if self.made[0] == self.output.length:
+                self.request_rows()
             steps += self.make(most - steps if self.status[0] == RUNNING else 0)
-            if self.made[0] < max(1, self.wanted.length):
+            if self.made[0] < max(1, self.output.length):
                 return steps
 
-    def ask(self) -> None:
+    def request_rows(self) -> None:
         """Hand over the rows that are filled, and make room for the next ones."""
-        self.give()
-        times = self.request.wanted()
+        self.deliver_rows()
+        times = self.request.next_times()
         n = len(times)
         filled = np.zeros(1, np.int64)
         states = np.empty((n, self.width), self.number)
         phases = np.empty(n, np.int64)
-        self.want(Rows(times, states, phases, filled, self.request.steps, n))
+        self.set_output(Rows(times, states, phases, filled, self.request.steps, n))
 
-    def give(self) -> None:
+    def deliver_rows(self) -> None:
         """Hand the rows that were filled since the last call to the request."""
-        wanted = self.wanted
-        made = slice(self.given, self.made[0])
-        rows = self.rows_of(wanted.phases[made], wanted.states[made])
-        self.given = made.stop
+        output = self.output
+        made = slice(self.delivered, self.made[0])
+        rows = self.rows_of(output.phases[made], output.states[made])
+        self.delivered = made.stop
         if len(rows):
-            self.request.take(wanted.times[made], rows)
+            self.request.add_rows(output.times[made], rows)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return states (k, all variables) of phases, by number (k,), as rows of the run."""
@@ -286,7 +286,7 @@ class Driver:
 
     def make(self, most: int) -> int:
         """Make at most `most` steps, write their rows, and return the number of steps."""
-        self.loop.fill(self.wanted)
+        self.loop.fill(self.output)
         return self.loop.drive(most)
 
     def reached(self) -> tuple[Any, np.ndarray]:

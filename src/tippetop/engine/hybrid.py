@@ -648,21 +648,21 @@ class HybridDriver(Driver):
     def make(self, most: int) -> int:
         """Make at most `most` steps and their rows, with the jumps that have programs."""
         self.add_in_jump()
-        if self.copies is None or self.wanted.steps:
+        if self.copies is None or self.output.steps:
             return super().make(most)
         return self.copies.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:
         """Add the rows at given times in the jump to the present phase."""
-        if not self.wanted.steps:
-            times = self.wanted.times[self.made[0] :]
+        if not self.output.steps:
+            times = self.output.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):
                 first = np.tile(self.state, (len(inside), 1))
                 self.add(inside, self.series(*inside) if self.series else first)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Add rows that lie in no step: times, and states of the present phase (k, variables)."""
-        rows = self.wanted
+        rows = self.output
         made = self.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.track.at, part.stop

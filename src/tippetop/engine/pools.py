@@ -380,7 +380,9 @@ class HybridPools(Pools, HybridDriver):
         for track in tracks:
             track.b = track.phase.parameters(body)
         times, states, phases, filled, *_ = self.rows
-        self.want(Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False))
+        self.set_output(
+            Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False)
+        )
         top = self.tops[slot]
         self.track = next((one for one in tracks if one.at == top["phase"]), self.before)
         self.ended = None

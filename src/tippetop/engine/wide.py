@@ -72,7 +72,7 @@ class WideSteps(Called):
             ta.state[:], ta.dtime = self.before
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
         n = len(ta.state)
-        rows = run.wanted.states
+        rows = run.output.states
         row = run.made[0]
         run.samples.states[run.sampled_so_far[0], :n] = ta.state
         if row < len(rows):
@@ -94,7 +94,7 @@ class WideSteps(Called):
             run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
         else:
-            rows = run.wanted
+            rows = run.output
             row = run.made[0]
             rows.states[row, :n] = ta.update_d_output(run.number(rows.times[row]))
 

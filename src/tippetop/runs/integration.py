@@ -137,7 +137,7 @@ class Integration:
 
     def begin(self, sink: Sink) -> None:
         """Connect the run to a sink; set its status if it ends at its start."""
-        self.sink, self.asked = sink, self.filled
+        self.sink, self.requested = sink, self.filled
         self.steps, self.at_times = (
             sink.keeps_rows and self.problem.output == output for output in ("steps", "times")
         )
@@ -179,17 +179,17 @@ class Integration:
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         """Return the internal times of the next rows, or an empty array for the ends of steps."""
         if self.steps:
             return np.empty(ROWS_PER_BLOCK)
         if not self.at_times:
             return np.zeros(0)
-        times = self.problem.times[self.asked : self.asked + ROWS_PER_BLOCK]
-        self.asked += len(times)
+        times = self.problem.times[self.requested : self.requested + ROWS_PER_BLOCK]
+        self.requested += len(times)
         return times / self.second
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Pass rows at these internal times to the sink."""
         rows = slice(self.filled, self.filled + len(times))
         self._write(times * self.second if self.steps else self.problem.times[rows], states)

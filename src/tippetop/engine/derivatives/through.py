@@ -391,11 +391,11 @@ class Pass:
         self.between = list[Samples]()  # states in each phase, for what nearly happened
         self._follow()
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         """Request no rows of the plain run."""
         return np.zeros(0)
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Ignore rows of the plain run."""
 
     @QUIET
