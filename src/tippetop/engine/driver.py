@@ -257,7 +257,7 @@ class Driver:
         while True:
             if self.made[0] == self.output.length:
                 self.request_rows()
-            steps += self.make(most - steps if self.status[0] == RUNNING else 0)
+            steps += self.make_steps(most - steps if self.status[0] == RUNNING else 0)
             if self.made[0] < max(1, self.output.length):
                 return steps
 
@@ -284,7 +284,7 @@ class Driver:
         """Return states (k, all variables) of phases, by number (k,), as rows of the run."""
         return states[:, : self.variables]
 
-    def make(self, most: int) -> int:
+    def make_steps(self, most: int) -> int:
         """Make at most `most` steps, write their rows, and return the number of steps."""
         self.loop.fill(self.output)
         return self.loop.drive(most)

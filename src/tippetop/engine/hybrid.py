@@ -645,11 +645,11 @@ class HybridDriver(Driver):
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def make(self, most: int) -> int:
+    def make_steps(self, most: int) -> int:
         """Make at most `most` steps and their rows, with the jumps that have programs."""
         self.add_in_jump()
         if self.copies is None or self.output.steps:
-            return super().make(most)
+            return super().make_steps(most)
         return self.copies.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:

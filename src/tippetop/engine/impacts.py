@@ -158,7 +158,7 @@ class ImpactMotions:
         driver.set_state(state, (none, none))
         driver.set_end(end)
         driver.clear_findings()
-        steps = driver.make(int(most))
+        steps = driver.make_steps(int(most))
         code = driver.status[0]
         event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1
         return [code, steps, event, *driver.reached()[1].tolist()]

@@ -54,7 +54,7 @@ class Flights:
         tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
         driver.clear_findings()
         while driver.status[0] == RUNNING:
-            driver.make(10**6)
+            driver.make_steps(10**6)
         return driver.reached()[0], NAMES[int(driver.log.rows["event"][driver.log.filled[0] - 1])]
 
 
