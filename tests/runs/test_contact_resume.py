@@ -95,7 +95,7 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, phases
         ]
         if integration.t_end > 0:
             snapshots.append(
-                (integration.driver.track.name, json.dumps(integration.snapshot()), taken)
+                (integration.driver.solver.name, json.dumps(integration.snapshot()), taken)
             )
         integration.follow(integration.driver.advance(integration, 3))
     integration.fill()

@@ -138,19 +138,19 @@ class Changes:
             known = {program.change.lines.tobytes() for program in jump.programs}
             if written and written.change.lines.tobytes() not in known:
                 jump.programs.append(written)
-        self.take_up(self.run.track, jump)
+        self.take_up(self.run.solver, jump)
 
-    def take_up(self, track: Any, jump: Any) -> None:
+    def take_up(self, solver: Any, jump: Any) -> None:
         """Register the programs of a jump as those of an exit of this phase."""
         run = self.run
         name = jump.exit.event
         event = self.events if name in (CLOCK, START) else run.numbers.get(name)
         if event is None:
             return
-        number = track.at * (self.events + 1) + event
+        number = solver.at * (self.events + 1) + event
         taken = self.programs[number]
         for program in jump.programs[len(taken) :]:
-            run.track_of(program.phase)  # compiles it, so that the loop can enter it
+            run.solver_of(program.phase)  # compiles it, so that the loop can enter it
             for place, region in program.motions:
                 self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
             registers = program.change.registers.copy()
@@ -166,9 +166,9 @@ class Changes:
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Record the program of a jump; return None if it does more than begin a phase."""
         run = self.run
-        track = run.track
+        solver = run.solver
         motions = list[tuple[int, str]]()
-        state = state[: len(track.workspace.motion.state)]
+        state = state[: len(solver.workspace.motion.state)]
         signs = tuple(run.functions["sign"].tolist())
         given = world.body, (world.rules.e_n,), (run.end - world.left, world.left), signs, state
         program = Program(*given)
@@ -192,9 +192,9 @@ class Changes:
                     return None
                 ranged, ranges = _ranged(n, to, now, body)
             if passed:
-                q, carried = track.variables.split(state)
-                before = track.formulas.functions(q, carried, track.phase.parameters(body))
-                known = dict(zip(track.events, before, strict=True))
+                q, carried = solver.variables.split(state)
+                before = solver.formulas.functions(q, carried, solver.phase.parameters(body))
+                known = dict(zip(solver.events, before, strict=True))
                 passed = [
                     k
                     for k in passed
@@ -207,7 +207,7 @@ class Changes:
             return None
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay
-        ended = state[: len(track.variables.names)]
+        ended = state[: len(solver.variables.names)]
         results = [*sides, *zeros, *after, *pad, *times, *ranges, *numbers, *ended]
         first = program.joined(results)
         lines = program.code()
@@ -231,31 +231,31 @@ class Changes:
         """Make at most this many steps and changes of phase; return the number of steps."""
         run: Any = self.run
         record = self.record
-        for track in run.tracks.values():
-            track.workspace.loop.fill(run.output)
-            self.loops[track.at] = ctypes.addressof(track.workspace.loop.structure)
-        record.present = run.track.at
+        for solver in run.solvers.values():
+            solver.workspace.loop.fill(run.output)
+            self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
+        record.present = run.solver.at
         record.began = run.began
         record.short = run.short
         record.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        track = run.track
+        solver = run.solver
         began = run.began
         for time, number, lasts, delay, *numbers in self.made[: record.length].tolist():
             program = self.known[int(number)]
             rest = iter(numbers)
-            before = track
-            track = run.tracks[program.phase]
+            before = solver
+            solver = run.solvers[program.phase]
             if program.cause:
-                run.tables.begin(time, track, program.cause)
+                run.tables.begin(time, solver, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
             run.keep_leg(before, began, time, rest, program.jump)
             began = min(time + delay, run.end)
             run.until = began + lasts
         if record.length:
-            run.follow(track, began)
+            run.set_phase(solver, began)
             run.short = record.short
             run.series = None
             run.changes += record.length

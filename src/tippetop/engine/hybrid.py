@@ -187,7 +187,7 @@ class Jump:
                 n.cause = self.exit.event
             if n.phase not in run.phases:
                 return n, None, (), ()
-            to = run.track_of(n.phase)
+            to = run.solver_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             b = to.phase.parameters(world.body)
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
@@ -215,7 +215,7 @@ def begin_in_first(x: Any, world: World) -> Next:
     return Next(next(iter(world.phases)), x)
 
 
-def wrong_time(n: Next, to: "Track") -> str:
+def wrong_time(n: Next, to: "PhaseSolver") -> str:
     """Return the fault of the times or the series of a Next; "" without one."""
     for what in ("delay", "lasts"):
         time = getattr(n, what)
@@ -236,7 +236,7 @@ def wrong_time(n: Next, to: "Track") -> str:
     return ""
 
 
-def wrong_root(n: Next, to: "Track", q: Any, carried: Any, values: Sequence) -> str:
+def wrong_root(n: Next, to: "PhaseSolver", q: Any, carried: Any, values: Sequence) -> str:
     """Return the fault of the multiplicities of a Next; "" without one.
 
     It is a fault if the event function, or its slope for a multiple root, is not zero.
@@ -261,14 +261,14 @@ def wrong_root(n: Next, to: "Track", q: Any, carried: Any, values: Sequence) -> 
 class Leg(NamedTuple):
     """A phase that a run has gone through: internal times, the last state, and the jump."""
 
-    track: "Track"
+    solver: "PhaseSolver"
     began: float
     ended: float
     last: list[float]
     jump: Jump | None  # None: by the end of the run
 
 
-class Track:
+class PhaseSolver:
     """A phase that a run can enter: its equations, events and exits, compiled.
 
     Parameters
@@ -382,7 +382,7 @@ class HybridDriver(Driver):
         Set it to give up while equations are being compiled.
     """
 
-    track: Track
+    solver: PhaseSolver
     last: np.ndarray  # the state where the last phase ended
     legs: list[Leg] | None = None  # of the run, if they are to be kept
     short = 0  # phases in a row that were too short
@@ -411,7 +411,7 @@ class HybridDriver(Driver):
         signs = problem.joint.get("signs", {})
         self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known
         self.tables = PhaseTables(problem)
-        self.tracks: dict[str, Track] = {}
+        self.solvers: dict[str, PhaseSolver] = {}
         contact = problem.contact
         kind = None
         struck = None
@@ -450,7 +450,7 @@ class HybridDriver(Driver):
         self._start(tuple(self.problem.start().tolist()))
         self.first = self.present()
         if self.series:
-            self.first = self.rows_of(np.array([self.track.at]), self.series(self.number(0)))
+            self.first = self.rows_of(np.array([self.solver.at]), self.series(self.number(0)))
 
     def _start(self, state: tuple) -> None:
         """Make the jump from the start to the first phase."""
@@ -481,14 +481,14 @@ class HybridDriver(Driver):
 
     # --- phases ----------------------------------------------------------------------------------
 
-    def track_of(self, name: str) -> Track:
+    def solver_of(self, name: str) -> PhaseSolver:
         """Return the phase of this name, which is compiled when it is first entered."""
-        if name not in self.tracks:
-            track = self.tracks[name] = Track(self, name)
+        if name not in self.solvers:
+            solver = self.solvers[name] = PhaseSolver(self, name)
             if self.copies:
-                for jump in track.exits.values():
-                    self.copies.take_up(track, jump)
-        return self.tracks[name]
+                for jump in solver.exits.values():
+                    self.copies.take_up(solver, jump)
+        return self.solvers[name]
 
     def code_of(self, formulas: Formulas) -> Compiled:
         """Return the integrator of the formulas of a phase."""
@@ -496,24 +496,24 @@ class HybridDriver(Driver):
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, compiled."""
-        return tuple(self.track_of(name).workspace.compiled for name in self.phases)
+        return tuple(self.solver_of(name).workspace.compiled for name in self.phases)
 
-    def follow(self, track: Track, began: float) -> None:
+    def set_phase(self, solver: PhaseSolver, began: float) -> None:
         """Make the next steps in a phase that begins at this internal time."""
-        self.track = track
+        self.solver = solver
         self.began = began
-        self.set_workspace(track.workspace)
+        self.set_workspace(solver.workspace)
 
-    def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
+    def _enter(self, begun: tuple, now: Any, before: PhaseSolver | None) -> None:
         """Begin a phase by the result of a jump, which was made at an internal time.
 
         `before` is the phase that has ended; None at the start.
         """
-        n, track, state, values = begun
+        n, solver, state, values = begun
         time = min(now + self.number(n.delay), self.end)
-        self.follow(track, float(time))
+        self.set_phase(solver, float(time))
         if n.cause:
-            self.tables.begin(float(now), track, n.cause)
+            self.tables.begin(float(now), solver, n.cause)
         self.tables.add(float(now), n.rows)
         self.set_state(state, (time, 0 * time))
         self.series = n.series and partial(self._during, n.series, now)
@@ -521,9 +521,9 @@ class HybridDriver(Driver):
         if self.series:
             first = self._ranged(now, time)
             if before is None:
-                sides, zeros, _ = track.begins(n, first, signs)
+                sides, zeros, _ = solver.begins(n, first, signs)
                 signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
-        signs, zeros, passed = track.begins(n, values, signs)
+        signs, zeros, passed = solver.begins(n, values, signs)
         self.functions["sign"], self.functions["on_zero"] = signs, zeros
         for number in passed if before or self.series else ():
             self._note_passed(number, signs[number], before, now)
@@ -532,12 +532,12 @@ class HybridDriver(Driver):
         self.until = time + self.number(n.lasts)
 
     def keep_leg(
-        self, track: Track, began: float, ended: Any, state: Iterable, jump: Jump | None
+        self, solver: PhaseSolver, began: float, ended: Any, state: Iterable, jump: Jump | None
     ) -> None:
         """Append a phase that has ended to `legs`; the state begins with its variables."""
         if self.legs is not None:
-            last = [float(one) for one in islice(state, len(track.variables.names))]
-            self.legs.append(Leg(track, began, float(ended), last, jump))
+            last = [float(one) for one in islice(state, len(solver.variables.names))]
+            self.legs.append(Leg(solver, began, float(ended), last, jump))
 
     # --- steps -----------------------------------------------------------------------------------
 
@@ -555,7 +555,7 @@ class HybridDriver(Driver):
             is_full = self.logged[0] > PASSAGES - MOST_LOGGED
             is_over = self.changes >= PER_SLICE or is_full or not self.clock[0] < self.end
             room = 0 if is_over else most - steps
-            steps += self.drive(min(room, 1) if self.track.sampled else room)
+            steps += self.drive(min(room, 1) if self.solver.sampled else room)
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
@@ -563,7 +563,7 @@ class HybridDriver(Driver):
             ending: Any = endings.get(status)
             if self.upto[0] < 1.0:
                 ending = self.log.rows["event"][self.logged[0] - 1]
-            jump = self.track.exits.get(ending)
+            jump = self.solver.exits.get(ending)
             if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
                 jump = None
                 when = self.end
@@ -573,7 +573,7 @@ class HybridDriver(Driver):
                     self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)
-            if status is not None or not room or not (jump or self.track.sampled):
+            if status is not None or not room or not (jump or self.solver.sampled):
                 break
         if status is None and not self.clock[0] < self.end:
             status = Status.FINISHED  # a phase begins where the run ends, and takes no step
@@ -581,7 +581,7 @@ class HybridDriver(Driver):
         if status is not None:
             self.tables.end(float(when))
             if not jump:
-                self.keep_leg(self.track, self.began, when, self.last, None)
+                self.keep_leg(self.solver, self.began, when, self.last, None)
         return steps, when, self.last, status
 
     def end_next(self) -> None:
@@ -599,7 +599,7 @@ class HybridDriver(Driver):
     def next_end(self) -> tuple[Any, Any]:
         """Return the time at which the next steps end, and `ending`."""
         ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
-        if self.track.sampled:
+        if self.solver.sampled:
             ends += sampled_in_next_step(self)
         return min(ends, key=itemgetter(0))
 
@@ -612,17 +612,17 @@ class HybridDriver(Driver):
         if float(self.until) > self.began:  # it was to last some time
             self.short = self.short + 1 if float(when) - self.began < shortest else 0
         now = self.number(when)
-        track = self.track
+        solver = self.solver
         last = self.last
         if self.upto[0] < 1.0:
             self.logged[0] -= 1  # the jump logs it
-        self.keep_leg(track, self.began, when, last, jump)
+        self.keep_leg(solver, self.began, when, last, jump)
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, _, state, _ = jump(self, *given)
         if self.copies:
             self.copies.learn(jump, *given)
         for name in n.logged:
-            self._note(self.numbers[name], now, 1, track.at, last)
+            self._note(self.numbers[name], now, 1, solver.at, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -631,7 +631,7 @@ class HybridDriver(Driver):
             shortest *= self.problem.unit(SECOND)
             self.sentence = (
                 f"phases change more often than every {shortest:.1g} s, at last "
-                f"from `{track.name}` to `{n.phase}` by `{jump.exit.event}`"
+                f"from `{solver.name}` to `{n.phase}` by `{jump.exit.event}`"
             )
             return Status.STALLED
         if not math.isfinite(sum(state)):
@@ -639,7 +639,7 @@ class HybridDriver(Driver):
             return Status.NON_FINITE
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self.add(np.array([when]), last[None])
-        self._enter(begun, now, track)
+        self._enter(begun, now, solver)
         self.changes += 1
         return None
 
@@ -665,7 +665,7 @@ class HybridDriver(Driver):
         rows = self.output
         made = self.made
         part = slice(made[0], made[0] + len(times))
-        rows.times[part], rows.phases[part], made[0] = times, self.track.at, part.stop
+        rows.times[part], rows.phases[part], made[0] = times, self.solver.at, part.stop
         rows.states[part, : states.shape[1]] = states
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
@@ -682,7 +682,7 @@ class HybridDriver(Driver):
 
     def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
         """Return states at internal times in a jump that takes time."""
-        values = self.track.variables.join(*series(np.array(times, self.number) - began))
+        values = self.solver.variables.join(*series(np.array(times, self.number) - began))
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
@@ -690,13 +690,13 @@ class HybridDriver(Driver):
 
         Return the event functions at its start.
         """
-        track = self.track
+        solver = self.solver
         every = []
         for time in (began + (end - began) * k / NODES for k in range(NODES + 1)):
             state = self.series(time)[0]
-            values = track.formulas.functions(*track.variables.split(state), track.b)
+            values = solver.formulas.functions(*solver.variables.split(state), solver.b)
             every.append(values)
-            for number, value in zip(track.events, values, strict=True):
+            for number, value in zip(solver.events, values, strict=True):
                 event = self.all_events.events[number]
                 known = self.functions[number]
                 scaled = float(value) * event["scale"]
@@ -707,13 +707,13 @@ class HybridDriver(Driver):
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log an event that happens in a jump from a phase."""
-        track = self.track
+        solver = self.solver
         during = self.series
         if during:
-            now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
-            self._note(number, now, sign, track.at, during(now)[0])
+            now = zero_of(lambda t: -sign * solver.value(number, during(t)[0]), now, self.began)
+            self._note(number, now, sign, solver.at, during(now)[0])
             return
-        event = track.events[number]
+        event = solver.events[number]
         state = self.last
         if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
             self._note(number, now, sign, before.at, state)
@@ -723,19 +723,21 @@ class HybridDriver(Driver):
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
         rows[:, : as_rows.shape[1]] = as_rows
-        for track in self.tracks.values():
-            mine = np.flatnonzero(phases == track.at)
+        for solver in self.solvers.values():
+            mine = np.flatnonzero(phases == solver.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                self.read(rows, some, track, states, track.b)
+                self.read(rows, some, solver, states, solver.b)
         return rows
 
-    def read(self, rows: np.ndarray, some: Any, track: Track, states: np.ndarray, b: Any) -> None:
+    def read(
+        self, rows: np.ndarray, some: Any, solver: PhaseSolver, states: np.ndarray, b: Any
+    ) -> None:
         """Convert states of a phase with parameters b to rows, in place for the indices `some`."""
         variables = self.problem.variables
-        q, carried = track.variables.split(states[some].T)
-        read, _ = self.problem.system.read(track.phase, q, carried, b)
+        q, carried = solver.variables.split(states[some].T)
+        read, _ = self.problem.system.read(solver.phase, q, carried, b)
         values = variables.join(read[: variables.moving], carried)
         for k, value in enumerate(values):
             rows[some, k] = value
@@ -744,7 +746,7 @@ class HybridDriver(Driver):
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
         """End the present phase; return its row of the table of phases."""
-        self.keep_leg(self.track, self.began, self.clock[0], self.state, None)
+        self.keep_leg(self.solver, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
 
@@ -753,7 +755,7 @@ class HybridDriver(Driver):
         joint = super().joint(self.numbers)
         lasts = float(self.until - self.now)
         sides = {name: sign for name, sign in joint["signs"].items() if sign}
-        follows: PlainData = {"phase": self.track.name, "sides": sides}
+        follows: PlainData = {"phase": self.solver.name, "sides": sides}
         if lasts < math.inf:
             follows["lasts"] = max(lasts, 0.0)
         lasted = float(self.now) - self.began
@@ -767,14 +769,14 @@ class HybridDriver(Driver):
 
         The lists have the same length in every phase, except for `state`.
         """
-        phase = [self.track.at, self.short, self.began, *self.tables.under_way]
+        phase = [self.solver.at, self.short, self.began, *self.tables.under_way]
         return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
         at, short, began, *under_way = kept["phase"]
         self.short, (self.until,) = int(short), kept["until"]
-        self.follow(self.track_of([*self.phases][int(at)]), began)
+        self.set_phase(self.solver_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
         self.tables.take()
         self.tables.under_way = under_way

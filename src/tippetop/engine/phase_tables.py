@@ -34,11 +34,11 @@ class PhaseTables:
         self.rows = defaultdict[str, list[Sequence]](list)
         self.numbers = dict[tuple, list]()  # of the words of a phase that begins
 
-    def begin(self, time: float, track: Any, cause: str) -> None:
+    def begin(self, time: float, solver: Any, cause: str) -> None:
         """End the present phase, and begin another one at an internal time."""
         self.end(time)
-        name = track.name
-        phase = track.phase
+        name = solver.name
+        phase = solver.phase
         if (name, cause) not in self.numbers:
             row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
             kinds = self.tables["phases"].items()

@@ -25,7 +25,7 @@ from ..problem import Problem, Problems
 from .changes import CHATTER, Changes
 from .driver import ENDLESS, STATUSES
 from .expressions import Formulas
-from .hybrid import QUIET, HybridDriver, Track
+from .hybrid import QUIET, HybridDriver, PhaseSolver
 from .integrator import Compiled
 from .loop import (
     Loop,
@@ -328,17 +328,17 @@ class HybridPools(Pools, HybridDriver):
         """Return tallies of the lanes of a phase, an unused log, and the common samples."""
         return self.lane_tallies(rows), new_log(0, self.width), self.samples
 
-    def track_of(self, name: str) -> Track:
+    def solver_of(self, name: str) -> PhaseSolver:
         """Return the phase of this name; when it is first entered, it gets a pool."""
-        is_new = name not in self.tracks
-        track = super().track_of(name)
+        is_new = name not in self.solvers
+        solver = super().solver_of(name)
         if is_new:
             body = self.world.body
-            order = track.phase.parameters(refill(body, iter(range(len(leaves(body))))))
-            mine = leaves(order)[: len(track.workspace.motion.pars)]
-            self.add_pool(track.at, track.workspace.loop, mine, by_steps=bool(track.sampled))
-            self.programs.loops[track.at] = address_of(track.workspace.loop.structure)
-        return track
+            order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
+            mine = leaves(order)[: len(solver.workspace.motion.pars)]
+            self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
+            self.programs.loops[solver.at] = address_of(solver.workspace.loop.structure)
+        return solver
 
     def set_workspace(self, workspace: Any) -> None:
         """Select the phase of the top that the driver holds; its loop only logs events."""
@@ -376,15 +376,15 @@ class HybridPools(Pools, HybridDriver):
         self.problem = self.problems[slot]
         body = refill(self.world.body, iter(self.bodies[slot].tolist()))
         self.world = self.world._replace(body=body, rules=self.problem.contact)
-        tracks = list(self.tracks.values())
-        for track in tracks:
-            track.b = track.phase.parameters(body)
+        solvers = list(self.solvers.values())
+        for solver in solvers:
+            solver.b = solver.phase.parameters(body)
         times, states, phases, filled, *_ = self.rows
         self.set_output(
             Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False)
         )
         top = self.tops[slot]
-        self.track = next((one for one in tracks if one.at == top["phase"]), self.before)
+        self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
         names = ["began", "until", "short", "end", "high", "low"]
         self.began, self.until, self.short, self.end, *clock = top[names].item()
@@ -392,8 +392,8 @@ class HybridPools(Pools, HybridDriver):
         self.functions[:] = self.functions_of[slot]
         self.tallies.kept[:, 0] = self.kept_of[slot]
         self.logged[0] = int(self.upto[0] < 1.0)
-        self.last = self.states[slot, : len(self.track.workspace.motion.state)].copy()
-        self.workspace = self.track.workspace
+        self.last = self.states[slot, : len(self.solver.workspace.motion.state)].copy()
+        self.workspace = self.solver.workspace
         self.set_state(self.last, clock)
 
     def _store(self, slot: int) -> None:
@@ -403,7 +403,7 @@ class HybridPools(Pools, HybridDriver):
         top["high"], top["low"] = self.at
         top["until"] = min(self.until, self.end)
         self._set_end(slot)
-        top["began"], top["phase"], top["short"] = self.began, self.track.at, self.short
+        top["began"], top["phase"], top["short"] = self.began, self.solver.at, self.short
         self.tallies_of[slot] = self.tally
         self.functions_of[slot] = self.functions
         self.kept_of[slot] = self.tallies.kept[:, 0]
@@ -423,7 +423,7 @@ class HybridPools(Pools, HybridDriver):
         super()._note(number, time, sign, phase, state)
         sense = self.all_events.events["sense"][number]
         if sense:  # of a single run the log counts turnings
-            axis = self.tracks[[*self.phases][phase]].workspace.rows.axis
+            axis = self.solvers[[*self.phases][phase]].workspace.rows.axis
             x, y, z = state[axis].tolist()
             theta = math.atan2(math.sqrt(x * x + y * y), z)
             count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
@@ -442,11 +442,11 @@ class HybridPools(Pools, HybridDriver):
         number = int(top["event"])
         ending: Any = STALL if number < 0 else CLOCK if number == len(self.numbers) else number
         try:
-            if self.track is self.before:
+            if self.solver is self.before:
                 self._start(tuple(self.last.tolist()))
                 ends = self.ended
             else:
-                jump = self.track.exits.get(ending)
+                jump = self.solver.exits.get(ending)
                 ends = self._change(jump, self.at[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
@@ -461,9 +461,9 @@ class HybridPools(Pools, HybridDriver):
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
         """Return states of phases, by number, as rows in the variables of the runs."""
         rows = states[:, : self.variables].copy()
-        for track in self.tracks.values():
-            mine = np.flatnonzero(phases == track.at)
+        for solver in self.solvers.values():
+            mine = np.flatnonzero(phases == solver.at)
             body = refill(self.world.body, iter(self.bodies[slots[mine]].T))
-            b = track.phase.parameters(body)
-            self.read(rows, mine, track, states, b)
+            b = solver.phase.parameters(body)
+            self.read(rows, mine, solver, states, b)
         return rows

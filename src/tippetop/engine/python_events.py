@@ -10,20 +10,20 @@ from ..mechanics.operand import leaves
 def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
     """Return the internal times and numbers of the sampled events in the next step of a run.
 
-    The step is made by a copy of the integrator of the phase, `track.ahead`.
+    The step is made by a copy of the integrator of the phase, `solver.ahead`.
     """
-    track, (high, low) = run.track, run.clock
-    ta = track.ahead
-    ta.pars[:] = leaves(track.b)[: len(ta.pars)]
+    solver, (high, low) = run.solver, run.clock
+    ta = solver.ahead
+    ta.pars[:] = leaves(solver.b)[: len(ta.pars)]
     ta.state[:], ta.time = run.state, run.number(0)
     _, h = ta.step(write_tc=True)
 
     def value(event: Event, t: Any) -> float:
-        q, _ = track.variables.split(ta.update_d_output(t).tolist())
-        return float(event.formula(track.phase.form.scalars(q, track.b), track.b))
+        q, _ = solver.variables.split(ta.update_d_output(t).tolist())
+        return float(event.formula(solver.phase.form.scalars(q, solver.b), solver.b))
 
     found = []
-    for number, event in track.sampled.items():
+    for number, event in solver.sampled.items():
         t = zero_of(partial(value, event), 0 * h, h / 2, h)
         if t is not None:
             found.append((run.number(high) + (low + t), number))

@@ -25,7 +25,7 @@ from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
 from ..driver import STEPS_PER_SLICE
 from ..expressions import Formulas
-from ..hybrid import QUIET, HybridDriver, Leg, Track, begin_in_first, completed
+from ..hybrid import QUIET, HybridDriver, Leg, PhaseSolver, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..variational import compiled_flow, expressions_of, in_motion
@@ -333,7 +333,7 @@ class Samples(NamedTuple):
     `shift` is the derivative of these times, as the beginning moves.
     """
 
-    track: Track
+    solver: PhaseSolver
     shift: np.ndarray
     which: np.ndarray  # of the times, or the number of the phase for each of them
     values: np.ndarray  # (n, times)
@@ -408,20 +408,20 @@ class Pass:
         (name, _), delay, lasts, state = self._jumped(phase, begin, state, now)
         zeros: Any = ()  # of events that a number of the start may move
         for leg in self.runs:
-            if name != leg.track.name:
+            if name != leg.solver.name:
                 self.notes.append(Note(now.value, "what follows", 0 * now.first))
                 return
             began = now + delay
             which = self._within(now.value, leg.began)
             if leg.began - now.value < BRIEF:
                 rows = (np.repeat(one[..., None], len(which), axis=-1) for one in state)
-                self.samples.append(Samples(leg.track, began.first, which, *rows))
+                self.samples.append(Samples(leg.solver, began.first, which, *rows))
             state, now = self._ended(leg, state, began, lasts, zeros)
             if leg.jump is None or not leg.ended <= self.times[-1]:
                 return
             self.legs.append(leg)
             self.shifts.append(now.first)
-            made = self._jumped(leg.track.phase, leg.jump.exit, state, now)
+            made = self._jumped(leg.solver.phase, leg.jump.exit, state, now)
             (name, zeros), delay, lasts, state = made
             if not name:
                 return
@@ -452,7 +452,7 @@ class Pass:
             n = exit.jump(x, now)
             if n.ends:
                 return [n.delay, 0.0], ("", ())
-            to = driver.track_of(n.phase)
+            to = driver.solver_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             q = to.phase.enter(n.x, to.phase.parameters(body))
             return [n.delay, n.lasts, *to.variables.join(q, carried)], (n.phase, (*n.zeros,))
@@ -479,13 +479,13 @@ class Pass:
             self.notes.append(Note(now.value, f"what follows `{exit.event}`", least))
         return name, *joined(values[:2], moves[:2]), (values[2:], moves[2:])
 
-    def _motion_of(self, track: Track) -> Motion:
+    def _motion_of(self, solver: PhaseSolver) -> Motion:
         """Return the equations of a phase."""
-        if track.name not in self.motions:
-            b = track.phase.parameters(self.numbers.body)
+        if solver.name not in self.motions:
+            b = solver.phase.parameters(self.numbers.body)
             known = parted(leaves(b), self.directions)
-            self.motions[track.name] = Motion(track.formulas, track.variables, *known)
-        return self.motions[track.name]
+            self.motions[solver.name] = Motion(solver.formulas, solver.variables, *known)
+        return self.motions[solver.name]
 
     def _within(self, began: float, ended: float) -> np.ndarray:
         """Return which of the times lie after one time, or at the start, and not after another."""
@@ -499,8 +499,8 @@ class Pass:
 
         `zeros`: the events whose functions are zero there.
         """
-        track = leg.track
-        motion = self._motion_of(track)
+        solver = leg.solver
+        motion = self._motion_of(solver)
         values, moves = state
         more = np.zeros(self.directions)
         done = leg.began
@@ -524,7 +524,7 @@ class Pass:
                 (self.samples, back[: len(which)], which, began.first + more),
                 (self.between, back[len(which) : -1], np.full(count, len(self.legs)), 0 * more),
             ):
-                found.append(Samples(track, shift, of, values[:, some], moves[..., some]))
+                found.append(Samples(solver, shift, of, values[:, some], moves[..., some]))
             values = values[:, -1]
             moves = moves[..., -1]
             done = stop
@@ -539,7 +539,7 @@ class Pass:
                 by = lasts.first - more
                 moves = moves + np.outer(motion.rates(last, moves[:, :0])[0], by)
             else:
-                ending = next(one for one in track.phase.events if one.name == exit.event)
+                ending = next(one for one in solver.phase.events if one.name == exit.event)
                 if not exit.smooth:
                     least = motion.lost(ending, last, moves)
                     self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
@@ -550,7 +550,7 @@ class Pass:
                     known = motion.gains(ending, (state, *three, (last, moves)), end - leg.began)
                 by, moves = motion.happens(ending, last, moves, known)
         of = np.full(1, len(self.legs))
-        self.between.append(Samples(track, 0 * by, of, last[:, None], moves[..., None]))
+        self.between.append(Samples(solver, 0 * by, of, last[:, None], moves[..., None]))
         return (last, moves), Dual(leg.ended, began.first + more + by)
 
     def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
@@ -583,22 +583,22 @@ class Pass:
 
     def _together(self, samples: list[Samples]) -> Iterator[tuple]:
         """Yield each phase, the body in it, and all samples there as state and numbers."""
-        for track in self.driver.tracks.values():
-            if mine := [one for one in samples if one.track is track]:
+        for solver in self.driver.solvers.values():
+            if mine := [one for one in samples if one.solver is solver]:
                 which, values, moves = (
                     np.concatenate([one[k] for one in mine], axis=-1) for k in (2, 3, 4)
                 )
-                split = track.variables.split
+                split = solver.variables.split
                 rates = np.array(
                     [
                         rate + 0 * values[0]
-                        for rate in track.variables.rates(*split(values), track.b)
+                        for rate in solver.variables.rates(*split(values), solver.b)
                     ]
                 )
                 shifts = [np.repeat(one.shift[:, None], len(one.which), axis=1) for one in mine]
                 moves = moves - rates[:, None] * np.concatenate(shifts, axis=-1)
-                b = _columned(track.phase.parameters(self.numbers.body))
-                yield track, b, split(joined(values, moves)), which
+                b = _columned(solver.phase.parameters(self.numbers.body))
+                yield solver, b, split(joined(values, moves)), which
 
     @QUIET
     def rows(self) -> np.ndarray:
@@ -613,8 +613,8 @@ class Pass:
             values, moves = parted(self.numbers.state, self.directions)
             rows[:, 0, :, 0] = values[:, None]
             rows[:, 1, :, 0] = moves
-        for track, b, (q, carried), which in self._together(self.samples):
-            read, _ = self.problem.system.read(track.phase, q, carried, b)
+        for solver, b, (q, carried), which in self._together(self.samples):
+            read, _ = self.problem.system.read(solver.phase, q, carried, b)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
                 for part, values in zip(row, parts_of(one, 1), strict=True):
@@ -659,7 +659,7 @@ class Pass:
                 shifts[k] = np.nan if time > 0 else 0.0
                 continue
             one, column = at[time]
-            motion = self._motion_of(one.track)
+            motion = self._motion_of(one.solver)
             for event in motion.formulas.events:
                 if event.name == name:
                     state = one.values[:, column], one.moves[..., column]
@@ -671,10 +671,10 @@ class Pass:
         """Return all notes by time, with those of exits that nearly happened."""
         notes = list(self.notes)
         ends = self.runs
-        for track, b, (q, _), which in self._together(self.between):
-            scalars = track.phase.form.scalars(q, b)
-            exits = {one.event for one in track.phase.exits if not one.smooth}
-            for event in track.phase.events:
+        for solver, b, (q, _), which in self._together(self.between):
+            scalars = solver.phase.form.scalars(q, b)
+            exits = {one.event for one in solver.phase.exits if not one.smooth}
+            for event in solver.phase.events:
                 if event.name not in exits or event.sampled:
                     continue
                 h, by = parts_of(event.formula(scalars, b), 1)
