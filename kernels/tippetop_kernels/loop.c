@@ -103,7 +103,7 @@ typedef struct {
     integer *in_lane;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
     integer *ended_by;   /* the event that ended the present step */
-    integer *before_leg; /* steps of a run before those of its tally */
+    integer *steps_before; /* steps of a run before those of its tally */
 
     const Event *event_rows;
     const Number *numbers;
@@ -652,7 +652,7 @@ static bool take_step(const Loop *l, integer lane) {
     if (tally->status != RUNNING) /* it is not finite */
         return true;
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
-    integer every_step = l->before_leg[lane] + tally->steps + (h > 0);
+    integer every_step = l->steps_before[lane] + tally->steps + (h > 0);
     if (h > 0) { /* the step moves a double */
         real upto = take_events(l, lane, t, h);
         tally->upto = upto;
@@ -1093,7 +1093,7 @@ static void take_top(const Pools *p, integer phase, integer lane) {
     for (integer k = 0; k < l->parameters; k++)
         l->pars[k * n + lane] = body[pool->parameters[k]];
     l->in_lane[lane] = top * p->phases + phase;
-    l->before_leg[lane] = t->steps;
+    l->steps_before[lane] = t->steps;
     l->high[lane] = t->high;
     l->low[lane] = t->low;
     l->end[lane] = t->stop;

@@ -251,7 +251,7 @@ class Changes:
                 run.tables.begin(time, solver, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
-            run.keep_leg(before, began, time, rest, program.jump)
+            run.keep_interval(before, began, time, rest, program.jump)
             began = min(time + delay, run.end)
             run.until = began + lasts
         if record.length:

@@ -258,7 +258,7 @@ def wrong_root(n: Next, to: "PhaseSolver", q: Any, carried: Any, values: Sequenc
 # --- runs ---------------------------------------------------------------------------------------
 
 
-class Leg(NamedTuple):
+class PhaseInterval(NamedTuple):
     """A phase that a run has gone through: internal times, the last state, and the jump."""
 
     solver: "PhaseSolver"
@@ -384,7 +384,7 @@ class HybridDriver(Driver):
 
     solver: PhaseSolver
     last: np.ndarray  # the state where the last phase ended
-    legs: list[Leg] | None = None  # of the run, if they are to be kept
+    intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short = 0  # phases in a row that were too short
     changes = 0  # of phase, in a slice
     series: Any = None  # of the jump to the present phase, if it takes time
@@ -531,13 +531,13 @@ class HybridDriver(Driver):
         self.time[0] = self.began
         self.until = time + self.number(n.lasts)
 
-    def keep_leg(
+    def keep_interval(
         self, solver: PhaseSolver, began: float, ended: Any, state: Iterable, jump: Jump | None
     ) -> None:
-        """Append a phase that has ended to `legs`; the state begins with its variables."""
-        if self.legs is not None:
+        """Append a phase that has ended to `intervals`; the state begins with its variables."""
+        if self.intervals is not None:
             last = [float(one) for one in islice(state, len(solver.variables.names))]
-            self.legs.append(Leg(solver, began, float(ended), last, jump))
+            self.intervals.append(PhaseInterval(solver, began, float(ended), last, jump))
 
     # --- steps -----------------------------------------------------------------------------------
 
@@ -581,7 +581,7 @@ class HybridDriver(Driver):
         if status is not None:
             self.tables.end(float(when))
             if not jump:
-                self.keep_leg(self.solver, self.began, when, self.last, None)
+                self.keep_interval(self.solver, self.began, when, self.last, None)
         return steps, when, self.last, status
 
     def end_next(self) -> None:
@@ -616,7 +616,7 @@ class HybridDriver(Driver):
         last = self.last
         if self.upto[0] < 1.0:
             self.logged[0] -= 1  # the jump logs it
-        self.keep_leg(solver, self.began, when, last, jump)
+        self.keep_interval(solver, self.began, when, last, jump)
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, _, state, _ = jump(self, *given)
         if self.copies:
@@ -746,7 +746,7 @@ class HybridDriver(Driver):
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
         """End the present phase; return its row of the table of phases."""
-        self.keep_leg(self.solver, self.began, self.clock[0], self.state, None)
+        self.keep_interval(self.solver, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
 

@@ -41,7 +41,7 @@ class Motion(NamedTuple):
     limit: np.ndarray  # (lanes,) the longest step that is allowed
     h: np.ndarray  # (lanes,) the step that was made
     ended_by: np.ndarray  # (lanes,) the event that ended it; -1: none
-    before_leg: np.ndarray  # (lanes,) steps of a top before those of its tally
+    steps_before: np.ndarray  # (lanes,) steps of a top before those of its tally
 
 
 class Rows(NamedTuple):
@@ -178,10 +178,10 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     state, before = np.zeros((2, variables, lanes))
     pars = np.zeros((parameters, lanes))
     tc = np.zeros((variables, size, lanes))
-    in_lane, ended_by, before_leg = np.zeros((3, lanes), np.int64)
+    in_lane, ended_by, steps_before = np.zeros((3, lanes), np.int64)
     high, low, start_high, start_low, end, limit, h = np.zeros((7, lanes))
     times = high, low, start_high, start_low, end, limit, h
-    return Motion(state, before, pars, tc, in_lane, *times, ended_by, before_leg)
+    return Motion(state, before, pars, tc, in_lane, *times, ended_by, steps_before)
 
 
 class Loop:

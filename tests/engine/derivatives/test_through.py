@@ -63,7 +63,7 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
     wrt = list(case["derivatives"])
     problem = problem_of(name, until=case["until"])
     made = Pass(problem, wrt, np.array([problem.until / problem.unit(SECOND)]))
-    assert len(made.driver.legs) >= case["phases"]
+    assert len(made.driver.intervals) >= case["phases"]
     row = made.rows()[:9, ..., -1]
     units = [*problem.variables.units.values()][:9]
     state = [

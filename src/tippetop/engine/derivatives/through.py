@@ -25,7 +25,7 @@ from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
 from ..driver import STEPS_PER_SLICE
 from ..expressions import Formulas
-from ..hybrid import QUIET, HybridDriver, Leg, PhaseSolver, begin_in_first, completed
+from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..variational import compiled_flow, expressions_of, in_motion
@@ -35,7 +35,7 @@ from .tape import Tape
 MOST_LANES = 8
 BRANCHES = 32
 AHEAD = 1e-6
-PER_LEG, PER_TIME = 3, 6
+PER_INTERVAL, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
 BRIEF_PHASE = 1e-4
 """Duration of a phase, such as one of the last hops of a ball, whose event function is zero where
@@ -354,7 +354,7 @@ class Pass:
 
     Attributes
     ----------
-    legs, shifts
+    intervals, shifts
         The phases that end in this time, and the derivatives of the times at which they do.
     samples
         States with derivatives at the times.
@@ -369,7 +369,7 @@ class Pass:
         self.problem = problem
         self.times = times
         self.driver = driver = HybridDriver(problem)
-        self.runs = driver.legs = list[Leg]()
+        self.runs = driver.intervals = list[PhaseInterval]()
         status = driver.ended
         while status is None and driver.clock[0] <= times[-1]:
             status = driver.advance(self, STEPS_PER_SLICE).status
@@ -384,7 +384,7 @@ class Pass:
         self.known = parted(leaves(given), self.directions)
         self.motions = dict[str, Motion]()
         self.regions = [*driver.impacts.stages] if rules else []
-        self.legs = list[Leg]()
+        self.intervals = list[PhaseInterval]()
         self.shifts = list[np.ndarray]()
         self.samples = list[Samples]()
         self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
@@ -407,21 +407,21 @@ class Pass:
         state = parted(self.numbers.state, self.directions)
         (name, _), delay, lasts, state = self._jumped(phase, begin, state, now)
         zeros: Any = ()  # of events that a number of the start may move
-        for leg in self.runs:
-            if name != leg.solver.name:
+        for interval in self.runs:
+            if name != interval.solver.name:
                 self.notes.append(Note(now.value, "what follows", 0 * now.first))
                 return
             began = now + delay
-            which = self._within(now.value, leg.began)
-            if leg.began - now.value < BRIEF:
+            which = self._within(now.value, interval.began)
+            if interval.began - now.value < BRIEF:
                 rows = (np.repeat(one[..., None], len(which), axis=-1) for one in state)
-                self.samples.append(Samples(leg.solver, began.first, which, *rows))
-            state, now = self._ended(leg, state, began, lasts, zeros)
-            if leg.jump is None or not leg.ended <= self.times[-1]:
+                self.samples.append(Samples(interval.solver, began.first, which, *rows))
+            state, now = self._ended(interval, state, began, lasts, zeros)
+            if interval.jump is None or not interval.ended <= self.times[-1]:
                 return
-            self.legs.append(leg)
+            self.intervals.append(interval)
             self.shifts.append(now.first)
-            made = self._jumped(leg.solver.phase, leg.jump.exit, state, now)
+            made = self._jumped(interval.solver.phase, interval.jump.exit, state, now)
             (name, zeros), delay, lasts, state = made
             if not name:
                 return
@@ -493,36 +493,41 @@ class Pass:
         return np.arange(first, np.searchsorted(self.times, ended, side="right"))
 
     def _ended(
-        self, leg: Leg, state: tuple, began: Dual, lasts: Any, zeros: Any
+        self, interval: PhaseInterval, state: tuple, began: Dual, lasts: Any, zeros: Any
     ) -> tuple[Any, Dual]:
         """Return the state where a phase ends, and the time, of the state where it begins.
 
         `zeros`: the events whose functions are zero there.
         """
-        solver = leg.solver
+        solver = interval.solver
         motion = self._motion_of(solver)
         values, moves = state
         more = np.zeros(self.directions)
-        done = leg.began
-        end = min(leg.ended, self.times[-1])
-        exit = leg.jump and leg.jump.exit
-        last = np.array(leg.last)
+        done = interval.began
+        end = min(interval.ended, self.times[-1])
+        exit = interval.jump and interval.jump.exit
+        last = np.array(interval.last)
         stops = []
         if exit and exit.event == STICK.name:
             w = motion.variables.names.index("w")
             pace = motion.rates(last, moves[:, :0])[0][w]
-            stops = [leg.ended + speed / pace for speed in PROJECTED_AT]
+            stops = [interval.ended + speed / pace for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
-            count = PER_LEG + int(PER_TIME * (stop - done))
+            count = PER_INTERVAL + int(PER_TIME * (stop - done))
             apart = np.linspace(done, stop, count + 2)[1:]
             every = np.concatenate([self.times[which], apart])
             times, back = np.unique(every, return_inverse=True)
             values, moves = motion.flow(values, moves, times - done)
             for found, some, of, shift in (
                 (self.samples, back[: len(which)], which, began.first + more),
-                (self.between, back[len(which) : -1], np.full(count, len(self.legs)), 0 * more),
+                (
+                    self.between,
+                    back[len(which) : -1],
+                    np.full(count, len(self.intervals)),
+                    0 * more,
+                ),
             ):
                 found.append(Samples(solver, shift, of, values[:, some], moves[..., some]))
             values = values[:, -1]
@@ -534,7 +539,7 @@ class Pass:
                 moves = moves + np.outer(rates, by)
                 more = more + by
         by = 0 * more
-        if exit and end == leg.ended:
+        if exit and end == interval.ended:
             if exit.event == CLOCK:
                 by = lasts.first - more
                 moves = moves + np.outer(motion.rates(last, moves[:, :0])[0], by)
@@ -542,16 +547,18 @@ class Pass:
                 ending = next(one for one in solver.phase.events if one.name == exit.event)
                 if not exit.smooth:
                     least = motion.lost(ending, last, moves)
-                    self.notes.append(Note(leg.ended, f"`{exit.event}`", least))
+                    self.notes.append(Note(interval.ended, f"`{exit.event}`", least))
                 known = None
-                if exit.event in zeros and end - leg.began < BRIEF_PHASE:
+                if exit.event in zeros and end - interval.began < BRIEF_PHASE:
                     *_, within = self.between
                     three = zip(*(np.moveaxis(one, -1, 0) for one in within[-2:]), strict=True)
-                    known = motion.gains(ending, (state, *three, (last, moves)), end - leg.began)
+                    known = motion.gains(
+                        ending, (state, *three, (last, moves)), end - interval.began
+                    )
                 by, moves = motion.happens(ending, last, moves, known)
-        of = np.full(1, len(self.legs))
+        of = np.full(1, len(self.intervals))
         self.between.append(Samples(solver, 0 * by, of, last[:, None], moves[..., None]))
-        return (last, moves), Dual(leg.ended, began.first + more + by)
+        return (last, moves), Dual(interval.ended, began.first + more + by)
 
     def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
         """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`."""
@@ -648,12 +655,12 @@ class Pass:
         A time is that of the end of a phase, or of the zero of an event function.
         """
         shifts = np.zeros((len(times), self.directions))
-        ends = [leg.ended for leg in self.legs]
+        ends = [interval.ended for interval in self.intervals]
         at = {self.times[k]: (one, c) for one in self.samples for c, k in enumerate(one.which)}
         for k, (name, time) in enumerate(zip(names, times, strict=True)):
-            leg = np.searchsorted(ends, time)
-            if leg < len(ends) and ends[leg] == time:
-                shifts[k] = self.shifts[leg]
+            interval = np.searchsorted(ends, time)
+            if interval < len(ends) and ends[interval] == time:
+                shifts[k] = self.shifts[interval]
                 continue
             if time not in at:  # in a jump that takes time; the start of a run does not move
                 shifts[k] = np.nan if time > 0 else 0.0
@@ -683,10 +690,10 @@ class Pass:
                 for k in _lows(size, which):
                     if size[k] < NOISE:
                         continue
-                    leg = ends[which[k]]
+                    interval = ends[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
-                    if not (is_end and leg.jump and leg.jump.exit.event == event.name):
-                        notes.append(Note(leg.began, f"`{event.name}`", least[:, k]))
+                    if not (is_end and interval.jump and interval.jump.exit.event == event.name):
+                        notes.append(Note(interval.began, f"`{event.name}`", least[:, k]))
         return sorted(notes, key=attrgetter("time"))
 
 
