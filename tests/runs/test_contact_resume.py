@@ -97,7 +97,7 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, phases
             snapshots.append(
                 (integration.driver.solver.name, json.dumps(integration.snapshot()), taken)
             )
-        integration.follow(integration.driver.advance(integration, 3))
+        integration.add_slice(integration.driver.advance(integration, 3))
     integration.fill()
     kinds = {kind for kind, *_ in snapshots}
     assert kinds >= {*phases.split()}

@@ -19,13 +19,13 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[], float]:
     """A clock that every step moves by 0.1 ms, and the first slice, which compiles, by three
     seconds.
     """
-    now, follow = [0.0], Integration.follow
+    now, follow = [0.0], Integration.add_slice
 
     def counted(self: Integration, piece: Any) -> Any:
         now[0] += STEP * piece.steps + (COMPILING if now[0] == 0 else 0.0)
         return follow(self, piece)
 
-    monkeypatch.setattr(Integration, "follow", counted)
+    monkeypatch.setattr(Integration, "add_slice", counted)
     return lambda: now[0]
 
 

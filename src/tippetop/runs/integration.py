@@ -20,7 +20,7 @@ from ..store import hexfloat
 from . import keyframes
 from .drift import Drift
 from .event_log import EventLog
-from .phases import Story
+from .phases import PhaseHistory
 from .reporting import Progress, RunProgress
 from .sinks import Sink
 
@@ -77,7 +77,7 @@ class Integration:
         self.force = Extremes()
         self.steps_made = 0
         self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
-        self.story = Story(dict(problem.system.tables.get("phases", {})))
+        self.phases = PhaseHistory(dict(problem.system.tables.get("phases", {})))
         self.filled = 0
         self.t_end = 0.0
         self.fresh = True
@@ -112,7 +112,7 @@ class Integration:
             compiled = compiling.seconds - before  # phases, when they are first entered
             self.seconds["compile"] += compiled
             self.seconds["integrate"] += time.perf_counter() - clock - compiled
-            if self.follow(piece) is None and self._has_settled():
+            if self.add_slice(piece) is None and self._has_settled():
                 self.status = Status.SETTLED
                 self._take_tables(self.driver.last_rows())
             if self.status is not None:
@@ -132,7 +132,7 @@ class Integration:
         """Integrate a part of a run, in slices of `steps` steps, as long as `more()` is true."""
         self.begin(sink)
         while self.status is None and more():
-            self.follow(self.driver.advance(self, steps))
+            self.add_slice(self.driver.advance(self, steps))
         self.fill()
 
     def begin(self, sink: Sink) -> None:
@@ -209,7 +209,7 @@ class Integration:
 
     # --- slices ----------------------------------------------------------------------------------
 
-    def follow(self, piece: Slice) -> Status | None:
+    def add_slice(self, piece: Slice) -> Status | None:
         """Measure and log a slice; return how it ended the run, or None.
 
         Drift is measured at samples and at the end of the run, but not at the ends of slices, so
@@ -235,7 +235,7 @@ class Integration:
 
     def _take_tables(self, tables: dict) -> None:
         """Pass rows of phases and impacts to the sink."""
-        self.story.follow(tables)
+        self.phases.add(tables)
         self.sink.tables(tables)
 
     def progress(self) -> RunProgress:
@@ -249,7 +249,7 @@ class Integration:
             self._worst(),
             self.force,
             self.log.summary(),
-            self.story.report() if self.problem.system.tables else None,
+            self.phases.report() if self.problem.system.tables else None,
             self.driver.sentence,
         )
 
@@ -291,7 +291,7 @@ class Integration:
                 "steps": self.steps_made,
             },
             "log": self.log.snapshot(),
-            "story": self.story.report(),
+            "story": self.phases.report(),
         }
 
     def _encoded(self, state: dict[str, Any]) -> PlainData:
@@ -320,7 +320,7 @@ class Integration:
         self.force = Extremes(*state["monitor"]["force"])
         self.steps_made = state["monitor"]["steps"]
         self.log.restore(state["log"])
-        self.story = Story(self.story.words, **state["story"])
+        self.phases = PhaseHistory(self.phases.words, **state["story"])
 
     def take_up(self, row: dict[str, np.ndarray]) -> None:
         """Continue from a keyframe, a row by column; measurements and log begin anew there."""

@@ -49,7 +49,7 @@ def tables_of(attributes: PlainData) -> tuple[str, ...]:
 
 
 @dataclass
-class Story:
+class PhaseHistory:
     """Count the phases and impacts of a run for its report, and keep the first and last phases."""
 
     words: dict[str, Any]  # those of the table of phases, by column
@@ -58,7 +58,7 @@ class Story:
     first: list[PlainData] = field(default_factory=list)
     last: PlainData | None = None
 
-    def follow(self, new: dict[str, Rows]) -> None:
+    def add(self, new: dict[str, Rows]) -> None:
         """Count new rows of the tables."""
         if not new:
             return
@@ -84,7 +84,7 @@ class Story:
         return phases | ({"impacts": self.impacts} if "ball" in self.words else {})
 
     def report(self) -> PlainData:
-        """Return plain data for the report of the run and for `Story(words, **data)`."""
+        """Return plain data for the report of the run and for `PhaseHistory(words, **data)`."""
         return {
             "counts": dict(self.counts),
             "impacts": self.impacts,

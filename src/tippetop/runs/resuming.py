@@ -181,7 +181,7 @@ def _rows(integration: Integration) -> dict[str, int]:
         "trajectory": integration.filled,
         "events": integration.log.rows,
         "keyframes": integration.steps_made // integration.problem.keyframe_steps,
-        **integration.story.rows(),
+        **integration.phases.rows(),
     }
 
 
