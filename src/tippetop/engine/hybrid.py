@@ -544,7 +544,7 @@ class HybridDriver(Driver):
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make a slice of at most `most` steps, with the new rows of phases and impacts."""
-        return replace(super().advance(request, most), tables=self.tables.take())
+        return replace(super().advance(request, most), tables=self.tables.take_rows())
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
@@ -748,7 +748,7 @@ class HybridDriver(Driver):
         """End the present phase; return its row of the table of phases."""
         self.keep_interval(self.solver, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
-        return self.tables.take()
+        return self.tables.take_rows()
 
     def joint(self, names: Iterable[str]) -> PlainData:
         """Return the data with which another run continues in the present phase."""
@@ -778,7 +778,7 @@ class HybridDriver(Driver):
         self.short, (self.until,) = int(short), kept["until"]
         self.set_phase(self.solver_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self.tables.take()
+        self.tables.take_rows()
         self.tables.under_way = under_way
 
 

@@ -57,7 +57,7 @@ class PhaseTables:
         for name, some in rows.items():
             self.rows[name] += [(time, *row) for row in some]
 
-    def take(self) -> dict[str, Table]:
+    def take_rows(self) -> dict[str, Table]:
         """Return the rows since the last call, as columns by table, and remove them."""
         rows = self.rows
         self.rows = defaultdict(list)

@@ -37,7 +37,7 @@ def log_events(measured: Outcomes) -> None:
         log.tallies.lane["lasts_since"] = measured.lasts_since[top]
         columns = [its[name] for name in ("time", "event", "sign", "at_pole")]
         zeros = Passages._make([*columns, states[numbers, : len(tops.start)]])
-        table, marks, _ = log.take(zeros)
+        table, marks, _ = log.add_zeros(zeros)
         table.significant[[*marks, *log.finish(measured.final[:, [top]].T)]] = True
         measured.events[top] = table
 

@@ -124,7 +124,7 @@ class EventLog:
 
     # --- a slice ---------------------------------------------------------------------------------
 
-    def take(self, zeros: Passages) -> tuple[EventTable, list[int], np.ndarray]:
+    def add_zeros(self, zeros: Passages) -> tuple[EventTable, list[int], np.ndarray]:
         """Add the zeros of a slice.
 
         Returns

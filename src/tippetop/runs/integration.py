@@ -225,7 +225,7 @@ class Integration:
         self.force = self.driver.extremes()
         self.steps_made += piece.steps
         self._take_tables(piece.tables)
-        table, marks, states = self.log.take(piece.passages)
+        table, marks, states = self.log.add_zeros(piece.passages)
         self.sink.events(table, marks)
         if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # within a step
             self._write(np.array([self.t_end]), self.last)
