@@ -42,11 +42,11 @@ class NoRows:
 
     steps = False
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         """No times."""
         return np.zeros(0)
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """None come."""
 
 

@@ -57,13 +57,13 @@ class Rows:
         self.times: list[np.ndarray] = []
         self.states: list[np.ndarray] = []
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         if self.left is None:
             return np.empty(self.room)
         now, self.left = self.left[: self.room], self.left[self.room :]
         return now
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         self.times.append(np.array(times, copy=True))
         self.states.append(np.array(states, copy=True))
 

@@ -23,7 +23,7 @@ class Nothing:
 
     steps = False
 
-    def wanted(self) -> np.ndarray:
+    def next_times(self) -> np.ndarray:
         return np.zeros(0)
 
 
