@@ -773,20 +773,20 @@ enum {
    lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time
    that it lasts, the time that the change takes, event functions in that time, and the numbers of
    tables. */
-typedef struct Change {
+typedef struct Program {
     const Line *lines;
     real *registers;
     const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
-    const struct Change *other; /* to be tried next, if a comparison is not as expected */
+    const struct Program *other; /* to be tried next, if a comparison is not as expected */
     integer length, result, out, next, number, logged, passed, ranged;
-} Change;
+} Program;
 
 /* Points of time in a change at which event functions are known, its ends included. */
 enum { POINTS = 9 };
 
 typedef struct {
     const Loop *const *loops;     /* of phases, then of motions */
-    const Change *const *changes; /* (phases, events + 1), the last by the clock; or none */
+    const Program *const *programs; /* (phases, events + 1), the last by the clock; or none */
     const Event *events;          /* of the run */
     const real *body;
     real *made; /* of each change: time, number of the program, then the last registers */
@@ -827,7 +827,7 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
 }
 
 /* Execute a program. Return whether comparisons are as expected. */
-static bool execute(const Change *c, const Loop *const *loops) {
+static bool execute(const Program *c, const Loop *const *loops) {
     real *r = c->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
@@ -870,13 +870,13 @@ static bool execute(const Change *c, const Loop *const *loops) {
 
 /* Where the numbers of a change that follow the state of the next phase begin: the time that this
    one lasts, and the time that the change takes. */
-static const real *others(const Change *c, const Loop *const *loops) {
+static const real *others(const Program *c, const Loop *const *loops) {
     return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
-static const Change *execute_one(const Change *first, const Loop *const *loops, const Loop *l,
+static const Program *execute_one(const Program *first, const Loop *const *loops, const Loop *l,
                                  integer lane, const real *body, integer numbers, real when,
                                  real left, const real *state) {
     if (first == NULL)
@@ -889,7 +889,7 @@ static const Change *execute_one(const Change *first, const Loop *const *loops, 
     for (integer e = 0; e < events; e++)
         r[numbers + 2 + e] = function(l, e, lane)->sign;
     copy(n, state, 1, r + numbers + 2 + events, 1);
-    const Change *c = first;
+    const Program *c = first;
     while (c != NULL && !execute(c, loops)) {
         c = c->other;
         if (c != NULL)
@@ -904,7 +904,7 @@ static const Change *execute_one(const Change *first, const Loop *const *loops, 
 }
 
 /* Log what a change from a state logs, and what happens in it until `time`. */
-static void note_change(const Loop *l, integer lane, const Event *events, const Change *c,
+static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
                         real when, real time, const real *state, const real *ranges) {
     Tally *tally = l->tallies + lane;
     const real *signs = c->registers + c->out;
@@ -954,7 +954,7 @@ static bool change_phase(Phases *p) {
     integer last = l->logged[0] - within;
     integer event = within ? l->passages[last].event : events;
     const real *state = within ? l->logged_states + last * l->width : l->state;
-    const Change *c = p->changes[p->present * (events + 1) + event];
+    const Program *c = p->programs[p->present * (events + 1) + event];
     c = execute_one(c, p->loops, l, 0, p->body, p->numbers, when, p->end - when, state);
     if (c == NULL)
         return false;
@@ -1015,7 +1015,7 @@ typedef struct {
 typedef struct {
     Pool *pools;
     const Loop *const *loops;     /* as those of `Phases` */
-    const Change *const *changes;
+    const Program *const *programs;
     const Event *events;
     integer *queues; /* (phases, room) heaps: tops that are behind the others come first */
     Top *tops;       /* (room,), as all that follows */
@@ -1117,7 +1117,7 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
         return false;
     real *state = p->states + top * p->width;
     const real *body = p->bodies + top * p->numbers;
-    const Change *c = p->changes[t->phase * (events + 1) + t->event];
+    const Program *c = p->programs[t->phase * (events + 1) + t->event];
     c = execute_one(c, p->loops, l, lane, body, p->numbers, t->high, t->end - t->high, state);
     if (c == NULL)
         return false;

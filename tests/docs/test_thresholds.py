@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from tippetop.engine.changes import CHATTER
+from tippetop.engine.jump_programs import CHATTER
 from tippetop.mechanics import disc_friction, event
 from tippetop.mechanics.contact import (
     contact_phases,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from touching import BODY, BOUNCE, DRILLING, TOSSED
 
-from tippetop.engine import changes, pools
+from tippetop.engine import jump_programs, pools
 from tippetop.engine.status import Status
 from tippetop.ensembles import ensemble, hybrid_tops, lanes
 from tippetop.ensembles.outcomes import Outcomes, _conclude
@@ -101,7 +101,7 @@ def test_the_bits_of_a_top_do_not_depend_on_the_others(monkeypatch, case: str) -
     monkeypatch.setattr(lanes, "ROOM", 3)
     monkeypatch.setattr(lanes, "MOST_DRIVEN", 1)
     monkeypatch.setattr(pools.Pools, "lanes", 4)
-    monkeypatch.setattr(changes.Changes, "take_up", lambda *_: None)
+    monkeypatch.setattr(jump_programs.JumpPrograms, "register", lambda *_: None)
     same(measured, ensemble.measure(tops, threads=1))
 
 

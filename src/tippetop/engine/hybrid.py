@@ -29,7 +29,6 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
-from .changes import CHATTER, NODES, PER_SLICE, START, Changes
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -42,6 +41,7 @@ from .driver import (
 from .expressions import Formulas
 from .impacts import ImpactMotions
 from .integrator import Compiled
+from .jump_programs import CHATTER, NODES, PER_SLICE, START, JumpPrograms
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
@@ -134,7 +134,7 @@ class Jump:
     exit
         How it ends.
     calls, programs
-        How often Python has made it, and how the loop makes it: see `Changes`.
+        How often Python has made it, and how the loop makes it: see `JumpPrograms`.
     """
 
     system: System
@@ -429,7 +429,7 @@ class HybridDriver(Driver):
         }
         self.jump = partial(jump_of, system, kind)
         self.world = World(body, system, contact, self.phases, struck)
-        self.copies = Changes(self) if struck and number is float else None
+        self.jump_programs = JumpPrograms(self) if struck and number is float else None
         self.begin_run()
 
     def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
@@ -485,9 +485,9 @@ class HybridDriver(Driver):
         """Return the phase of this name, which is compiled when it is first entered."""
         if name not in self.solvers:
             solver = self.solvers[name] = PhaseSolver(self, name)
-            if self.copies:
+            if self.jump_programs:
                 for jump in solver.exits.values():
-                    self.copies.take_up(solver, jump)
+                    self.jump_programs.register(solver, jump)
         return self.solvers[name]
 
     def code_of(self, formulas: Formulas) -> Compiled:
@@ -619,8 +619,8 @@ class HybridDriver(Driver):
         self.keep_interval(solver, self.began, when, last, jump)
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, _, state, _ = jump(self, *given)
-        if self.copies:
-            self.copies.learn(jump, *given)
+        if self.jump_programs:
+            self.jump_programs.learn(jump, *given)
         for name in n.logged:
             self._note(self.numbers[name], now, 1, solver.at, last)
         if n.ends:
@@ -648,9 +648,9 @@ class HybridDriver(Driver):
     def make_steps(self, most: int) -> int:
         """Make at most `most` steps and their rows, with the jumps that have programs."""
         self.add_in_jump()
-        if self.copies is None or self.output.steps:
+        if self.jump_programs is None or self.output.steps:
             return super().make_steps(most)
-        return self.copies.drive(most, PER_SLICE - self.changes)
+        return self.jump_programs.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:
         """Add the rows at given times in the jump to the present phase."""

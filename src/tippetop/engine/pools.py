@@ -22,11 +22,11 @@ from ..errors import InputError
 from ..mechanics.form import CLOCK, STALL
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
-from .changes import CHATTER, Changes
 from .driver import ENDLESS, STATUSES
 from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, PhaseSolver
 from .integrator import Compiled
+from .jump_programs import CHATTER, JumpPrograms
 from .loop import (
     Loop,
     Rows,
@@ -59,7 +59,7 @@ LANES = 8
 EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
 PATIENCE = 2
-"""As in `changes`, but lower: many tops make the same jumps."""
+"""As in `jump_programs`, but lower: many tops make the same jumps."""
 A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING = range(5)
 """What a top waits for: a lane; its change, by Python; a look whether it has settled; the end of
 its next step, in a phase that Python samples; nothing."""
@@ -82,7 +82,7 @@ class _Pools(NamedTuple):
 
     pools: np.ndarray
     loops: np.ndarray
-    changes: np.ndarray
+    programs: np.ndarray
     events: np.ndarray
     queues: np.ndarray
     tops: np.ndarray
@@ -134,7 +134,7 @@ class Pools:
     samples: Samples
 
     def allocate_tops(
-        self, room: int, phases: int, width: int, numbers: int, row_count: int, changes: Any = None
+        self, room: int, phases: int, width: int, numbers: int, row_count: int, programs: Any = None
     ) -> None:
         """Allocate the arrays; no top has begun.
 
@@ -146,8 +146,8 @@ class Pools:
             Number of phases, most variables of a top, and numbers of its body.
         row_count
             Number of rows of each top.
-        changes
-            The `Changes` of tops that have several phases.
+        programs
+            The `JumpPrograms` of tops that have several phases.
         """
         events, kinds, _ = self.all_events
         self.failures: dict[int, str] = {}
@@ -165,7 +165,7 @@ class Pools:
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, room), np.int64)
         none = np.zeros(phases * (len(events) + 1), np.uint64)
-        loops, table = (changes.loops, changes.table) if changes else (none, none)
+        loops, table = (programs.loops, programs.table) if programs else (none, none)
         self.arrays = _Pools(  # must outlive the structure
             *(self.pools, loops, table, events, queues),
             *(self.tops, self.tallies_of, self.functions_of, self.kept_of, self.states),
@@ -253,7 +253,7 @@ class Pools:
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
-    """Return the numbers of the bodies of tops, (numbers, n): see `changes.numbers_of`."""
+    """Return the numbers of the bodies of tops, (numbers, n): see `jump_programs.numbers_of`."""
     base = tops.base
     assert base.contact is not None
     assert base.system.assembled is not None
@@ -293,12 +293,12 @@ class HybridPools(Pools, HybridDriver):
     def begin_run(self) -> None:
         """Allocate the arrays of all tops; none has begun."""
         room, row_count = self.sizes
-        copies = self.programs
-        copies.patience = PATIENCE
+        programs = self.programs
+        programs.patience = PATIENCE
         phases = len(self.phases)
         self.request: Any = SimpleNamespace(steps=False)
         self.problems: dict[int, Problem] = {}
-        self.allocate_tops(room, phases + 1, self.width, len(copies.body), row_count, copies)
+        self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
         rows = self.all_events._replace(axis=np.zeros(0, int))
         found = self.tallies, new_log(0, self.width), self.samples
@@ -311,10 +311,10 @@ class HybridPools(Pools, HybridDriver):
         )
 
     @property
-    def programs(self) -> Changes:
+    def programs(self) -> JumpPrograms:
         """Return the programs of jumps."""
-        assert self.copies is not None
-        return self.copies
+        assert self.jump_programs is not None
+        return self.jump_programs
 
     # --- lanes of phases -------------------------------------------------------------------------
 

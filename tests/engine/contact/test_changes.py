@@ -5,7 +5,7 @@ import xarray as xr
 from touching import BOUNCE, DRILLING, TOSSED
 
 import tippetop as tt
-from tippetop.engine import changes, hybrid
+from tippetop.engine import hybrid, jump_programs
 
 
 VISCOUS, COULOMB = {"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3}
@@ -24,14 +24,16 @@ RUNS = {
 def test_the_loop_and_python_change_phases_alike(monkeypatch, case: str) -> None:
     """Also where a jump has branches, takes time, or crosses a turning."""
     hybrid.jump_of.cache_clear()  # what other tests have made often is rarely learned
-    jumps, learn = [], changes.Changes.learn
+    jumps, learn = [], jump_programs.JumpPrograms.learn
     arguments, options = RUNS[case]
     with monkeypatch.context() as no_program:
-        no_program.setattr(changes.Changes, "take_up", lambda *_: None)
-        no_program.setattr(changes.Changes, "learn", lambda *a: jumps.append(a))
+        no_program.setattr(jump_programs.JumpPrograms, "register", lambda *_: None)
+        no_program.setattr(jump_programs.JumpPrograms, "learn", lambda *a: jumps.append(a))
         by_python, of_all = tt.run(*arguments, **options).datasets(), len(jumps)
-    monkeypatch.setattr(changes.Changes, "learn", lambda *a: jumps.append(a) or learn(*a))
-    monkeypatch.setattr(changes.Changes, "patience", 1)
+    monkeypatch.setattr(
+        jump_programs.JumpPrograms, "learn", lambda *a: jumps.append(a) or learn(*a)
+    )
+    monkeypatch.setattr(jump_programs.JumpPrograms, "patience", 1)
     for _ in range(3):
         jumps.clear()
         by_loop = tt.run(*arguments, **options).datasets()  # by known programs

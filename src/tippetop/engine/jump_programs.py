@@ -43,8 +43,8 @@ NODES = 8
 """Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 
-class _Change(NamedTuple):
-    """The structure `Change` of `loop.c`: a program, and the effects of its jump."""
+class _Program(NamedTuple):
+    """The structure `Program` of `loop.c`: a program, and the effects of its jump."""
 
     lines: np.ndarray
     registers: np.ndarray
@@ -64,7 +64,7 @@ class _Phases(NamedTuple):
     """The structure `Phases` of `loop.c`: the loops and programs of a run of several phases."""
 
     loops: np.ndarray
-    changes: np.ndarray
+    programs: np.ndarray
     events: np.ndarray
     body: np.ndarray
     made: np.ndarray
@@ -79,10 +79,10 @@ class _Phases(NamedTuple):
     width: int
 
 
-class Written(NamedTuple):
+class JumpProgram(NamedTuple):
     """The recorded program of a jump, which serves every run of its system."""
 
-    change: _Change
+    code: _Program
     motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
     phase: str  # the next one
     cause: str  # of the change; empty if the table of phases gets no row
@@ -95,7 +95,7 @@ def numbers_of(world: Any) -> list:
     return [*leaves(world.body), world.rules.e_n]
 
 
-class Changes:
+class JumpPrograms:
     """Record the jumps of a run as programs, and let the loop execute them.
 
     Parameters
@@ -114,7 +114,7 @@ class Changes:
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
         self.events = len(run.numbers)
-        self.known = list[Written]()
+        self.known = list[JumpProgram]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         # by phase and event, the last by the clock: its programs, and where the first one is; the
         # start comes after all phases
@@ -135,12 +135,12 @@ class Changes:
         is_due = jump.calls >= self.patience and not jump.calls & (jump.calls - 1)
         if is_due and len(jump.programs) < BRANCHES:
             written = self._traced(jump, *given)
-            known = {program.change.lines.tobytes() for program in jump.programs}
-            if written and written.change.lines.tobytes() not in known:
+            known = {program.code.lines.tobytes() for program in jump.programs}
+            if written and written.code.lines.tobytes() not in known:
                 jump.programs.append(written)
-        self.take_up(self.run.solver, jump)
+        self.register(self.run.solver, jump)
 
-    def take_up(self, solver: Any, jump: Any) -> None:
+    def register(self, solver: Any, jump: Any) -> None:
         """Register the programs of a jump as those of an exit of this phase."""
         run = self.run
         name = jump.exit.event
@@ -153,9 +153,9 @@ class Changes:
             run.solver_of(program.phase)  # compiles it, so that the loop can enter it
             for place, region in program.motions:
                 self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
-            registers = program.change.registers.copy()
-            change = program.change._replace(registers=registers, number=len(self.known))
-            self.known.append(program._replace(change=change))
+            registers = program.code.registers.copy()
+            change = program.code._replace(registers=registers, number=len(self.known))
+            self.known.append(program._replace(code=change))
             made: Any = filled(change)
             if taken:
                 taken[-1].other = ctypes.addressof(made)
@@ -163,7 +163,7 @@ class Changes:
                 self.table[number] = ctypes.addressof(made)
             taken.append(made)
 
-    def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
+    def _traced(self, jump: Any, state: tuple, world: Any) -> JumpProgram | None:
         """Record the program of a jump; return None if it does more than begin a phase."""
         run = self.run
         solver = run.solver
@@ -218,8 +218,8 @@ class Changes:
         places = result, first.place + len(constants), to.at, 0
         events = [run.numbers[name] for name in n.logged], passed, ranged
         every = np.array([*chain(*events)], np.int64)
-        return Written(
-            _Change(lines, registers, every, 0, len(lines), *places, *map(len, events)),
+        return JumpProgram(
+            _Program(lines, registers, every, 0, len(lines), *places, *map(len, events)),
             motions,
             n.phase,
             n.cause,
