@@ -25,7 +25,7 @@ typedef int64_t integer;
 
 enum {
     DEPTH = 20,   /* halvings of an interval: two zeros within 1e-6 of a step are none */
-    MOST = 64,    /* coefficients of a polynomial; quadruple precision has 47 */
+    MOST_COEFFICIENTS = 64, /* coefficients of a polynomial; quadruple precision has 47 */
     WIDEST = 32,  /* lanes */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
     TIMES = 4,    /* rows made together, in a vector of the processor */
@@ -220,7 +220,7 @@ static real least(real p0, real p1, real p2, real p3) {
    `positive` is the sign at the end of the last step: a zero that rounding puts between two steps
    counts once. */
 integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
-    real part[MOST] = {0}, total = 0;
+    real part[MOST_COEFFICIENTS] = {0}, total = 0;
     for (integer k = 0; k < n; k++)
         total += fabs(p[k]);
     if (total == 0 || !isfinite((real)(n * n) * total)) /* no interval would ever be decided */
@@ -462,7 +462,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
 static real take_events(const Loop *l, integer lane, real t, real h) {
     integer size = l->size, events = l->events, ending = -1;
     Tally *tally = l->tallies + lane;
-    real upto = 1, p[MOST], zeros[MOST];
+    real upto = 1, p[MOST_COEFFICIENTS], zeros[MOST_COEFFICIENTS];
 
     for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
         const Event *event = l->event_rows + e;
@@ -750,17 +750,17 @@ enum {
     MULTIPLY,
     DIVIDE,
     POWER,
-    NEGATE,
-    ROOT,
-    SIZE,
-    LARGER,
-    EXPONENTIAL,
-    LOGARITHM,
-    ANGLE,
-    SINE,
-    COSINE,
+    NEGATIVE,
+    SQRT,
+    ABSOLUTE,
+    MAXIMUM,
+    EXP,
+    LOG,
+    ARCTAN2,
+    SIN,
+    COS,
     LESS,
-    AT_MOST,
+    LESS_EQUAL,
     EQUAL,
     UNIT,
     EXPECT,
@@ -782,7 +782,7 @@ typedef struct Program {
 } Program;
 
 /* Points of time in a change at which event functions are known, its ends included. */
-enum { POINTS = 9 };
+enum { JUMP_PARTS = 8, POINTS = JUMP_PARTS + 1 };
 
 typedef struct {
     const Loop *const *loops;     /* of phases, then of motions */
@@ -791,7 +791,7 @@ typedef struct {
     const real *body;
     real *made; /* of each change: time, number of the program, then the last registers */
     real began, end, chatter;
-    integer present, short_phases, count, most, numbers, width;
+    integer present, short_phases, length, most, numbers, width;
 } Phases;
 
 /* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
@@ -843,17 +843,17 @@ static bool execute(const Program *c, const Loop *const *loops) {
             break;
         case POWER: *to = pow(a, b); break;
         case LESS: *to = a < b; break;
-        case AT_MOST: *to = a <= b; break;
+        case LESS_EQUAL: *to = a <= b; break;
         case EQUAL: *to = a == b; break;
-        case NEGATE: *to = -a; break;
-        case ROOT: *to = sqrt(a); break;
-        case SIZE: *to = fabs(a); break;
-        case LARGER: *to = MAX(a, b); break;
-        case EXPONENTIAL: *to = exp(a); break;
-        case LOGARITHM: *to = log(a); break;
-        case ANGLE: *to = atan2(a, b); break;
-        case SINE: *to = sin(a); break;
-        case COSINE: *to = cos(a); break;
+        case NEGATIVE: *to = -a; break;
+        case SQRT: *to = sqrt(a); break;
+        case ABSOLUTE: *to = fabs(a); break;
+        case MAXIMUM: *to = MAX(a, b); break;
+        case EXP: *to = exp(a); break;
+        case LOG: *to = log(a); break;
+        case ARCTAN2: *to = atan2(a, b); break;
+        case SIN: *to = sin(a); break;
+        case COS: *to = cos(a); break;
         case UNIT:
             frexp(a, &exponent);
             *to = ldexp(1, exponent);
@@ -966,7 +966,7 @@ static bool change_phase(Phases *p) {
 
     l->logged[0] = last;
     note_change(l, 0, p->events, c, when, time, state, ranges);
-    real *made = p->made + p->count++ * p->width;
+    real *made = p->made + p->length++ * p->width;
     made[0] = when;
     made[1] = (real)c->number;
     made[2] = more[0];
@@ -986,7 +986,7 @@ integer loop_run(Phases *p, integer most) {
     integer steps = 0;
     do
         steps += loop_drive(p->loops[p->present], most - steps);
-    while (steps < most && change_phase(p) && p->count < p->most);
+    while (steps < most && change_phase(p) && p->length < p->most);
     return steps;
 }
 

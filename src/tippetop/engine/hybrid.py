@@ -41,7 +41,7 @@ from .driver import (
 from .expressions import Formulas
 from .impacts import ImpactMotions
 from .integrator import Compiled
-from .jump_programs import CHATTER, NODES, PER_SLICE, START, JumpPrograms
+from .jump_programs import CHATTER, JUMP_PARTS, PER_SLICE, START, JumpPrograms
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
@@ -385,7 +385,7 @@ class HybridDriver(Driver):
     solver: PhaseSolver
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
-    short = 0  # phases in a row that were too short
+    short_phases = 0  # phases in a row that were too short
     changes = 0  # of phase, in a slice
     series: Any = None  # of the jump to the present phase, if it takes time
 
@@ -610,7 +610,7 @@ class HybridDriver(Driver):
         """
         shortest = CHATTER * max(self.began, 1.0)
         if float(self.until) > self.began:  # it was to last some time
-            self.short = self.short + 1 if float(when) - self.began < shortest else 0
+            self.short_phases = self.short_phases + 1 if float(when) - self.began < shortest else 0
         now = self.number(when)
         solver = self.solver
         last = self.last
@@ -627,7 +627,7 @@ class HybridDriver(Driver):
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
-        if self.short > 2:
+        if self.short_phases > 2:
             shortest *= self.problem.unit(SECOND)
             self.sentence = (
                 f"phases change more often than every {shortest:.1g} s, at last "
@@ -692,7 +692,7 @@ class HybridDriver(Driver):
         """
         solver = self.solver
         every = []
-        for time in (began + (end - began) * k / NODES for k in range(NODES + 1)):
+        for time in (began + (end - began) * k / JUMP_PARTS for k in range(JUMP_PARTS + 1)):
             state = self.series(time)[0]
             values = solver.formulas.functions(*solver.variables.split(state), solver.b)
             every.append(values)
@@ -769,13 +769,13 @@ class HybridDriver(Driver):
 
         The lists have the same length in every phase, except for `state`.
         """
-        phase = [self.solver.at, self.short, self.began, *self.tables.under_way]
+        phase = [self.solver.at, self.short_phases, self.began, *self.tables.under_way]
         return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
         at, short, began, *under_way = kept["phase"]
-        self.short, (self.until,) = int(short), kept["until"]
+        self.short_phases, (self.until,) = int(short), kept["until"]
         self.set_phase(self.solver_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
         self.tables.take_rows()

@@ -39,7 +39,7 @@ NUMBERS, STATE = 24, 40
 """Most numbers that a change may pass to the tables, and variables where its phase ended."""
 START = "start"
 """How a phase before the first one ends, from which tops in lanes begin."""
-NODES = 8
+JUMP_PARTS = 8
 """Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 
@@ -72,7 +72,7 @@ class _Phases(NamedTuple):
     end: float
     chatter: float
     present: int
-    short: int
+    short_phases: int
     length: int
     most: int
     numbers: int
@@ -236,7 +236,7 @@ class JumpPrograms:
             self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
         record.present = run.solver.at
         record.began = run.began
-        record.short = run.short
+        record.short_phases = run.short_phases
         record.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)
@@ -256,7 +256,7 @@ class JumpPrograms:
             run.until = began + lasts
         if record.length:
             run.set_phase(solver, began)
-            run.short = record.short
+            run.short_phases = record.short_phases
             run.series = None
             run.changes += record.length
             run.end_next()
@@ -270,8 +270,8 @@ def _ranged(n: Any, to: Any, now: Any, body: Any) -> tuple[list[int], list]:
     b = to.phase.parameters(body)
     time = now + n.delay
     points = []
-    for k in range(NODES + 1):
-        after = now + (time - now) * k / NODES - now
+    for k in range(JUMP_PARTS + 1):
+        after = now + (time - now) * k / JUMP_PARTS - now
         state = to.variables.join(*n.series(after))
         points.append(to.formulas.functions(*to.variables.split(state), b))
     each = zip(to.events.items(), zip(*points, strict=True), strict=True)

@@ -66,7 +66,7 @@ its next step, in a phase that Python samples; nothing."""
 
 
 _REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
-_NAMES = "stops_by", "phase", "event", "steps", "waits", "short"
+_NAMES = "stops_by", "phase", "event", "steps", "waits", "short_phases"
 TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
 """A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
 phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
@@ -386,8 +386,8 @@ class HybridPools(Pools, HybridDriver):
         top = self.tops[slot]
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
-        names = ["began", "until", "short", "end", "high", "low"]
-        self.began, self.until, self.short, self.end, *clock = top[names].item()
+        names = ["began", "until", "short_phases", "end", "high", "low"]
+        self.began, self.until, self.short_phases, self.end, *clock = top[names].item()
         self.tallies.lane[0] = self.tallies_of[slot]
         self.functions[:] = self.functions_of[slot]
         self.tallies.kept[:, 0] = self.kept_of[slot]
@@ -403,7 +403,11 @@ class HybridPools(Pools, HybridDriver):
         top["high"], top["low"] = self.at
         top["until"] = min(self.until, self.end)
         self._set_end(slot)
-        top["began"], top["phase"], top["short"] = self.began, self.solver.at, self.short
+        top["began"], top["phase"], top["short_phases"] = (
+            self.began,
+            self.solver.at,
+            self.short_phases,
+        )
         self.tallies_of[slot] = self.tally
         self.functions_of[slot] = self.functions
         self.kept_of[slot] = self.tallies.kept[:, 0]
