@@ -377,7 +377,7 @@ static bool of_start(const Loop *l, const Event *event, const Function *f, real 
    turning that waited counts, plus WAITS if this one waits now: small wiggles between do not
    matter, so a true turning that rounding splits into three counts once, and a decay that ends in
    noise not at all. */
-static integer take_turning(Tally *tally, real noise_floor, integer sign, real theta) {
+static integer count_turning(Tally *tally, real noise_floor, integer sign, real theta) {
     real back = theta - tally->waits_at;
     bool confirmed = tally->waiting != 0 && (real)tally->waiting * back >= noise_floor;
     bool further = sign == tally->waiting && (real)sign * back < 0;
@@ -433,7 +433,7 @@ void loop_keep(const Loop *l, integer first, integer last, integer lane, real wh
 }
 
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
-static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
+static void log_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
     const Event *event = l->event_rows + e;
     Tally *tally = l->tallies + lane;
     Function *f = function(l, e, lane);
@@ -447,7 +447,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
         if (l->log_room == 0 || l->lanes > 1) /* of a run the caller counts them in the log */
-            take_turning(tally, l->noise_floor, turn, theta);
+            count_turning(tally, l->noise_floor, turn, theta);
     }
     if ((real)event->direction * sign < 0)
         return;
@@ -459,7 +459,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
    run. */
-static real take_events(const Loop *l, integer lane, real t, real h) {
+static real find_events(const Loop *l, integer lane, real t, real h) {
     integer size = l->size, events = l->events, ending = -1;
     Tally *tally = l->tallies + lane;
     real upto = 1, p[MOST_COEFFICIENTS], zeros[MOST_COEFFICIENTS];
@@ -492,7 +492,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         integer count = search(l, e, lane, p, zeros);
         bool ends = event->ends != 0 && e != ending; /* the next phase finds it */
         for (integer k = 0; k < count && (ends ? zeros[k] < upto : zeros[k] <= upto); k++)
-            take_passage(l, e, lane, t, h, zeros[k]);
+            log_passage(l, e, lane, t, h, zeros[k]);
         if (!event->ranged)
             continue;
         real power = 1;
@@ -567,7 +567,7 @@ static bool is_row_before(const Loop *l, integer top, real time) {
 
 /* Write the rows of a lane that lie in its present step. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
-static bool take_rows(const Loop *l, integer lane, bool moved) {
+static bool write_rows(const Loop *l, integer lane, bool moved) {
     const Tally *tally = l->tallies + lane;
     integer count = l->row_count, n = l->lanes, in_lane = l->in_lane[lane];
     bool has_lanes = l->row_phase_count > 0;
@@ -616,7 +616,7 @@ static void begin_step(const Loop *l) {
 
 /* Add the step to the time, in double length. A step that is not finite, or leads to such a state,
    is taken back, and ends the run. */
-static void move(const Loop *l) {
+static void advance_time(const Loop *l) {
     integer n = l->lanes, variables = l->variables;
     real finite[WIDEST]; /* 0, otherwise NaN */
     for (integer lane = 0; lane < n; lane++)
@@ -644,7 +644,7 @@ static bool has_settled(const Loop *l, const Tally *tally, integer steps, real w
 
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
-static bool take_step(const Loop *l, integer lane) {
+static bool finish_step(const Loop *l, integer lane) {
     Tally *tally = l->tallies + lane;
     real t = l->start_high[lane], h = l->high[lane] - t;
     if (!(l->limit[lane] > 0))
@@ -654,7 +654,7 @@ static bool take_step(const Loop *l, integer lane) {
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
     integer every_step = l->steps_before[lane] + tally->steps + (h > 0);
     if (h > 0) { /* the step moves a double */
-        real upto = take_events(l, lane, t, h);
+        real upto = find_events(l, lane, t, h);
         tally->upto = upto;
         tally->t = upto < 1 ? t + upto * h : l->high[lane];
         tally->steps++;
@@ -701,10 +701,10 @@ static void sort_log(const Loop *l, integer first) {
 static bool end_step(const Loop *l) {
     integer first = l->logged[0];
     bool ended = false;
-    move(l);
+    advance_time(l);
     bound_functions(l);
     for (integer lane = 0; lane < l->lanes; lane++)
-        ended = take_step(l, lane) || ended;
+        ended = finish_step(l, lane) || ended;
     sort_log(l, first);
     for (integer k = first; k < l->logged[0]; k++)
     {
@@ -725,7 +725,7 @@ integer loop_drive(const Loop *l, integer most) {
     for (integer steps = 0;; steps++) {
         bool stops = !runs || is_full(l) || steps >= most;
         for (integer lane = 0; lane < l->lanes; lane++)
-            stops = (take_rows(l, lane, steps > 0) && l->row_phase_count == 0) || stops;
+            stops = (write_rows(l, lane, steps > 0) && l->row_phase_count == 0) || stops;
         if (stops)
             return steps;
         begin_step(l);
@@ -870,13 +870,13 @@ static bool execute(const Program *c, const Loop *const *loops) {
 
 /* Where the numbers of a change that follow the state of the next phase begin: the time that this
    one lasts, and the time that the change takes. */
-static const real *others(const Program *c, const Loop *const *loops) {
+static const real *numbers_after_state(const Program *c, const Loop *const *loops) {
     return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
-static const Program *execute_one(const Program *first, const Loop *const *loops, const Loop *l,
+static const Program *execute_first(const Program *first, const Loop *const *loops, const Loop *l,
                                  integer lane, const real *body, integer numbers, real when,
                                  real left, const real *state) {
     if (first == NULL)
@@ -897,7 +897,7 @@ static const Program *execute_one(const Program *first, const Loop *const *loops
     }
     if (c == NULL)
         return NULL;
-    const real *end = others(c, loops);
+    const real *end = numbers_after_state(c, loops);
     for (const real *number = c->registers + c->out; number < end; number++)
         finite += 0.0 * *number;
     return finite == 0 && end[1] >= 0 ? c : NULL;
@@ -917,7 +917,7 @@ static void note_change(const Loop *l, integer lane, const Event *events, const 
             tally->lasts_since = when;
         if (event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1)) {
             real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
-            take_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
+            count_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
         }
         if (l->logged[0] < l->log_room) {
             integer at = l->logged[0]++;
@@ -955,11 +955,11 @@ static bool change_phase(Phases *p) {
     integer event = within ? l->passages[last].event : events;
     const real *state = within ? l->logged_states + last * l->width : l->state;
     const Program *c = p->programs[p->present * (events + 1) + event];
-    c = execute_one(c, p->loops, l, 0, p->body, p->numbers, when, p->end - when, state);
+    c = execute_first(c, p->loops, l, 0, p->body, p->numbers, when, p->end - when, state);
     if (c == NULL)
         return false;
     const Loop *next = p->loops[c->next];
-    const real *more = others(c, p->loops), *ranges = more + 2;
+    const real *more = numbers_after_state(c, p->loops), *ranges = more + 2;
     real time = MIN(p->end, when + more[1]);
     if ((time > when && is_row_before(l, 0, time)) || last + c->logged + c->passed > l->log_room)
         return false;
@@ -1081,7 +1081,7 @@ static void copy_tally(const Pools *p, const Loop *l, integer lane, integer top,
 }
 
 /* Put the next top of a queue into a lane. */
-static void take_top(const Pools *p, integer phase, integer lane) {
+static void enter_lane(const Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
     integer top = pop(p, phase), n = l->lanes;
@@ -1118,10 +1118,10 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
     real *state = p->states + top * p->width;
     const real *body = p->bodies + top * p->numbers;
     const Program *c = p->programs[t->phase * (events + 1) + t->event];
-    c = execute_one(c, p->loops, l, lane, body, p->numbers, t->high, t->end - t->high, state);
+    c = execute_first(c, p->loops, l, lane, body, p->numbers, t->high, t->end - t->high, state);
     if (c == NULL)
         return false;
-    const real *out = c->registers + c->out, *more = others(c, p->loops);
+    const real *out = c->registers + c->out, *more = numbers_after_state(c, p->loops);
     real time = MIN(t->end, t->high + more[1]);
     if (time > t->high && is_row_before(l, top, time))
         return false;
@@ -1144,7 +1144,7 @@ static bool change_top(const Pools *p, const Loop *l, integer lane, integer top)
 }
 
 /* Take a top out of its lane. */
-static void put_top(Pools *p, integer phase, integer lane) {
+static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
     integer top = l->in_lane[lane] / p->phases, n = l->lanes;
@@ -1204,9 +1204,9 @@ integer loop_pools(Pools *p, integer most) {
         const Loop *l = pool->loop;
         for (integer lane = 0; lane < l->lanes; lane++)
             while (l->in_lane[lane] < 0 && pool->count > 0 && *p->calls == 0) {
-                take_top(p, phase, lane);
+                enter_lane(p, phase, lane);
                 if (l->tallies[lane].status != RUNNING) /* a phase that ends where it begins */
-                    put_top(p, phase, lane);
+                    leave_lane(p, phase, lane);
             }
         integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
         steps += made;
@@ -1214,7 +1214,7 @@ integer loop_pools(Pools *p, integer most) {
         bool ended = false;
         for (integer lane = 0; lane < l->lanes; lane++)
             if (l->in_lane[lane] >= 0 && (pool->by_steps || l->tallies[lane].status != RUNNING)) {
-                put_top(p, phase, lane);
+                leave_lane(p, phase, lane);
                 ended = true;
             }
         if (!ended && is_full(l)) /* the caller makes room */
@@ -1231,7 +1231,7 @@ integer loop_pools(Pools *p, integer most) {
 void loop_count_turnings(Tally *tally, real noise_floor, integer n, const integer *signs,
                          const real *thetas, integer *effects) {
     for (integer k = 0; k < n; k++)
-        effects[k] = take_turning(tally, noise_floor, signs[k], thetas[k]);
+        effects[k] = count_turning(tally, noise_floor, signs[k], thetas[k]);
 }
 
 #ifndef DIGEST
