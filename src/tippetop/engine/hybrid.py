@@ -151,7 +151,7 @@ class Jump:
         of_phase = f" from phase `{self.name}`" if self.name else ""
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
-    def must(self, fault: str) -> None:
+    def check(self, fault: str) -> None:
         """Raise InputError if there is a fault: what the jump must do, but does not."""
         if fault:
             raise InputError(f"{self.where} must {fault}.")
@@ -182,7 +182,7 @@ class Jump:
             x = x._replace(carried=carried)
         try:
             n = self.exit.jump(x, world._replace(phase=self.phase))
-            self.must(self.exit.fault(n, x, run.words))
+            self.check(self.exit.fault(n, x, run.words))
             if n.cause is None:
                 n.cause = self.exit.event
             if n.phase not in run.phases:
@@ -193,7 +193,7 @@ class Jump:
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
             values = to.formulas.functions(q, carried, b)
             if not world.rules:
-                self.must(wrong_time(n, to) or wrong_root(n, to, q, carried, values))
+                self.check(wrong_time(n, to) or wrong_root(n, to, q, carried, values))
             return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
