@@ -1,9 +1,19 @@
 /* The step loop of one run, or of many runs in the lanes of one integrator.
 
-   A Taylor integrator, compiled elsewhere, makes each step. Its coefficients are the polynomials on
-   which events are found after the step: an event never changes a step. The caller owns all memory
-   and describes it in one structure. There is no global state and no allocation, and every number
-   of a lane depends on the steps of that lane alone.
+   A step, in all lanes (`loop_drive`):
+     begin_step         the longest step that is allowed: up to the end of the run or phase
+     step               a Taylor integrator, compiled elsewhere, writes state and coefficients
+     advance_time       add the step to the time; take back a step that is not finite
+     bound_functions    bound each event function over the step: most have no zero, and are done
+     find_events        of one lane: isolate the zeros of the others on their polynomials; the first
+                        zero of an event that ends the run or phase shortens what counts of the step
+     log_passage        count a zero, keep its time, log it; extremes are found likewise
+     write_rows         evaluate the polynomials at the times of rows within the step
+   An event never changes a step: it is found on the coefficients after it.
+   `loop_run` adds changes of phase for one run, `loop_pools` for many.
+
+   The caller owns all memory and describes it in one structure. There is no global state and no
+   allocation, and every number of a lane depends on the steps of that lane alone.
 
    Stored runs continue bit by bit, so sums are written in a fixed order, and the compiler must not
    change it (-ffp-contract=off, no -ffast-math).
@@ -42,7 +52,8 @@ static const real LONGEST = 1e12;
 /* The last place of a zero in a step: what happens at its very end happens in it, not behind it. */
 static const real BEFORE_END = 1 - 0x1p-53;
 
-/* --- structures of the caller: `tippetop.engine.loop` makes the same; groups are tuples --- */
+/* --- structures of the caller: `tippetop.engine.loop` makes the same from named tuples, one for
+   each group of fields; `filled`, `rows` and `states` there are named after their group here --- */
 
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
@@ -96,15 +107,18 @@ typedef struct {
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
 
+    /* _Sizes */
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
 
+    /* Motion */
     real *state, *before, *pars, *tc;
     integer *in_lane;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
     integer *ended_by;   /* the event that ended the present step */
     integer *steps_before; /* steps of a run before those of its tally */
 
+    /* EventRows, Tallies, PassageLog, Samples */
     const Event *event_rows;
     const Number *numbers;
     const integer *axis_rows;
@@ -123,11 +137,13 @@ typedef struct {
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     void *tape;          /* where a step in compact mode works; others ignore it */
 
+    /* Rules */
     real settled_for;
     integer most_steps, sampled_every, sampled_first;
     real noise_floor, at_pole, near_pole, on_zero_for;
     integer settled_every; /* steps between two looks whether a run has settled */
 
+    /* Rows */
     real *row_times, *row_states; /* of each top in turn, as all arrays of rows */
     integer *row_phases, *rows_made;
     integer rows_at_steps, row_count;
@@ -337,8 +353,12 @@ static void bound_functions(const Loop *l) {
 
 /* --- the events of one lane --- */
 
-/* The multiplicity of the zero of an event function where the first step begins, which is divided
-   out. */
+/* The multiplicity of the zero of an event function where the first step of a phase begins.
+
+   A jump leads exactly to such a zero: a flight begins with gap = gap' = 0. The first coefficients
+   of the function are then rounding errors, and their signs would be found as an event there: the
+   liftoff would be its own landing. They are dropped, which divides the polynomial by x^k: this
+   root is gone, and all other zeros in the step remain. */
 static integer roots(const Tally *tally, const Function *f) {
     return tally->steps == 0 && f->on_zero < 0 ? -(integer)f->on_zero : 0;
 }
@@ -734,7 +754,7 @@ integer loop_drive(const Loop *l, integer most) {
     }
 }
 
-/* --- changes of phase, by straight-line copies of jumps --- */
+/* --- changes of phase, by programs of jumps --- */
 
 /* Write the register after those of the lines before: an operation on registers a and b. */
 typedef struct {
@@ -768,7 +788,7 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends. Registers begin with the inputs: the numbers of the body, the
+/* The program of a jump. Registers begin with the inputs: the numbers of the body, the
    time and the time left, the signs of event functions and the state. Constants and the results of
    lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time
    that it lasts, the time that the change takes, event functions in that time, and the numbers of
