@@ -129,11 +129,8 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     """
     whole = moment(form, q, carried, body)
     angles = form.to_angles(q, carried, body)
-    values = {
-        "theta": math.nan,
-        "theta_dot": 0.0,
-        **angles._asdict(),
-    }  # a hybrid system may have no theta
+    # a hybrid system may have no theta
+    values = {"theta": math.nan, "theta_dot": 0.0, **angles._asdict()}
     if system.vectors:
         vector = system.forms["vector"]
         direct = form.name == "vector"

@@ -29,9 +29,8 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
         name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0)
         for name in problem.system.integrals
     }
-    if (
-        "work" in values or not problem.system.is_hybrid
-    ):  # jumps may take energy that is not counted
+    # jumps may take energy that is not counted
+    if "work" in values or not problem.system.is_hybrid:
         integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]

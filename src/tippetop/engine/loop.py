@@ -95,9 +95,8 @@ class _Loop(NamedTuple):
     tallies: Tallies
     log: PassageLog
     samples: Samples
-    factors: (
-        np.ndarray
-    )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
+    # (2, order + 1, lanes) which convert coefficients in time to those in time over h
+    factors: np.ndarray
     out: np.ndarray  # (variables, lanes) a state
     tape: np.ndarray  # where a step in compact mode works
     rules: Rules

@@ -81,9 +81,8 @@ def _linker() -> Any:
     by one, and ends the process where two are more than 2 GiB apart, as they may be in a large
     process.
     """
-    extension = sys.modules[
-        hy.expression.__module__
-    ]  # it brings the libraries whose functions heyoka's code calls
+    # it brings the libraries whose functions heyoka's code calls
+    extension = sys.modules[hy.expression.__module__]
     llvm.load_library_permanently(extension.__file__)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()

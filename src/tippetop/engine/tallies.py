@@ -25,9 +25,8 @@ class EventRows(NamedTuple):
     """
 
     events: np.ndarray  # (events,)
-    numbers: (
-        np.ndarray
-    )  # (numbers,) `what`: FIRST, LAST or COUNT; `direction` of the passages that are meant
+    # (numbers,) `what`: FIRST, LAST or COUNT; `direction` of the passages that are meant
+    numbers: np.ndarray
     axis: np.ndarray  # (3,) rows of 3hat; (0,) where it is not integrated
 
 

@@ -53,9 +53,8 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     system = problem.system
     body = problem.internal_body
     code = code_for(problem, formulas_of(system, problem.form.name, body.friction.__class__), stop)
-    watched = (
-        not event.sense or event.name in problem.events for event in system.events
-    )  # turnings are many
+    # turnings are many: they are found only if they are logged
+    watched = (not event.sense or event.name in problem.events for event in system.events)
     rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
     functions = event_functions(problem.alone)[0]
     signs = problem.joint.get("signs", {})

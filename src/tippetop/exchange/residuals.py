@@ -14,9 +14,8 @@ def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
     """
     pole = np.where(seen[:, 2:] < 0, -1.0, 1.0) * [[0.0, 0.0, 1.0]]
     swing = rotation.swing(Vector(*pole.T), Vector(*seen.T))
-    across = np.array(
-        [rotation.rotated(swing, Vector(*e)) for e in np.eye(3)[:2]]
-    )  # (2, space, rows)
+    # (2, space, rows)
+    across = np.array([rotation.rotated(swing, Vector(*e)) for e in np.eye(3)[:2]])
     apart = np.einsum("ixr,rx->ri", across, third)
     half = np.sqrt(np.maximum((1 + (seen * third).sum(axis=1)) / 2, 1e-12))
     return -apart / half[:, None]  # half: cosine of half the angle

@@ -148,7 +148,6 @@ class Folder:
                 os.fsync(descriptor)
             except OSError as error:
                 is_folder = stat.S_ISDIR(os.fstat(descriptor).st_mode)
-                if (
-                    error.errno != errno.EINVAL or not is_folder
-                ):  # some file systems sync no folders
+                # some file systems sync no folders
+                if error.errno != errno.EINVAL or not is_folder:
                     raise

@@ -58,9 +58,8 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
 
 def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
     """Return the points (n, 2) where logarithms of ratios over one or two axes are zero."""
-    values = np.ma.masked_invalid(
-        np.expm1(logarithms)
-    )  # |lambda|/threshold - 1 is linear in a spin
+    # |lambda|/threshold - 1 is linear in a spin
+    values = np.ma.masked_invalid(np.expm1(logarithms))
     reach = (1.0, 1.0)
     if len(places) == 1:
         places = [*places, np.array([-1.0, 1.0])]

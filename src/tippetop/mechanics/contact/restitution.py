@@ -12,10 +12,8 @@ RESTITUTIONS = ("energetic", "poisson", "newton")
 e_n that of compression; or so is the normal velocity, which can make energy.
 """
 
-LEAST_RADIUS, LONGEST = (
-    1e-9,
-    1e6,
-)  # of a stem's ball, and of a stem, by the radius of the sphere: the rest is a slip
+# least radius of a stem's ball, and longest stem, by the radius of the sphere: the rest is a slip
+LEAST_RADIUS, LONGEST = 1e-9, 1e6
 
 
 class ContactLaw(NamedTuple):
