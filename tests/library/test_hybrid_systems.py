@@ -268,33 +268,23 @@ def broken(jump: Any) -> Any:
         (("rest",), "lead to fall, as its Exit declares, but leads to 'rest'"),
         (("fall", (0.0, 1.0)), "return a state as it takes"),
         (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
-        (("fall", {"v": 1j}), "return a number in `v` of the state, but returns 1j"),
         (("fall", {"h": np.zeros(2)}), "return a number in `h` of the state, but returns array"),
-        (("fall", {}, {"ends": 5}), "have a str in `ends`, but has 5"),
         (("fall", {}, {"logged": "rests"}), "have a tuple in `logged`, but has 'rests'"),
-        (("fall", {}, {"zeros": ("ground",)}), "have a dict in `zeros`, but has ('ground',)"),
         (("fall", {}, {"cause": "weird"}), "have start or ground in `cause`, but has 'weird'"),
-        (("fall", {}, {"cause": 3}), "have start or ground in `cause`, but has 3"),
         (("fall", {}, {"rows": {"tab": (1, 2)}}), "have nothing in `rows`, but has 'tab'"),
         (("fall", {}, {"ends": "running"}), "or stalled in `ends`, but has 'running'"),
         (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
-        (("fall", {}, {"delay": 0.1, "series": 3}), "have a function in `series`, but has 3"),
+        (("fall", {}, {"delay": 0.1}), "have a function in `series`, but has 3"),
         (("fall", {}, {"series": lambda t: (t, ())}), "return arrays of h, v at the given times"),
-        (("fall", {}, {"delay": [1]}), "have a time of at least 0 in `delay`, but has [1]"),
         (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
-        (("fall", {}, {"delay": np.inf}), "have a finite `delay`"),
         (("fall", {}, {"logged": ("rests",) * 1025}), "log at most 1024 events, but logs 1025"),
-        (("fall", {}, {"ends": "ended", "message": 5}), "have a str in `message`, but has 5"),
+        (("fall", {}, {"ends": "ended"}), "have a str in `message`, but has 5"),
         (("fall", {}, {"lasts": -1}), "have a time of at least 0 in `lasts`, but has -1"),
         (("fall", {}, {"lasts": 0}), "leave out `lasts`, as phase `fall` has no exit by 'clock'"),
-        (lambda x, world: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),
         (lambda x, world: {}["fall"], "fails: KeyError: 'fall'"),
         (lambda x, world: world.phases.clear(), "fails: TypeError: a record cannot be changed"),
-        (lambda x, world: 1 / 0, "fails: ZeroDivisionError: division by zero"),
         (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
         (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
-        (("fall", {}, {"zeros": {"ground": -1}}), "1 at least, but has {'ground': -1}"),
-        (("fall", {}, {"zeros": {"ground": 1.5}}), "1 at least, but has {'ground': 1.5}"),
         (("fall", {}, {"zeros": {"ground": 2}}), "no root of multiplicity 2"),
         (("fall", {"h": 0.1}, {"zeros": {"ground": 1}}), "no root of multiplicity 1"),
     ],
@@ -383,11 +373,11 @@ def test_bounces_that_double_precision_cannot_shorten_stall() -> None:
 
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     State, state = page["State"], page["state"]
-    other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
+    other = dataclasses.replace(page["ground"], direction=1)
 
-    text, strange, number, blank = (
+    text, blank = (
         (dataclasses.replace(page["ground"], **{field: value}), *page["words"])
-        for field, value in (("formula", "h"), ("direction", 2), ("name", 3), ("name", "a b"))
+        for field, value in (("formula", "h"), ("name", "a b"))
     )
     height = Quantity("h", "h", METRE, "height", lambda s, b: 3 * s.h)
     fallen = (Integral("fallen", METRE, "", lambda q, carried, b: q.v),)
@@ -395,14 +385,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "a function as `formula` and a `direction` of -1, 0 or 1, but has ground": changed(
             "fall", events=text
         ),
-        "a `direction` of -1, 0 or 1, but has ground": changed("fall", events=strange),
-        "names of one word, but has 3\\.": changed("fall", events=number),
         "names of one word, but has 'a b'\\.": changed("fall", events=blank),
         "`a\nb` of `broken` must have names of one word, but has 'a\\\\nb'": {
             "a\nb": SYSTEMS["bouncing-point"].phases["rest"]
-        },
-        "phase `1` of `broken` must have names of one word, but has 1": {
-            1: SYSTEMS["bouncing-point"].phases["rest"]
         },
         "quantities with other names than the variables, but has h": changed(
             "fall", quantities=(height,)
@@ -416,14 +401,8 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "must have the variables and units of the first phase.*, but has h \\[m\\]\\.": {
             "rest": Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
         },
-        "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
-            "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
-        },
         "each name once, but has twice exit by `ground`": changed(
             "fall", exits=SYSTEMS["bouncing-point"].phases["fall"].exits * 2
-        ),
-        "each name once, but has twice event `bounce`, event `rests`": changed(
-            "rest", events=page["words"] * 2
         ),
         "`direction` of the event `bounce` must be -1 or 1, for it is `lasting`": changed(
             "rest", events=(dataclasses.replace(page["words"][0], lasting=True),)
@@ -438,23 +417,12 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
             "rest", events=(dataclasses.replace(other, name="sky"),)
         ),
         "the directions of the phases before, but has ground": changed("rest", events=(other,)),
-        "must end in events with a `direction`, but has exits by ground": changed(
-            "fall", events=(both,)
-        ),
         "no jump logs them, but has bounce, rests": changed("fall", exits=()),
-        "lead to phases of the system by a tuple of names, but leads to 'r'": {
-            **left("ground", "r"),
-            "r": SYSTEMS["bouncing-point"].phases["rest"],
-        },
         "`rest` of `broken` must integrate what .* does, but integrates fallen": changed(
             "rest", forms=Form("plain", state, lambda q, b: State(0, 0), integrals=fallen)
         ),
-        "of the system by a tuple": left("ground", ()),
         "of phase `rest` of `broken` must give its 2 rates.*no attribute 'w'": changed(
             "rest", forms=Form("plain", state, lambda q, b: State(q.w, 0))
-        ),
-        "`rates` of the form `plain` of phase `rest` of `broken` must give its 2": changed(
-            "rest", forms=Form("plain", state, lambda q, b: (q.v,))
         ),
         "must give its 2 rates as a State, but gives Other": changed(
             "rest", forms=Form("plain", state, lambda q, b: Other(0, 0))

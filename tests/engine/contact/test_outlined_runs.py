@@ -1,17 +1,14 @@
-"""Runs of bodies with an outline: against multi-precision references, own Newton and Euler, closed
-forms, and the tippe top.
+"""Runs of bodies with an outline: against multi-precision references, closed forms, and the tippe
+top; `test_surroundings.py` has them against Newton and Euler.
 """
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import laws
 import numpy as np
 import pytest
 from nightly import at_night
-from scipy.integrate import solve_ivp
 
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
@@ -21,7 +18,6 @@ from tippetop.runs.certificate import certificate_violations
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "outlines.json").read_text())
 EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0.0, I1=1.56e-5, I3=9.6e-6, g=9.81)
 JUMPS = {"theta": 1.5, "phi_dot": 190.0}
-UP = np.array([0.0, 0.0, 1.0])
 
 
 # --- references ---------------------------------------------------------------------------------
@@ -71,67 +67,6 @@ def test_every_phase_keeps_its_balance(law: Any, precision: str) -> None:
     run = tt.run(EGG, law, start=start, until=0.2, contact={"e_n": 0.4}, precision=precision)
     assert run.summary.event_counts["impact"] > 0
     assert run.drift["energy_balance"] < (1e-14 if precision == "double" else 1e-16)
-
-
-# --- own Newton and Euler -----------------------------------------------------------------------
-
-
-def own_rates(y: np.ndarray, b: Any, k: Callable) -> np.ndarray:
-    """Return the rates of axis, angular momentum and velocity, with F = N (zhat - k v_A)."""
-    u, L, V = y.reshape(3, 3)
-
-    def turning(u: np.ndarray, L: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return L / b.I1 + (1 / b.I3 - 1 / b.I1) * (L @ u) * u, laws.arm_of(u, UP, b)
-
-    omega, arm = turning(u, L)
-    v = V + np.cross(omega, arm)
-    push = UP - k(np.hypot(v[0], v[1])) * v * (1 - UP)
-
-    def rates(N: float) -> np.ndarray:
-        F = N * push
-        return np.array([np.cross(omega, u), np.cross(arm, F), F / b.m - b.g * UP])
-
-    def lift(N: float) -> float:
-        du, dL, dV = 1j * laws.STEP * rates(N)
-        return np.imag(V + dV + np.cross(*turning(u + du, L + dL)))[2] / laws.STEP
-
-    return rates(-lift(0.0) / (lift(1.0) - lift(0.0))).ravel()
-
-
-def random_body(rng: np.random.Generator) -> Any:
-    """Return a spheroid or a disc of a few centimetres."""
-    m, a, b = 0.05, *rng.uniform(0.01, 0.04, 2)
-    I3 = m * b * b * rng.uniform(0.3, 0.6)
-    numbers = {"m": m, "c": 0.2 * b * rng.normal(), "I3": I3, "I1": I3 * rng.uniform(0.6, 1.5)}
-    if rng.random() < 0.5:
-        return tt.Spheroid(a=a, b=b, g=9.81, **numbers)
-    return tt.Disc(ring=b, tube=0.1 * a, g=9.81, **numbers)
-
-
-@pytest.mark.parametrize("law", [tt.friction.Viscous(mu=0.5), tt.friction.Coulomb(mu=0.2)])
-@pytest.mark.parametrize("count", [6, at_night(50)])
-def test_random_bodies_move_as_newton_and_euler_say(
-    law: Any, count: int, rng: np.random.Generator
-) -> None:
-    """Under Coulomb's law itself they slide as long as this lasts."""
-    k = {"Viscous": lambda v: law.mu}.get(type(law).__name__, lambda v: law.mu / v)
-    for _ in range(count):
-        top, until = random_body(rng), 0.02
-        start = dict(zip(("theta_dot", "phi_dot", "omega3"), rng.normal(size=3) * 5, strict=True))
-        start |= {"theta": rng.uniform(0.6, 1.4), "nu_x": 1.0, "nu_y": 1.0}
-        run = tt.run(top, law, start=start, until=until, output_step=until, on_liftoff="fly")
-        if run.phases.sizes["interval"] > 1:
-            continue
-        rows = run.trajectory
-        u, L = rows.axis.values, rows.L.values
-        b = run.problem.body()
-        omega = L[0] / b.I1 + (1 / b.I3 - 1 / b.I1) * (L[0] @ u[0]) * u[0]
-        V = np.array([1.0, 1.0, 0.0]) - np.cross(omega, laws.arm_of(u[0], UP, b))
-        y = np.concatenate([u[0], L[0], V])
-        options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-16}
-        end = solve_ivp(lambda t, y, b=b: own_rates(y, b, k), (0, until), y, **options).y[:, -1]
-        np.testing.assert_allclose(u[-1], end[:3], rtol=0, atol=1e-11)
-        np.testing.assert_allclose(L[-1], end[3:6], rtol=0, atol=1e-11 * np.abs(L).max())
 
 
 # --- closed forms -------------------------------------------------------------------------------
