@@ -338,7 +338,7 @@ def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
 @pytest.mark.parametrize(
     ("start", "mu", "until", "step"),
     [
-        (examples.LATE, 0.3, 2.0, 1.2e-3),
+        at_night(examples.LATE, 0.3, 2.0, 1.2e-3),
         *(at_night({}, *case) for case in ((0.3, 6.5, 2e-4), (0.15, 8.6, 1e-3))),
     ],
 )

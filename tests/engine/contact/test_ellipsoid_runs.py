@@ -132,6 +132,7 @@ def test_derivatives_by_delta_are_those_of_differences() -> None:
     assert float(found[-1, 0]) == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_numbers_of_a_film_are_fitted_and_an_exported_run_is_compared(tmp_path: Path) -> None:
     t = np.linspace(0.05, 1.0, 20)
     scenario = tt.run(BOAT, Viscous(mu=3.0), start=START, until=1.0, output_times=[*t])

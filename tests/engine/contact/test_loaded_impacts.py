@@ -207,6 +207,7 @@ def still_disc(v: Any, spin: float) -> tuple[Any, float]:
     return 0.2 * by.k * v * FLAT, -0.2 * 0.02**2 * by.twist * spin
 
 
+@pytest.mark.slow
 def test_a_disc_that_rests_gives_way_where_the_direction_of_rolling_turns() -> None:
     """Radau's method follows it through its rest."""
     u = Vector(np.sin(1.0), 0.0, np.cos(1.0))

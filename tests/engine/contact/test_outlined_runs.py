@@ -197,8 +197,8 @@ def test_the_disc_of_euler_lies_flat_in_the_end() -> None:
     "law",
     [
         tt.friction.Viscous(mu=3.0, mu_r=2e-4, mu_d=2e-4),
-        tt.friction.Contensou(mu=0.3, patch=4e-4, mu_r=4e-4),
-        tt.friction.Coulomb(mu=0.3, mu_r=4e-4, mu_d=2e-4),
+        at_night(tt.friction.Contensou(mu=0.3, patch=4e-4, mu_r=4e-4)),
+        at_night(tt.friction.Coulomb(mu=0.3, mu_r=4e-4, mu_d=2e-4)),
         at_night(tt.friction.Coulomb(mu=0.4, mu_r=5e-4)),
     ],
 )
