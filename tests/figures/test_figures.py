@@ -14,10 +14,6 @@ from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.library.finished_run import Run
-from tippetop.mechanics.friction import LAWS, FrictionLaw
-from tippetop.mechanics.number import Number, number
-from tippetop.mechanics.operand import formula
-from tippetop.mechanics.units import METRE, SECOND, SECOND_PER_METRE
 from tippetop.runs import starting
 from tippetop.runs.run import solve
 
@@ -237,27 +233,3 @@ def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple) -> None:
     assert not any(
         "_" in text.replace("$", "").replace("\\nu_", "") or "3hat" in text for text in texts
     ), kind
-
-
-def test_symbols_of_users_numbers_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Greek letters in Unicode, other symbols as formulas, names without a symbol as words."""
-
-    class Wet(FrictionLaw):
-        """Wet friction."""
-
-        mu: Number = number(SECOND_PER_METRE, "friction", symbol=r"\beta_2")
-        depth: Number = number(METRE, "depth", symbol=r"\ell_w", least=0)
-        film_age: Number = number(SECOND, "age of the film", least=0)
-
-        @formula
-        def coefficient(v2, z, law):
-            return law.mu
-
-    monkeypatch.setitem(LAWS, "wet", Wet)
-    table = {"law": "wet", "mu": 0.3, "depth": 1.0, "film_age": 2.0}
-    units = {name: rule.unit.symbol for name, rule in Wet.parameters.items()}
-    attrs = drawing.with_records({"system": "tippe-top", "friction": table, "units": units})
-    assert (
-        labels.friction(table, attrs)
-        == "wet friction, β₂ = 0.3 s m⁻¹, $\\ell_w$ = 1 m, film age = 2 s"
-    )

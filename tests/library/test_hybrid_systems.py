@@ -303,16 +303,6 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
         broken(jump)
 
 
-def test_a_row_of_another_length_than_its_table_is_refused() -> None:
-    def jump(x: Any, world: Any) -> Next:
-        return Next("fall", x, rows={"hits": ((1.0, 2.0),)})
-
-    tables = {"phases": {}, "hits": {"speed": METRE_PER_SECOND}}
-    register("broken-point", left("ground", ("fall",), jump), tables=tables)
-    with pytest.raises(tt.InputError, match=r"have speed in a row of `hits`, but has \(1.0, 2.0\)"):
-        tt.run(POINT | {"system": "broken-point"}, until=2)
-
-
 @pytest.mark.parametrize(
     ("jump", "status", "words"),
     [

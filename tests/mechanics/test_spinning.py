@@ -53,16 +53,6 @@ def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> N
 
 
 @every_body
-def test_at_lambda_pi_the_potential_is_level_at_the_inverted_end(name: str) -> None:
-    b = oracle.body(BODIES[name])
-    lam = spinning.lambda_pi(b)
-    scale = b.m * b.g * b.c
-    assert abs(end_slope(-1, lam, b)) < 1e-15 * scale
-    assert end_slope(-1, lam * (1 - mp.mpf("1e-9")), b) < -1e-10 * scale
-    assert end_slope(-1, lam * (1 + mp.mpf("1e-9")), b) > 1e-10 * scale
-
-
-@every_body
 def test_critical_function_is_the_slope_of_the_potential(name: str) -> None:
     """V_z = N/(gamma I1 R^2 (1 - z^2)^2), and N(-1) <= 0 <= N(1). [section 5]"""
     b = oracle.body(BODIES[name])

@@ -12,7 +12,6 @@ from nightly import at_night
 
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
-from tippetop.runs.certificate import certificate_violations
 
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "outlines.json").read_text())
@@ -72,34 +71,6 @@ def test_every_phase_keeps_its_balance(law: Any, precision: str) -> None:
 # --- closed forms -------------------------------------------------------------------------------
 
 
-def test_an_egg_on_its_side_rocks_as_a_pendulum() -> None:
-    """In pure rolling: omega^2 = m g (a^2/b - b)/(I1 + m b^2)."""
-    start = {"theta": np.pi / 2 + 1e-5, "omega3": 0.0}
-    times = tt.run(EGG, start=start, until=2.0, events=["equator"]).events.time.values
-    e = EGG
-    omega = np.sqrt(e.m * e.g * (e.a**2 / e.b - e.b) / (e.I1 + e.m * e.b**2))
-    np.testing.assert_allclose(np.diff(times), np.pi / omega, rtol=1e-8)
-
-
-def test_a_sharp_disc_rolls_steadily() -> None:
-    """I1 phi'^2 cos(theta) = (I3 + m r^2) phi' omega_3 + m g r cot(theta)."""
-    coin = tt.Disc(m=0.01, ring=0.02, tube=0.0, c=0.0, I1=1e-6, I3=2e-6, g=9.81)
-    theta, phi_dot, r = 1.1, 12.0, coin.ring
-    drive = coin.I1 * phi_dot**2 * np.cos(theta) - coin.m * coin.g * r / np.tan(theta)
-    omega3 = drive / ((coin.I3 + coin.m * r**2) * phi_dot)
-    rolls = tt.run(coin, start={"theta": theta, "phi_dot": phi_dot, "omega3": omega3}, until=2.0)
-    np.testing.assert_allclose(rolls.trajectory.theta, theta, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("top", [EGG, tt.Disc(0.01, 0.02, 1e-3, 1e-3, 1e-6, 2e-6, 9.81)])
-def test_without_friction_two_momenta_stay(top: Any) -> None:
-    start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 30.0, "theta_dot": 1.0}
-    rows = tt.run(top, tt.friction.Frictionless(), start=start, until=0.5).trajectory
-    L3 = (rows.L.values * rows.axis.values).sum(axis=1)
-    for momentum in (L3, rows.L.values[:, 2]):
-        np.testing.assert_allclose(momentum, momentum[0], rtol=1e-13)
-
-
 def test_a_disc_that_falls_flat_ends_by_an_event() -> None:
     coin = tt.Disc(m=0.01, ring=0.02, tube=0.0, c=0.0, I1=1e-6, I3=2e-6, g=9.81)
     run = tt.run(coin, tt.friction.Frictionless(), start={"theta": 1.0, "omega3": 0.0}, until=1.0)
@@ -131,44 +102,6 @@ def test_a_disc_that_lies_nearly_flat_keeps_its_balance(law: Any, options: dict[
 
 
 # --- the tippe top ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("form", ["vector", "euler"])
-@pytest.mark.parametrize("law", [None, tt.friction.Viscous(mu=0.3)])
-def test_a_round_spheroid_is_the_tippe_top(law: Any, form: str) -> None:
-    assert_tippe_top(law, {"theta": 0.1, "omega3": 155.0}, form=form)
-
-
-@pytest.mark.parametrize(
-    "law", [tt.friction.Coulomb(mu=0.3), tt.friction.Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)]
-)
-def test_a_round_spheroid_strikes_slips_and_rolls_as_the_tippe_top(law: Any) -> None:
-    start = {"theta": 0.5, "omega3": 60.0, "gap": 1e-3}
-    assert_tippe_top(law, start, contact={"e_n": 0.5})
-
-
-def assert_tippe_top(law: Any, start: dict[str, float], **options: Any) -> None:
-    """The same rows of a sphere, as its record and as a spheroid."""
-    numbers = {"m": 0.02, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
-    tops = (
-        tt.TippeTop(R=0.02, alpha=0.3, **numbers),
-        tt.Spheroid(a=0.02, b=0.02, c=0.006, **numbers),
-    )
-    options = {"start": start, "until": 0.5, **options}
-    one, two = (
-        tt.run(top, law, system=top.resting if law is None else None, **options).trajectory
-        for top in tops
-    )
-    for name in ("axis", "L", "energy", "modified_energy", "normal_force", "x", "orientation"):
-        size = np.max(np.abs(one[name].values))
-        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-12 * size)
-
-
-def test_thresholds_of_an_egg_are_those_of_its_regime() -> None:
-    """Upright spin above sqrt(5 g a^3)/b^2 is stable under friction."""
-    found = tt.theory.thresholds("spinning-egg")
-    assert found["spin_upright"].value == pytest.approx(np.sqrt(5 * 9.81 * 0.03**3) / 0.02**2)
-    assert tt.theory.thresholds("rolling-egg")["spin_upright"].value < 50
 
 
 # --- presets ------------------------------------------------------------------------------------
@@ -211,35 +144,6 @@ def test_a_disc_that_loses_energy_ends_flat(law: Any) -> None:
 
 
 # --- what surrounds a run -----------------------------------------------------------------------
-
-
-def test_a_run_of_jumps_certifies_and_its_end_is_a_start(tmp_path: Path) -> None:
-    law, store = tt.friction.Coulomb(mu=0.1), tmp_path / "a.zarr"
-    run = tt.run(EGG, law, start={**JUMPS, "nu_x": 0.0}, until=0.3, out=store, contact={"e_n": 0.3})
-    begins = tt.run(EGG, law, start=store, until=1e-3, contact={"e_n": 0.3}).trajectory.axis[0]
-    np.testing.assert_array_equal(begins, run.trajectory.axis[-1])
-    assert certificate_violations(run.certify()) == []
-
-
-def test_derivatives_by_the_shape_are_those_of_differences() -> None:
-    law, options = tt.friction.Viscous(mu=1.0), {"start": {"theta": 1.5, "phi_dot": 110.0}}
-    found = tt.derivatives.sensitivities(EGG, ["a"], law, until=0.05, **options)
-    step = 1e-6
-    ends = [
-        tt.run(EGG._replace(a=EGG.a + h), law, until=0.05, **options).trajectory.theta.values[-1]
-        for h in (-step, step)
-    ]
-    by_a = float(found.trajectory.theta.sel(parameter="parameters.a").values[-1])
-    assert by_a == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6)
-
-
-def test_the_ensemble_is_that_of_single_runs() -> None:
-    spins, law = [60.0, 110.0], tt.friction.Viscous(mu=1.0)
-    ends = tt.ensemble(EGG, {"phi_dot": spins}, law, start={"theta": 1.5}, until=1.0).theta_end
-    for spin, end in zip(spins, ends.values, strict=True):
-        start = {"theta": 1.5, "phi_dot": spin}
-        alone = tt.run(EGG, law, start=start, until=1.0).trajectory.theta.values[-1]
-        assert end == pytest.approx(alone, abs=1e-11)
 
 
 @pytest.mark.parametrize(

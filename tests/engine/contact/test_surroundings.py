@@ -3,7 +3,6 @@ and closed forms.
 """
 
 from collections import namedtuple
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,22 +11,6 @@ import tilted
 from nightly import at_night
 
 import tippetop as tt
-from tippetop import TippeTop
-from tippetop.friction import Contensou
-from tippetop.mechanics.contact import contact_phases as phases
-from tippetop.mechanics.contact.body import (
-    Moving,
-    angular_velocity,
-    arm,
-    axis_rate,
-    contact_velocity,
-    momentum_of,
-    seen_from_balls,
-)
-from tippetop.mechanics.contact.response import around_torque
-from tippetop.mechanics.contact.surroundings import at_present, pushing, rules_of, surrounded_body
-from tippetop.mechanics.disc_friction import rolling
-from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 
 
 QUIET = {"progress": False}
@@ -173,19 +156,6 @@ def test_a_body_slides_and_sticks_as_newton_and_euler_say(top: Any, around: dict
 # --- closed forms -------------------------------------------------------------------------------
 
 
-def test_a_uniform_ball_rolls_down_with_five_sevenths_of_gravity_along_the_plane() -> None:
-    tilt, azimuth, until = 0.2, 0.5, 0.4
-    ball = tt.Spheroid(m=0.05, a=0.02, b=0.02)
-    plane = {"tilt": tilt, "azimuth": azimuth}
-    start = {"theta": 0.4, "omega3": 0.0}
-    run = tt.run(ball, system="rolling-spheroid", plane=plane, start=start, until=until, **QUIET)
-    distance = 5 / 14 * 9.81 * np.sin(tilt) * until**2
-    end = run.trajectory.isel(time=-1)
-    assert np.allclose([end.x, end.y], distance * np.array([np.cos(0.5), np.sin(0.5)]), rtol=1e-12)
-    assert np.isclose(end.normal_force, 0.05 * 9.81 * np.cos(tilt), rtol=1e-12)
-    assert np.isclose(end.friction_needed, 2 / 7 * np.tan(tilt), rtol=1e-12)
-
-
 def test_a_uniform_ball_on_a_turntable_circles_at_two_sevenths_of_its_speed() -> None:
     omega = 5.0
     run = tt.run(
@@ -203,33 +173,6 @@ def test_a_uniform_ball_on_a_turntable_circles_at_two_sevenths_of_its_speed() ->
     circle, *_ = np.linalg.lstsq(known, at_rest)
     assert abs(at_rest - known @ circle).max() < 1e-12
     assert abs(circle[1]) > 0.05
-
-
-@pytest.mark.filterwarnings("ignore:`parameters.I")  # which are large
-@pytest.mark.parametrize(("factor", "stops"), [(0.9, True), (1.1, False)])
-def test_a_slider_stops_where_the_tilt_is_less_than_the_angle_of_friction(
-    factor: float, stops: bool
-) -> None:
-    mu, speed = 0.3, 0.2
-    tilt = float(np.arctan(factor * mu))
-    inertia = 1e6  # of m R^2: it hardly turns
-    body = dict(m=1.0, R=1.0, alpha=0.5, I1=inertia, I3=inertia, g=9.81)
-    run = tt.run(
-        {"system": "tippe-top", "parameters": body, "friction": {"law": "coulomb", "mu": mu}},
-        plane={"tilt": tilt},
-        start={"theta": 0.5, "nu_x": speed, "omega3": 0.0},
-        until=0.5 if not stops else 1.0,
-        **QUIET,
-    )
-    slows = 9.81 * (mu * np.cos(tilt) - np.sin(tilt))
-    phases = run.attributes["report"]["contact_phases"]
-    if stops:
-        assert phases["counts"] == {"slip": 1, "roll": 1}
-        assert np.isclose(phases["last"]["start"], speed / slows, rtol=1e-4)
-        assert np.isclose(run.trajectory.x[-1], speed**2 / (2 * slows), rtol=1e-4)
-    else:
-        assert phases["counts"] == {"slip": 1}
-        assert np.isclose(run.trajectory.nu_x[-1], speed - slows * 0.5, rtol=1e-4)
 
 
 def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
@@ -270,48 +213,3 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[st
     assert report["drift"]["energy_balance"] < 1e-12  # as without: impacts
     if law != "coulomb":
         assert "both" in report["contact_phases"]["counts"]
-
-
-@pytest.mark.parametrize(
-    ("group", "plane"), [("tilt", (0.1, 0.3)), ("turntable", (5.0, 0.05, -0.02))]
-)
-def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest(
-    group: str, plane: tuple[float, ...]
-) -> None:
-    body = TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
-    law = Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)
-    rules = rules_of(("air", group))
-    numbers = body._asdict() | dict(zip(rules, (1e-8, 1e-11, *plane), strict=True))
-    whole = at_present(surrounded_body(TippeTop.body_of)(numbers, law), SimpleNamespace(x=0, y=0))
-    b, other = seen_from_balls(whole, (0.005, 0.013))
-    z = -b.clearance / b.lever
-    u = Vector(np.sqrt(1 - z * z), 0.0, z)
-
-    def moves(spin: float) -> tuple[Any, float]:
-        omega = times(spin, Vector(1.0, 0.0, 0.0))
-        x = phases.without_slip_on_both(
-            Moving(u, momentum_of(omega, u, b), Vector(0.0, 0.0, 0.0), 0.0, NOTHING), b
-        )
-        force, torque, *_ = phases.rolled(x, b)
-        turn = plus(plus(cross(arm(u, b), force), torque), around_torque(x, b))
-        push = plus(times(1 / b.m, force), pushing(x.velocity, 0.0, b))._replace(z=0.0)
-
-        def later(time: float) -> list:
-            state = Moving(
-                plus(u, times(time, axis_rate(x, b))),
-                plus(x.L, times(time, turn)),
-                plus(x.velocity, times(time, push)),
-                0.0,
-            )
-            return [[*contact_velocity(state, ball)] for ball in (b, other)]
-
-        slips = (np.array(later(1e-6)) - np.array(later(-1e-6))) / 2e-6
-        assert abs(slips).max() < 1e-6 * b.g
-        power = dot(torque, angular_velocity(x, b))
-        assert np.isclose(power, b.m * b.g * dot(rolling(angular_velocity(x, b), law), omega))
-        return push, power
-
-    push, power = moves(0.0)
-    assert power == 0
-    assert abs(push.x) + abs(push.y) > 0.1  # it starts to roll
-    assert moves(3.0)[1] < 0
