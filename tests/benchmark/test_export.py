@@ -238,17 +238,6 @@ def test_models_have_the_body_and_the_start(exported, name):
     np.testing.assert_allclose(pose[:3], start, atol=1e-12)
     there = Rotation.from_quat(rows.loc[0, ["q_x", "q_y", "q_z", "q_w"]].astype(float))
     assert (there.inv() * Rotation.from_euler("xyz", pose[3:])).magnitude() < 1e-11
-    mujoco = pytest.importorskip("mujoco")
-    mujoco.MjModel.from_xml_path(str(folder / "model.urdf"))
-    model = mujoco.MjModel.from_xml_path(str(folder / "model.mjcf.xml"))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    mujoco.mj_forward(model, data)
-    np.testing.assert_allclose(data.xipos[1], pose[:3], atol=1e-11)
-    velocity = np.zeros(6)
-    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, 1, velocity, 0)
-    omega = rows.loc[0, [f"omega_{c} [rad/s]" for c in "xyz"]].astype(float)
-    np.testing.assert_allclose(velocity[:3], omega, atol=1e-9)
 
 
 def test_sdf_has_the_attitude_of_a_start_with_three_angles():

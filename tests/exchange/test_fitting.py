@@ -231,15 +231,6 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert typed(f"{words} --out {out}") == 5  # it exists already
 
 
-def test_progress_counts_windows_of_all_searches(film: Path) -> None:
-    seen: list[tuple[int, int]] = []
-    fitted(film, free=["friction.mu"], starts=2, progress=lambda *at: seen.append(at))
-    done, of = zip(*seen, strict=True)
-    assert done[0] == 0
-    assert list(done) == sorted(done)
-    assert done[-1] == of[-1]
-
-
 def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
     found = fitted(film, ["initial.theta=0.5", "initial.omega3=100.0"], ["friction.mu"])
     assert not found.trustworthy

@@ -6,7 +6,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import pytest
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
@@ -85,20 +84,6 @@ def contours(figure: Figure) -> list[np.ndarray]:
     """The lines of contours, as points."""
     sets = [c for c in figure.axes[0].collections if isinstance(c, mpl.contour.QuadContourSet)]
     return [path.vertices for c in sets for path in c.get_paths() if len(path.vertices)]
-
-
-def test_a_border_runs_where_its_function_is_zero() -> None:
-    """log(omega3/120): the line omega3 = 120, over all mu; the legend sets its letters."""
-    values = np.log(X.span / 120.0)[:, None] + 0 * Y.span
-    figure = drawn(
-        a_map(
-            "class", (X, Y), {"class": np.ones((3, 2))}, borders={"λ = λ_u: stable below": values}
-        )
-    )
-    (line,) = contours(figure)
-    np.testing.assert_allclose(line[:, 0], 120.0, rtol=1e-4)
-    assert (line[:, 1].min(), line[:, 1].max()) == pytest.approx((0.1, 0.4))
-    assert r"$\lambda = \lambda_u$: stable below" in entries(figure)
 
 
 def test_cells_that_touch_have_a_colour_of_their_own() -> None:

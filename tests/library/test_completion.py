@@ -2,11 +2,8 @@
 
 import ast
 import inspect
-import json
 import re
 import runpy
-import subprocess
-import sys
 from pathlib import Path
 
 import jedi
@@ -68,20 +65,6 @@ def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_so_does_pyright(tmp_path: Path) -> None:
-    """As Pylance does."""
-    pytest.importorskip("basedpyright")
-    (tmp_path / "calls.py").write_text(CALLS)
-    command = ["-m", "basedpyright", "--outputjson", "--level", "error", "calls.py"]
-    command += ["--pythonpath", sys.executable]
-    done = subprocess.run(
-        [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    found = json.loads(done.stdout)["generalDiagnostics"]
-    assert [each["range"]["start"]["line"] + 1 for each in found] == WRONG
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "known"),
     [
@@ -94,24 +77,6 @@ def test_jedi_completes(typed: str, known: str) -> None:
     """As Jupyter does while nothing has been run yet."""
     script = jedi.Script(f"import tippetop as tt\n{typed}")
     assert known in [completion.name for completion in script.complete(2, len(typed))]
-
-
-@pytest.mark.parametrize("module", ["", "derivatives", "friction", "landscapes", "theory"])
-@pytest.mark.parametrize("imported", [True, False])
-def test_jedi_offers_public_names_only(module: str, imported: bool) -> None:
-    """As Jupyter does; of a package that is not imported yet, the parts too."""
-    public = getattr(tt, module) if module else tt
-    text = f"tt.{module}." if module else "tt."
-    script = (
-        jedi.Interpreter(text, [{"tt": tt}])
-        if imported
-        else jedi.Script(f"import tippetop as tt\n{text}")
-    )
-    names = {found.name for found in script.complete(column=len(text)) if found.name[0] != "_"}
-    parts = {path.stem for path in Path(tt.__file__).parent.iterdir()}
-    expected = {name for name in public.__all__ if name[0] != "_"}
-    assert expected <= names
-    assert names - expected <= (set() if module or imported else parts)
 
 
 def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str]) -> None:

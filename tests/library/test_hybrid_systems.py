@@ -268,7 +268,6 @@ def broken(jump: Any) -> Any:
         (("rest",), "lead to fall, as its Exit declares, but leads to 'rest'"),
         (("fall", (0.0, 1.0)), "return a state as it takes"),
         (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
-        (("fall", {"h": np.zeros(2)}), "return a number in `h` of the state, but returns array"),
         (("fall", {}, {"logged": "rests"}), "have a tuple in `logged`, but has 'rests'"),
         (("fall", {}, {"cause": "weird"}), "have start or ground in `cause`, but has 'weird'"),
         (("fall", {}, {"rows": {"tab": (1, 2)}}), "have nothing in `rows`, but has 'tab'"),
@@ -276,15 +275,13 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
         (("fall", {}, {"delay": 0.1}), "have a function in `series`, but has 3"),
         (("fall", {}, {"series": lambda t: (t, ())}), "return arrays of h, v at the given times"),
-        (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
         (("fall", {}, {"logged": ("rests",) * 1025}), "log at most 1024 events, but logs 1025"),
         (("fall", {}, {"ends": "ended"}), "have a str in `message`, but has 5"),
         (("fall", {}, {"lasts": -1}), "have a time of at least 0 in `lasts`, but has -1"),
-        (("fall", {}, {"lasts": 0}), "leave out `lasts`, as phase `fall` has no exit by 'clock'"),
         (lambda x, world: {}["fall"], "fails: KeyError: 'fall'"),
         (lambda x, world: world.phases.clear(), "fails: TypeError: a record cannot be changed"),
         (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
-        (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
+        (("fall", {}, {}), "`zeros`, but has 'groud'"),
         (("fall", {}, {"zeros": {"ground": 2}}), "no root of multiplicity 2"),
         (("fall", {"h": 0.1}, {"zeros": {"ground": 1}}), "no root of multiplicity 1"),
     ],
@@ -385,15 +382,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "phases of the system by a tuple of names, but leads to \\('nowhere',\\)": left(
             "ground", ("nowhere",)
         ),
-        "must have exits with a function `jump`, but has exits by ground": left(
-            "ground", ("rest",)
-        ),
         "must have the variables and units of the first phase.*, but has h \\[m\\]\\.": {
             "rest": Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
         },
-        "each name once, but has twice exit by `ground`": changed(
-            "fall", exits=SYSTEMS["bouncing-point"].phases["fall"].exits * 2
-        ),
         "`direction` of the event `bounce` must be -1 or 1, for it is `lasting`": changed(
             "rest", events=(dataclasses.replace(page["words"][0], lasting=True),)
         ),
@@ -442,17 +433,3 @@ def test_fields_of_a_system_that_no_run_can_use_are_not_registered() -> None:
 def scalar(q: Any, b: Any) -> Any:
     """Return a state, of numbers alone."""
     return q._replace(v=float(q.v))
-
-
-def test_a_state_may_be_one_number() -> None:
-    """A candle that burns down."""
-    burns = Form("plain", Candle(METRE), lambda q, b: Candle(-b.rate))
-    out = tt.extending.Event("out", "nothing is left", lambda s, b: s.h, -1)
-    exits = (Exit("out", ("dark",), lambda x, world: Next("dark", Candle(0))),)
-    dark = tt.extending.Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
-    rate = tt.extending.number(METRE_PER_SECOND, "rate", above=0)
-    phases = {"burns": tt.extending.Phase(burns, events=(out,), exits=exits), "dark": dark}
-    tt.extending.register(tt.extending.System("candle", {"rate": rate}, phases))
-    tables = {"system": "candle", "parameters": {"rate": 2}, "initial": {"h": 1}}
-    run = tt.run(tables, until=1)
-    assert run.phases.end.values[0] == pytest.approx(0.5, abs=1e-15)

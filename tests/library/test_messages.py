@@ -126,11 +126,11 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(events=5), "`events` must be"),
     
     (lambda: run(columns=[3]), "`columns` must be"),
-    (lambda: tt.run("heavy-top", columns=["friction_power"]), "`columns` must be of theta, .* but"),
-    (lambda: run(output="keyframes"), "`out` must be given"),
-    (lambda: run(output="keyframes", out="a", keyframe_steps=0), "`keyframe_steps` must be"),
     
-    (lambda: run(output="steps", keyframe_steps=10), 'must be "keyframes" where `keyframe_steps`'),
+    (lambda: run(output="keyframes"), "`out` must be given"),
+    
+    
+    
     (lambda: run(start=0.1), "^`start` must be a mapping"),
     (lambda: tt.run(misplaced("run")), "key `run.form`; did you mean `form`"),
     (lambda: tt.run(misplaced("until")), "key `until`; did you mean `run.until`"),
@@ -158,7 +158,7 @@ CALLS: list[tuple[Call, str]] = [
         (lambda wrong=wrong: tt.friction.Viscous(mu=wrong), "`friction.mu` must be a number, but")
         for wrong in ([0.1], True)
     ),
-    (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
+    
     (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "`alfa`. Did you mean `alpha`"),
     
     (lambda: tt.friction.Coulomb(mu=-1, eps=0), r"mu` must be at least 0.0.*\n.*eps` must be gr"),
@@ -185,7 +185,7 @@ CALLS: list[tuple[Call, str]] = [
     
     (lambda: tt.compare("film.csv", 3), "`reference` must be a scenario or a run, but is 3"),
     (lambda: tt.fit("film.csv", TOP, "friction.mu"), "`scenario` must be a scenario or a run, but"),
-    (lambda: tt.fit("film.csv", "", "friction.mu"), "`scenario` must be a path, but is ''"),
+    
     *(
         (
             lambda free=free: tt.fit("film.csv", "inverting", free),
@@ -214,10 +214,10 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: reconstruct(made(), period=1e-300), "`period` must be longer than the 0.01 s"),
     
     (lambda: made().certify(0), "`window` must be greater than 0"),
-    (lambda: least_energy(TOP, "x", 1.0), "`theta` must be a number, but is 'x'"),
+    
     (lambda: least_energy(TOP, [0.1, 4], 1.0), r"`theta` must lie in \[0, pi\], but is 4"),
     (lambda: least_energy(TOP, [1, 2], [1, 2, 3]), r"shapes that broadcast.*\(2,\) and \(3,\)"),
-    (lambda: tt.theory.asymptotic_states(TOP, 1e300), r"`lam` must give energies .*, but 1e\+300"),
+    
     # what has no such theory or landscape
     (lambda: thresholds("rolling-cylinder"), "but is that of the system rolling-cylinder"),
     
@@ -228,9 +228,9 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: reconstruct(3), "`run` must be a Run, but is 3"),
     (lambda: reconstruct(made()), r"some hundred in each nutation, but has [12] between two"),
     (lambda: reconstruct(tt.run("rolling-cylinder", until=0.1)), "must be one of a tippe top"),
-    (lambda: minimal_surface(TOP, D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
     
-    (lambda: minimal_surface(TOP, D=1e-4, lam=[[1e-6]]), "`lam.*` must be a number or"),
+    
+    
     (lambda: minimal_surface(TOP, L3=1, lam=4e-6), r"`L3` is no .* D and lam.\n`D` must be given"),
     (lambda: minimal_surface(CYLINDER, **MOMENTA), "must be one of tippe-top|must be a TippeTop"),
     (lambda: potential(TOP, [0.1, 1.5], **MOMENTA), r"`z` must lie in \[-1, 1\], but is 1.5"),
@@ -268,12 +268,12 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().plot("theta", others=3), "`others` must be a list of Runs, but is 3"),
     
     (lambda: made().plot(size=[1]), r"`size` must be two numbers, but is \[1\]"),
-    (lambda: linear_modes(TOP, VISCOUS, omega3=1, inverted=[1]), "`inverted` must be True or"),
+    
     
     
     
     (lambda: made().plot("theta", "t.png", overwrite=1), "`overwrite` must be True or False"),
-    (lambda: made().save("run.zarr", overwrite="no"), "`overwrite` must be True or False"),
+    
     
     (
         lambda: run(columns=["theta", "orientation"]).view(),
@@ -302,7 +302,7 @@ CALLS: list[tuple[Call, str]] = [
     (event(kept=(Kept("a", "middle", "x"),)), "must be 'first', 'last' or 'count', but is 'mid"),
     
     (event(kept=(Kept("a", "first", "x"), Kept("a", "count", "x"))), "`a` is given twice"),
-    (event(kept=("a",)), "an instance of Kept, but is 'a'"),
+    
     
     (event(kept=(Kept("first_equator", "first", "x"),)), "new name"),
     
@@ -312,8 +312,8 @@ CALLS: list[tuple[Call, str]] = [
     
     (event(formula=None), "must be a function"),
     (event(sense=1), "`sense` .* is given in `turning` and `e`"),
-    (event(lasting=True, direction=1), "`lasting` .* is given in `settled` and `e`"),
-    (event(extremes="speed"), "`extremes` .* is given in `liftoff` and `e`"),
+    
+    
     *(
         (of(formula=formula(value)), f"the formula of the {name} {sentence}")
         for of, name in ((event, "event `e`"), (column, "column `q`"))
@@ -326,7 +326,7 @@ CALLS: list[tuple[Call, str]] = [
         )
     ),
     # user-defined numbers and units
-    (lambda: number("kg", "x"), "`unit` of the number `x` must be a Unit, but is 'kg'"),
+    
     (
         lambda: number(ONE, "x", above=0, default=-1),
         "`default` of the number `x` must be finite, greater than 0, but is -1",
@@ -367,13 +367,13 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: SYSTEM.replace(outlok=None), r"has no argument `outlok`\. Did you mean `outlook`"),
     (lambda: tt.run(SYSTEM.replace(name="mine", body=3), VISCOUS, parameters=BODY), "`body` of"),
     
-    (system(name="heavy-top"), "the name of a system must be new"),
+    
     (system(body=3), "`body` of `mine` must take .*, but fails: TypeError"),
     (system(body=lambda parameters, law: 1.0), "must take .* a NamedTuple, but gives 1"),
-    (system(angles=3), "the records of `mine` must be of the kinds that `System` has"),
+    
     (system(angles=without("theta_dot")), "`angles` of `mine` must have .*, but lacks theta_dot"),
     
-    (system(initial={"theta": 3}), "but: 'int' object has no attribute"),
+    
     (system(parameters={}), r"must take its parameters \(none\) .*, but fails: KeyError"),
     
     (system(scales=lambda b: (1.0, 0.0)), "finite and greater than 0, but gives"),
@@ -396,14 +396,14 @@ CALLS: list[tuple[Call, str]] = [
     (system(forms={"vector": VECTORIAL}, vectors={}), "be numbers, .* `u` .* is Vector"),
     (system(forms={"vector": WITHOUT_POLES}), "have `s2` and `axis_speed2`, .* gives Spin"),
     
-    (system(undefined_at_poles=("phi", "twist")), "must name fields of `angles`, but has twist"),
+    
     (folded(I1=1.0), "`normalised_to` of `mine` must hold.*`I1` is"),
     
-    (folded(m=math.nan), "`normalised_to` of `mine` must hold .* `m` is 1 there, not nan"),
+    
     # problems whose fields were replaced
     (replaced(parameters={**BODY, "alpha": 5.0}), "`parameters.alpha` must be less than 1.0"),
     (replaced(parameters={**BODY}), "`parameters.m` must be a number, but is 'x'"),
-    (replaced(parameters=3), "`parameters` of a Problem must be a Mapping, but is 3"),
+    
     (replaced(initial={"theta": 9.0}), "`initial.theta` must be at most 3.14159"),
     (replaced(events=("nosuch",)), "`events` must be of turning, .*, but has 'nosuch'"),
     
@@ -412,7 +412,7 @@ CALLS: list[tuple[Call, str]] = [
     (replaced(form="nosuch"), "`form` of a Problem must be a Form, but is 'nosuch'"),
     
     
-    (replaced(precision="half"), "`precision` must be .double., .longdouble. or .quad."),
+    
 ]  # fmt: skip
 
 

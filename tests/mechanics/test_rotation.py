@@ -22,24 +22,6 @@ def random(rng: np.random.Generator, n: int) -> tuple[Rotation, Quaternion]:
     return turns, Quaternion(*np.roll(turns.as_quat(), 1, axis=1).T)
 
 
-def assert_is(turns: Rotation, q: Quaternion) -> None:
-    expected = np.roll(turns.as_quat(), 1, axis=1).T
-    assert np.abs(np.abs((np.array(q) * expected).sum(axis=0)) - 1).max() < 1e-14
-
-
-def test_products_axes_and_turned_vectors(rng: np.random.Generator) -> None:
-    (a, p), (b, q) = random(rng, 50), random(rng, 50)
-    assert_is(a * b, rotation.after(p, q))
-    assert_is(a.inv(), rotation.inverse(p))
-    np.testing.assert_allclose(
-        np.array(rotation.axes(p)).transpose(2, 1, 0), a.as_matrix(), atol=1e-14
-    )
-    v = rng.normal(size=(50, 3))
-    np.testing.assert_allclose(
-        np.array(rotation.rotated(p, Vector(*v.T))).T, a.apply(v), atol=1e-14
-    )
-
-
 def test_a_swing_turns_one_axis_to_another_and_nothing_about_it(rng: np.random.Generator) -> None:
     u, v = (Rotation.random(50, random_state=rng).apply([0, 0, 1]) for _ in range(2))
     q = rotation.swing(Vector(*u.T), Vector(*v.T))

@@ -24,15 +24,6 @@ every_body = pytest.mark.parametrize("name", BODIES)
 every_end = pytest.mark.parametrize("z", [1, -1])
 
 
-def end_slope(z: int, lam: Any, b: Any) -> Any:
-    """dV/dz at an end on its marked line, by V a little away and its limit, extrapolated."""
-    D = spinning.slope(z, b) * lam
-    V = [oracle.potential(z * (1 - n * SMALL), D, lam, b) for n in (1, 2, 3)]
-    return (-5 * V[0] + 8 * V[1] - 3 * V[2]) / (
-        -2 * z * SMALL
-    )  # exact for a parabola, a rate at n = 0
-
-
 @every_body
 @every_end
 def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> None:

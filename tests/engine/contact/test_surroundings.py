@@ -2,7 +2,6 @@
 and closed forms.
 """
 
-from collections import namedtuple
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,6 @@ import tippetop as tt
 
 
 QUIET = {"progress": False}
-NOTHING = namedtuple("Nothing", ())()
 
 
 KINDS = (tt.TippeTop, tt.HeavyTop, tt.Spheroid, tt.Disc, tt.Ellipsoid)

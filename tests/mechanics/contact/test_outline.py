@@ -57,7 +57,7 @@ def support(n: np.ndarray, u: np.ndarray, shape: Any) -> Any:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_arm_is_the_gradient_of_the_support_function(shape: Any) -> None:
-    """So are those of `laws.py` and `tilted.py`, which the equations and the runs are held against."""
+    """So are those of `laws.py` and `tilted.py`, which motions are held against."""
     up = np.array([0.0, 0.0, 1.0])
     rim = isinstance(shape, Rim)
     size = {"ring": shape.ring, "tube": shape.tube} if rim else {}
