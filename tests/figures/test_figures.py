@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels
-from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.landscape import marked_lines, surface
 from tippetop.library.finished_run import Run
 from tippetop.runs import starting
 from tippetop.runs.run import solve
@@ -193,25 +193,6 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     both = np.isfinite(solid).all(axis=0)
     np.testing.assert_array_equal(solid[:, both], dotted[:, both])  # solid above dotted
     assert np.isfinite(dotted).all(axis=0).sum() > both.sum() > 0
-
-
-@pytest.mark.parametrize("factor", [None, 1.05, 3.0])
-def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None) -> None:
-    from tippetop.figures import well as figure
-
-    V = potential.potential(PARAMETERS, np.linspace(-0.99, 0.99, 201), 3e-4, 4e-6)
-    least = surface.minimal_surface(PARAMETERS, 3e-4, 4e-6).F.item()
-    at = turning.turning_angles(PARAMETERS, 3e-4, 4e-6, least * (factor or 1.0))
-    at = at.assign(energy=least * factor) if factor else at
-    axes = figure.potential([("V", V, at)])
-    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), V["V"].values.ravel())
-    assert f"F = {1e3 * least:.4g}"[:6] in axes.get_title(loc="left") + axes.get_title()
-    assert axes.get_ylim()[0] < least
-    dots = [c.get_offsets()[0] for c in axes.collections if len(c.get_offsets()) == 1]
-    if factor:
-        assert {round(float(x), 9) for x, _ in dots} >= {
-            round(float(np.cos(at[name].item())), 9) for name in ("theta_min", "theta_max")
-        }
 
 
 @pytest.mark.parametrize("kind", list(catalogue.FIGURES))

@@ -114,3 +114,20 @@ def test_excess_keeps_its_digits_where_level_and_potential_nearly_agree(name: st
             exact = at.exact - mp.mpf(level)
             found = mp.mpf(formulas.excess(at.q, (at.p, level), at.c))
             assert abs(found - exact) <= 2.0**-52 * abs(exact) + scale(at) * mp.mpf(10) ** -25, at
+
+
+def derivatives(at: At) -> list[Any]:
+    """The first three derivatives of V by ln(q)."""
+    x, y = map(mp.mpf, at.momenta)
+    return [mp.diff(lambda s: at.V(at.q * mp.e**s, x, y), 0, n) for n in (1, 2, 3)]
+
+
+@every_body
+def test_slopes_are_the_derivatives(name: str) -> None:
+    for at in cases(name):
+        exact = derivatives(at)
+        size = max(map(abs, exact))
+        common = at.q * at.c.gamma.head
+        for found, wanted in zip(formulas.slopes(at.q, at.p, at.c), exact, strict=True):
+            assert abs(found / common - wanted) <= 4e-15 * size, at
+        assert abs(formulas.curvature(at.q, at.p, at.c) - exact[1]) <= 4e-15 * size, at

@@ -15,7 +15,7 @@ from test_contact_runs import times
 import tippetop as tt
 from tippetop.mechanics.form import CLOCK, Exit, Form, Integral, Next, Phase, Quantity
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.units import METRE, METRE_PER_SECOND, METRE_PER_SECOND2, ONE
+from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
 
 
@@ -28,20 +28,6 @@ class Other(NamedTuple):
 
 class Candle(NamedTuple):
     h: Any
-
-
-class Ground(NamedTuple):
-    g: Any
-    e: Any
-
-
-class Bouncer(NamedTuple):
-    """A point whose numbers are in a record of its body."""
-
-    ground: Ground
-    friction: Any
-    g = property(lambda self: self.ground.g)
-    e = property(lambda self: self.ground.e)
 
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
@@ -73,17 +59,6 @@ def test_a_point_bounces_when_it_must(precision: str, bound: float) -> None:
     expected = np.sqrt(2 / 9.81) + np.concatenate([[0.0], np.cumsum(hops)])
     assert len(found) >= 9
     np.testing.assert_allclose(found, expected, rtol=0, atol=bound)
-
-
-def test_a_body_may_contain_records() -> None:
-    nested = SYSTEMS["bouncing-point"].replace(
-        body=lambda p, friction: Bouncer(Ground(p["g"], p["e"]), friction),
-        body_units=lambda friction: Bouncer(Ground(METRE_PER_SECOND2, ONE), friction),
-        name="nested-point",
-    )
-    tt.extending.register(nested)
-    found = tt.run({**POINT, "system": "nested-point"}, until=3.0)
-    np.testing.assert_array_equal(found.trajectory.h, bounces().trajectory.h)
 
 
 def test_nothing_is_said_of_an_inclination_that_is_not_there() -> None:

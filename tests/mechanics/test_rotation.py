@@ -22,12 +22,61 @@ def random(rng: np.random.Generator, n: int) -> tuple[Rotation, Quaternion]:
     return turns, Quaternion(*np.roll(turns.as_quat(), 1, axis=1).T)
 
 
+def assert_is(turns: Rotation, q: Quaternion) -> None:
+    expected = np.roll(turns.as_quat(), 1, axis=1).T
+    assert np.abs(np.abs((np.array(q) * expected).sum(axis=0)) - 1).max() < 1e-14
+
+
+def test_products_axes_and_turned_vectors(rng: np.random.Generator) -> None:
+    (a, p), (b, q) = random(rng, 50), random(rng, 50)
+    assert_is(a * b, rotation.after(p, q))
+    assert_is(a.inv(), rotation.inverse(p))
+    np.testing.assert_allclose(
+        np.array(rotation.axes(p)).transpose(2, 1, 0), a.as_matrix(), atol=1e-14
+    )
+    v = rng.normal(size=(50, 3))
+    np.testing.assert_allclose(
+        np.array(rotation.rotated(p, Vector(*v.T))).T, a.apply(v), atol=1e-14
+    )
+
+
 def test_a_swing_turns_one_axis_to_another_and_nothing_about_it(rng: np.random.Generator) -> None:
     u, v = (Rotation.random(50, random_state=rng).apply([0, 0, 1]) for _ in range(2))
     q = rotation.swing(Vector(*u.T), Vector(*v.T))
     np.testing.assert_allclose(np.array(rotation.rotated(q, Vector(*u.T))).T, v, atol=1e-14)
     normal = np.cross(u, v)
     np.testing.assert_allclose(np.cross(np.array(q)[1:].T, normal), 0, atol=1e-14)
+
+
+def test_products_of_a_rotation_with_itself_come_from_its_axes(rng: np.random.Generator) -> None:
+    _, q = random(rng, 50)
+    first, _, third = rotation.axes(q)
+    expected = 4 * np.einsum("in,jn->ijn", np.array(q), np.array(q))
+    np.testing.assert_allclose(np.array(rotation.outer(first, third)), expected, atol=1e-14)
+
+
+def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(
+    rng: np.random.Generator,
+) -> None:
+    for _ in range(20):
+        (_, p), (turns, _) = random(rng, 1), random(rng, 1)
+        p, h = Quaternion(*(float(x[0]) for x in p)), 0.1
+        wp, wq = (Vector(*(4 * rng.normal(size=3))) for _ in range(2))
+        way = turns[0] ** 0.1
+        q = rotation.after(Quaternion(*np.roll(way.as_quat(), 1)), p)
+        steps = np.array([-1e-5, 1e-5])
+        for s, end, w in ((0.0, p, wp), (1.0, q, wq)):
+            found = rotation.between(p, wp, q, wq, h, s)
+            assert abs(abs(np.dot(found, end)) - 1) < 1e-14
+            low, high = (
+                np.array(rotation.axes(rotation.between(p, wp, q, wq, h, s + ds))[2])
+                for ds in steps
+            )
+            moved = np.cross(w, rotation.axes(end)[2])
+            np.testing.assert_allclose(
+                (high - low) / (2e-5 * h), moved, atol=1e-7 * np.linalg.norm(w)
+            )
+        assert abs(np.linalg.norm(rotation.between(p, wp, q, wq, h, 0.4)) - 1) < 1e-14
 
 
 def test_between_is_exact_for_a_steady_spin_of_many_turns() -> None:
