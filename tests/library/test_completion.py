@@ -2,8 +2,11 @@
 
 import ast
 import inspect
+import json
 import re
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import jedi
@@ -62,6 +65,20 @@ def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
     assert [int(line) for line in re.findall(r":(\d+): error:", found)] == WRONG
     assert 'did you mean "output"' in found
     assert "Literal['times', 'events', 'steps', 'keyframes']" in found
+
+
+@pytest.mark.slow
+def test_so_does_pyright(tmp_path: Path) -> None:
+    """As Pylance does."""
+    pytest.importorskip("basedpyright")
+    (tmp_path / "calls.py").write_text(CALLS)
+    command = ["-m", "basedpyright", "--outputjson", "--level", "error", "calls.py"]
+    command += ["--pythonpath", sys.executable]
+    done = subprocess.run(
+        [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    found = json.loads(done.stdout)["generalDiagnostics"]
+    assert [each["range"]["start"]["line"] + 1 for each in found] == WRONG
 
 
 @pytest.mark.slow
