@@ -6,6 +6,7 @@ from typing import Any
 import laws
 import numpy as np
 import pytest
+import tilted
 from scipy.integrate import quad
 
 import tippetop as tt
@@ -56,13 +57,21 @@ def support(n: np.ndarray, u: np.ndarray, shape: Any) -> Any:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_arm_is_the_gradient_of_the_support_function(shape: Any) -> None:
-    """So is that of the laws of `laws.py`, which the equations of motion are held against."""
+    """So are those of `laws.py` and `tilted.py`, which motions are held against."""
     up = np.array([0.0, 0.0, 1.0])
+    rim = isinstance(shape, Rim)
+    size = {"ring": shape.ring, "tube": shape.tube} if rim else {}
+    half = np.zeros(3) if rim else np.array([shape.b, shape.b, shape.a])
+    own = tilted.Body(1.0, (1, 1, 1), [0, 0, shape.c], half, 1.0, **size)
     for z in Z:
         u = np.array([np.sqrt(1 - z * z), 0.0, z])
         expected = [np.imag(support(-up + 1j * STEP * e, u, shape)) / STEP for e in np.eye(3)]
         b = ball(z, shape)
         for found in (b.c * u - b.R * up, laws.arm_of(u, up, b)):
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
+        if not hasattr(shape, "k"):
+            axes = np.array([[z, 0, u[0]], [0, 1, 0], [-u[0], 0, z]])  # of the body, columns
+            found = axes @ own.reached(axes.T @ up)
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
         assert height(z, b) == pytest.approx(support(-up, u, shape), abs=1e-15)
 
