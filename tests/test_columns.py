@@ -4,8 +4,6 @@ their names.
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from tippetop.columns import (
     SUPERSCRIPTS,
@@ -16,7 +14,7 @@ from tippetop.columns import (
     units_text,
 )
 from tippetop.mechanics import units
-from tippetop.mechanics.units import Scales, Unit
+from tippetop.mechanics.units import Unit
 
 
 UNITS = {name: unit for name, unit in vars(units).items() if isinstance(unit, Unit)}
@@ -56,23 +54,6 @@ def test_powers_are_raised_and_nothing_else_changes(unit: Unit) -> None:
     assert text.translate({new: old for old, new in SUPERSCRIPTS.items()}) == unit.symbol
     assert units_text("kg m2 s-1") == "kg m² s⁻¹"
     assert units_text("1") == "1"
-
-
-@settings(max_examples=50, deadline=None)
-@given(st.lists(st.floats(1e-3, 1e3), min_size=3, max_size=3))
-def test_scales_of_products_are_products_of_scales(sizes: list[float]) -> None:
-    """J = N m = W s, N s = kg m/s: whatever the units of mass, length and time are."""
-    of = Scales(*sizes).of
-    assert of(units.ONE) == of(units.RADIAN) == 1
-    for whole, parts in (
-        (units.JOULE, (units.NEWTON, units.METRE)),
-        (units.JOULE, (units.WATT, units.SECOND)),
-        (units.NEWTON_SECOND, (units.KILOGRAM, units.METRE_PER_SECOND)),
-        (units.JELLETT, (units.ANGULAR_MOMENTUM, units.METRE)),
-        (units.ANGULAR_MOMENTUM, (units.INERTIA, units.PER_SECOND)),
-        (units.ONE, (units.SECOND_PER_METRE, units.METRE_PER_SECOND)),
-    ):
-        assert of(whole) == pytest.approx(of(parts[0]) * of(parts[1]), rel=1e-13)
 
 
 def test_a_flag_is_found_by_its_name() -> None:

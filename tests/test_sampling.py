@@ -28,14 +28,6 @@ def test_a_grid_begins_at_zero_steps_evenly_and_ends_with_until(
     np.testing.assert_allclose(times[:-1], np.arange(len(times) - 1) * step, rtol=1e-15)
 
 
-@given(steps, lengths, parts, st.integers(0, 500), st.integers(0, 500))
-def test_a_stretch_of_a_grid_is_that_of_the_whole(
-    step: float, count: int, part: float, a: int, b: int
-) -> None:
-    grid = EvenTimes(step, step * (count + part))
-    assert grid[a : a + b].tobytes() == grid[:][a : a + b].tobytes()
-
-
 @given(steps, lengths, parts, st.floats(0, 1.1))
 def test_counting_in_a_grid_is_counting_in_its_times(
     step: float, count: int, part: float, where: float

@@ -63,7 +63,7 @@ def at_the_edge(rng: np.random.Generator, kind: str) -> tuple | None:
     return body, start, b, u, L, 0.6 / max(swing, np.linalg.norm(L) / I1)
 
 
-@pytest.mark.parametrize("count", [9, at_night(1000)])
+@pytest.mark.parametrize("count", [3, at_night(1000)])
 def test_a_slide_from_rest_is_that_of_an_own_integration(count: int) -> None:
     judged = repeated = 0
     for seed in range(10 * count):
@@ -125,27 +125,9 @@ def test_an_event_within_the_series_of_a_start_is_logged() -> None:
     assert time == pytest.approx(2e-5, rel=1e-3)
 
 
-CYLINDERS = [  # in all four a slide of less than 1e-5 internal units stops
-    (0.6087806302321503, 2.9622406828813303e-6, 0.19646693357303835, -2.5964071389536363,
-     -44.670051897165266, -0.25051385381539415),
-    (0.935055287015363, 3.2851104616871163e-6, 0.15122937128458777, 1.3647028467307631,
-     -2.106699173003584, -0.484898911720826),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("case", CYLINDERS)
-def test_a_short_slide_of_a_cylinder_ends(case: tuple) -> None:
-    alpha, I, mu, theta, theta_dot, nu_x = case
-    body = {"m": 0.02, "R": 0.02, "alpha": alpha, "I": I, "g": 9.82}
-    start = {"theta": theta, "theta_dot": theta_dot, "nu_x": nu_x}
-    run = followed("gliding-cylinder", body, {"mu": mu}, start, until=3.0, output="events")
-    assert run.summary.status == "finished"
-    assert run.summary.drift["energy_balance"] < 1e-13
-
-
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [("cylinder", 6), ("top", 6), at_night("cylinder", 2000), at_night("top", 500)],
+    [("cylinder", 2), ("top", 2), at_night("cylinder", 2000), at_night("top", 500)],
 )
 def test_long_runs_end_at_their_end(kind: str, count: int) -> None:
     for seed in range(count):

@@ -30,7 +30,7 @@ def plans(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @pytest.mark.filterwarnings("ignore")
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(plans())
 def test_a_random_plan_is_refused_or_has_its_tops(tables: dict[str, Any]) -> None:
     plan, refused = None, []

@@ -21,7 +21,6 @@ from tippetop.runs.certificate import MAX_DRIFT, MAX_DRIFT_DEFAULT
 
 
 pytestmark = pytest.mark.filterwarnings("ignore")
-CYLINDERS = ["gliding-cylinder", "rolling-cylinder"]
 CHECKS = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
 SECONDS, STEPS, ROWS = 20.0, 1e5, 1e5
 """Runs that would take more, by `check`, are not made."""
@@ -118,12 +117,6 @@ def assert_sound(found: dict[str, Any], checked: dict[str, Any], code: int) -> N
             assert drift <= MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT)
     for table in ("parameters", "initial", "friction"):
         assert found.get(table) == checked.get(table)
-
-
-@settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=CHECKS)
-@given(contents(CYLINDERS))
-def test_a_few_random_scenarios_of_cylinders(content: bytes) -> None:
-    judge(content)
 
 
 @pytest.mark.slow

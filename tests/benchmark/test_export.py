@@ -238,17 +238,6 @@ def test_models_have_the_body_and_the_start(exported, name):
     np.testing.assert_allclose(pose[:3], start, atol=1e-12)
     there = Rotation.from_quat(rows.loc[0, ["q_x", "q_y", "q_z", "q_w"]].astype(float))
     assert (there.inv() * Rotation.from_euler("xyz", pose[3:])).magnitude() < 1e-11
-    mujoco = pytest.importorskip("mujoco")
-    mujoco.MjModel.from_xml_path(str(folder / "model.urdf"))
-    model = mujoco.MjModel.from_xml_path(str(folder / "model.mjcf.xml"))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    mujoco.mj_forward(model, data)
-    np.testing.assert_allclose(data.xipos[1], pose[:3], atol=1e-11)
-    velocity = np.zeros(6)
-    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, 1, velocity, 0)
-    omega = rows.loc[0, [f"omega_{c} [rad/s]" for c in "xyz"]].astype(float)
-    np.testing.assert_allclose(velocity[:3], omega, atol=1e-9)
 
 
 def test_sdf_has_the_attitude_of_a_start_with_three_angles():
@@ -270,49 +259,6 @@ def test_models_of_the_joint_have_no_contact(exported):
 def test_the_sign_of_the_quaternion_is_continuous(exported):
     q = pd.read_csv(exported / "joint" / "reference.csv")[["q_w", "q_x", "q_y", "q_z"]].values
     assert ((q[1:] * q[:-1]).sum(axis=1) > 0.9).all()
-
-
-@pytest.mark.parametrize("file", ["model.sdf", "model.urdf", "model.mjcf.xml"])
-@pytest.mark.parametrize("name", ["stem-landing", "joint"])
-def test_models_load_in_drake(exported, name, file):
-    parsing = pytest.importorskip("pydrake.multibody.parsing")
-    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(1e-3)
-    parsing.Parser(plant).AddModels(str(exported / name / file))
-    mass = benchmark.case(name).problem.body().m
-    assert plant.GetBodyByName("top").default_mass() == pytest.approx(mass, rel=1e-12)
-
-
-@pytest.mark.parametrize("name", ["stem-landing", "joint"])
-def test_models_load_in_dart(exported, name):
-    dart, body = pytest.importorskip("dartpy"), benchmark.case(name).problem.body()
-    sdf, urdf = (
-        dart.common.Uri(f"file://{exported / name / file}") for file in ("model.sdf", "model.urdf")
-    )
-    world = dart.utils.SdfParser.readWorld(sdf)
-    for top in (world.getSkeleton("top"), dart.utils.DartLoader().parseSkeleton(urdf)):
-        inertia = top.getBodyNode("top").getInertia()
-        assert inertia.getMass() == pytest.approx(body.m, rel=1e-12)
-        assert inertia.getMoment()[2][2] == pytest.approx(body.I3, rel=1e-11)
-
-
-def test_urdf_loads_in_pybullet(exported):
-    engine = pytest.importorskip("pybullet")
-    client = engine.connect(engine.DIRECT)
-    path = str(exported / "stem-landing" / "model.urdf")
-    top = engine.loadURDF(path, flags=engine.URDF_USE_INERTIA_FROM_FILE)
-    body = benchmark.case("stem-landing").problem.body()
-    mass, _, moments, *_ = engine.getDynamicsInfo(top, -1)
-    engine.disconnect(client)
-    assert (mass, *moments) == pytest.approx((body.m, body.I1, body.I1, body.I3), rel=1e-6)
-
-
-@pytest.mark.parametrize("file", ["urdf", "mjcf.xml"])
-def test_models_load_in_newton(exported, file):
-    builder = pytest.importorskip("newton").ModelBuilder()
-    add = builder.add_urdf if file == "urdf" else builder.add_mjcf
-    add(str(exported / "stem-landing" / f"model.{file}"))
-    body = benchmark.case("stem-landing").problem.body()
-    assert builder.body_mass == pytest.approx([body.m], rel=1e-6)
 
 
 def test_impacts_and_phases_are_exported(exported):

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from examples import turned
+from nightly import at_night
 from scipy.spatial.transform import Rotation
 from typed import typed
 
@@ -272,7 +273,7 @@ def test_other_conventions_are_noticed_in_every_case_and_without_the_first_row(
             benchmark.score(write(tmp_path, table.iloc[first:], name))
 
 
-@pytest.mark.parametrize("name", benchmark.names())
+@pytest.mark.parametrize("name", ["joint", "bounce", *map(at_night, benchmark.names())])
 def test_an_inaccurate_result_of_the_right_conventions_is_scored(tmp_path, name):
     """Errors that grow to 1 rad, and to 30 % of every vector, are not those of another start."""
     table = result(name, turn=1.0 / benchmark.case(name).problem.until)

@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import pandas as pd
 import pytest
 from typed import typed
 
@@ -57,18 +56,3 @@ def test_a_check_says_the_phase_of_the_start(folder: Path, capsys: pytest.Captur
     assert start["phase"]["value"] == "flight"
     assert start["normal_force"]["value"] == 0
     assert "jellett_taken" not in start
-
-
-def test_phases_and_impacts_are_exported(folder: Path, capsys: pytest.CaptureFixture) -> None:
-    export = f"export {folder}/a.zarr --to csv --group"
-    for group in ("phases", "impacts"):
-        assert typed(f"{export} {group} --out {folder}/{group}.csv") == 0
-    phases, impacts = (
-        pd.read_csv(folder / f"{group}.csv", comment="#") for group in ("phases", "impacts")
-    )
-    assert list(phases.columns[:2]) == ["start [s]", "end [s]"]
-    assert phases.phase.iloc[[0, -1]].tolist() == ["flight", "roll"]
-    assert len(impacts) == len(phases) - 1
-    assert set(impacts.ball) == {"body"}
-    assert typed(f"{export} bounces --out {folder}/b.csv") == 2
-    assert "phases or impacts" in capsys.readouterr().err

@@ -77,19 +77,6 @@ def test_negative_ranges_work_as_typed(tmp_path: Path, said: Callable) -> None:
     assert "F = " in said("potential flying --D -1e-4 --lambda 4e-6")[0]  # its sphere's
 
 
-def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, said: Callable) -> None:
-    words = "potential inverting --json"
-    in_si = said(f"{words} --D -2e-4 --lambda 4e-6")
-    assert said(f"{words} --D '-200 g m^2/s' --lambda '4e-6 N m^2 s'") != in_si
-    assert said(f"{words} --D '-0.2 g m^2/s' --lambda '4e-6 N m^2 s'") == in_si
-    store = tmp_path / "F.zarr"
-    axes = "--D '-0.1 g m^2/s:1e-4:3' --lambda '0:4 mg m^3/s:5'"
-    said(f"surface inverting {axes} --out {store}")
-    surface = tt.open(store)
-    assert np.array_equal(surface["D"], np.linspace(-1e-4, 1e-4, 3))
-    assert np.array_equal(surface["lambda"], np.linspace(0, 4e-6, 5))
-
-
 def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, said: Callable) -> None:
     """It stays as it is, with exit 0; --overwrite makes it anew and leaves nothing else behind."""
     store, command = tmp_path / "s.zarr", "surface inverting --lambda 0:1e-6:3 --D"

@@ -14,9 +14,8 @@ from tippetop.engine.status import Status
 from tippetop.ensembles import lanes, outcomes
 from tippetop.ensembles.ensemble import measure, vary
 from tippetop.errors import InputError
-from tippetop.mechanics.event import Event, Kept
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.problem import Problem, Problems
+from tippetop.problem import Problems
 from tippetop.runs import starting
 from tippetop.runs.run import solve
 
@@ -151,10 +150,8 @@ def test_invalid_tops_are_named_and_the_others_run() -> None:
     ("variations", "word"),
     [
         ({}, "vary something"),
-        ({"initial.spin": [1.0]}, "initial.spin"),
         ({"initial.omega3": [1.0], "friction.mu": [1.0, 2.0]}, "one length"),
         ({"initial.omega3": [1.0], "initial.psi_dot": [1.0]}, "alone"),
-        ({"friction.eps": [1.0]}, "friction.eps"),
     ],
 )
 def test_what_cannot_vary_is_said_in_a_sentence(variations: dict, word: str) -> None:
@@ -201,73 +198,6 @@ def test_numbers_of_ends_in_a_store_are_those_of_status() -> None:
     words = ("todo", "finished", "liftoff", "fallen", "settled", "non-finite", "stalled", "invalid")
     assert (*words, "ended") == outcomes.STATUSES
     assert [Status(word).code for word in outcomes.STATUSES] == list(range(9))
-
-
-# --- events of a system's own -------------------------------------------------------------------
-
-HIGH = Event(
-    "high",
-    "theta = 0.3",
-    lambda s, b: s.z - np.cos(0.3),
-    kept=(
-        Kept("first_high", "first", "first passage of theta = 0.3"),
-        Kept("last_risen", "last", "last rise of theta through 0.3", direction=-1),
-        Kept("highs", "count", "passages of theta = 0.3"),
-        Kept("rises", "count", "rises of theta through 0.3", direction=-1),
-    ),
-)
-QUICK = Event(  # neither a variable nor the rate of one: its integral is integrated too
-    "quick",
-    "z' z falls to 0.01",
-    lambda s, b: s.z_dot * s.z - 0.01,
-    -1,
-    kept=(Kept("quicks", "count", "how often"),),
-)
-
-
-def toy(*events: Event) -> Problem:
-    """The inverting top, of a system with more events."""
-    base = starting.load("inverting", until=5.0)
-    system = base.system.replace(name="toy-top", events=(*base.system.events, *events))
-    return dataclasses.replace(
-        base, system=system, events=tuple(event.name for event in system.events)
-    )
-
-
-def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None:
-    base = toy(HIGH, QUICK)
-    spins, tilts = np.linspace(100, 160, 6), np.linspace(0.05, 0.4, 6)
-    tops = Problems.vary(base, {"initial.omega3": spins, "initial.theta": tilts})
-    assert tops.valid.all()
-    rows = outcomes.table(measure(tops, threads=1))
-    assert base.system.kinds == (
-        "turning",
-        "liftoff",
-        "equator",
-        "inverted",
-        "settled",
-        "high",
-        "quick",
-    )
-    for i in range(6):
-        initial = {**base.initial, "omega3": float(spins[i]), "theta": float(tilts[i])}
-        run = solve(dataclasses.replace(base, initial=initial))
-        counts, kept = run.report["event_counts"], run.report["kept"]
-        assert (
-            rows["highs"].values[i]
-            == kept["highs"]
-            == counts.get("high", 0)
-            == len(run.events.of("high").time)
-        )
-        assert rows["quicks"].values[i] == kept["quicks"] == counts.get("quick", 0)
-        assert rows["rises"].values[i] == kept["rises"]
-        assert 2 * kept["rises"] - kept["highs"] in (-1, 0, 1)  # theta rises and falls in turn
-        for name in ("first_high", "last_risen"):
-            expected = np.nan if kept[name] is None else kept[name]
-            assert rows[name].values[i] == pytest.approx(expected, abs=1e-11, nan_ok=True)
-        assert rows["turnings"].values[i] == counts["turning_significant"]
-    assert rows["highs"].values.max() > 10
-    assert rows["quicks"].values.max() > 10
 
 
 def test_gliding_heavy_tops_fall_alike_in_lanes_and_alone() -> None:

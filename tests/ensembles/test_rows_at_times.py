@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_hybrid_lanes import TOPS, some
+from test_hybrid_lanes import CASES, TOPS, some
 
 from tippetop.engine import pools
 from tippetop.engine.observables import Observables
@@ -40,7 +40,7 @@ def tops_of(case: str) -> tuple[Problems, float]:
     return (smooth(), 1.0) if case == "inverts" else (some(case), TOPS[case][2])
 
 
-@pytest.mark.parametrize("case", ["inverts", *TOPS])
+@pytest.mark.parametrize("case", ["inverts", *CASES])
 def test_rows_in_lanes_are_those_of_single_runs(case: str) -> None:
     """They fall into steps, and into jumps that take time."""
     tops, until = tops_of(case)
@@ -53,7 +53,7 @@ def test_rows_in_lanes_are_those_of_single_runs(case: str) -> None:
             np.testing.assert_allclose(found[name][top], values, rtol=0, atol=1e-8 * scale)
 
 
-@pytest.mark.parametrize("case", ["inverts", *TOPS])
+@pytest.mark.parametrize("case", ["inverts", *CASES])
 def test_the_bits_of_rows_do_not_depend_on_other_tops(monkeypatch, case: str) -> None:
     tops, until = tops_of(case)
     times = np.linspace(0.0, until, 101)

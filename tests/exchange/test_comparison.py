@@ -13,7 +13,6 @@ from typed import typed
 import tippetop as tt
 from tippetop.errors import InputError
 from tippetop.exchange.simulators import start_of, text_of
-from tippetop.runs import starting
 
 
 SCENARIO = {
@@ -196,33 +195,6 @@ def test_the_command_prints_json_and_draws(
     assert typed(f"compare {other} {store} --json --figure {figure}") == 0
     assert json.loads(capsys.readouterr().out)["attitude"]["rms"] < 1e-15
     assert figure.read_text(encoding="utf-8").count("<path") > 10
-
-
-def test_an_exported_model_follows_the_exact_motion(tmp_path: Path) -> None:
-    """With MuJoCo's default stiffness the error exceeds 0.1 rad within 0.3 s."""
-    mujoco = pytest.importorskip("mujoco")
-    problem = starting.load("inverting", ["friction.law=coulomb", "friction.mu=0.3"], until=0.3)
-    model = mujoco.MjModel.from_xml_string(text_of(problem, "mjcf"))
-    data, rows = mujoco.MjData(model), []
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    while data.time < 0.3:
-        rows.append([data.time, *data.qpos[3:]])
-        mujoco.mj_step(model, data)
-    names = ("t [s]", "q_w", "q_x", "q_y", "q_z")
-    file = written(tmp_path / "other.csv", dict(zip(names, np.array(rows)[::50].T, strict=True)))
-    assert tt.compare(file, problem).to_dict()["attitude"]["max"] < 0.02
-
-
-def test_an_exported_model_stays_upright_with_a_soft_contact_too() -> None:
-    """With the body frame at the centre of mass it falls to theta > 0.1."""
-    mujoco = pytest.importorskip("mujoco")
-    model = mujoco.MjModel.from_xml_string(text_of(tt.load("mujoco-tutorial"), "mjcf"))
-    model.geom_solref[:, 0] = 0.02
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    while data.time < 0.3:
-        mujoco.mj_step(model, data)
-    assert np.linalg.norm(data.qpos[4:6]) < 0.005
 
 
 def test_a_cylinder_is_no_body_for_a_simulator(tmp_path: Path) -> None:

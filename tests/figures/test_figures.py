@@ -12,12 +12,8 @@ from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels
-from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.landscape import marked_lines, surface
 from tippetop.library.finished_run import Run
-from tippetop.mechanics.friction import LAWS, FrictionLaw
-from tippetop.mechanics.number import Number, number
-from tippetop.mechanics.operand import formula
-from tippetop.mechanics.units import METRE, SECOND, SECOND_PER_METRE
 from tippetop.runs import starting
 from tippetop.runs.run import solve
 
@@ -199,25 +195,6 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     assert np.isfinite(dotted).all(axis=0).sum() > both.sum() > 0
 
 
-@pytest.mark.parametrize("factor", [None, 1.05, 3.0])
-def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None) -> None:
-    from tippetop.figures import well as figure
-
-    V = potential.potential(PARAMETERS, np.linspace(-0.99, 0.99, 201), 3e-4, 4e-6)
-    least = surface.minimal_surface(PARAMETERS, 3e-4, 4e-6).F.item()
-    at = turning.turning_angles(PARAMETERS, 3e-4, 4e-6, least * (factor or 1.0))
-    at = at.assign(energy=least * factor) if factor else at
-    axes = figure.potential([("V", V, at)])
-    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), V["V"].values.ravel())
-    assert f"F = {1e3 * least:.4g}"[:6] in axes.get_title(loc="left") + axes.get_title()
-    assert axes.get_ylim()[0] < least
-    dots = [c.get_offsets()[0] for c in axes.collections if len(c.get_offsets()) == 1]
-    if factor:
-        assert {round(float(x), 9) for x, _ in dots} >= {
-            round(float(np.cos(at[name].item())), 9) for name in ("theta_min", "theta_max")
-        }
-
-
 @pytest.mark.parametrize("kind", list(catalogue.FIGURES))
 def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple) -> None:
     figure = drawn(kind, inverting)
@@ -237,27 +214,3 @@ def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple) -> None:
     assert not any(
         "_" in text.replace("$", "").replace("\\nu_", "") or "3hat" in text for text in texts
     ), kind
-
-
-def test_symbols_of_users_numbers_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Greek letters in Unicode, other symbols as formulas, names without a symbol as words."""
-
-    class Wet(FrictionLaw):
-        """Wet friction."""
-
-        mu: Number = number(SECOND_PER_METRE, "friction", symbol=r"\beta_2")
-        depth: Number = number(METRE, "depth", symbol=r"\ell_w", least=0)
-        film_age: Number = number(SECOND, "age of the film", least=0)
-
-        @formula
-        def coefficient(v2, z, law):
-            return law.mu
-
-    monkeypatch.setitem(LAWS, "wet", Wet)
-    table = {"law": "wet", "mu": 0.3, "depth": 1.0, "film_age": 2.0}
-    units = {name: rule.unit.symbol for name, rule in Wet.parameters.items()}
-    attrs = drawing.with_records({"system": "tippe-top", "friction": table, "units": units})
-    assert (
-        labels.friction(table, attrs)
-        == "wet friction, β₂ = 0.3 s m⁻¹, $\\ell_w$ = 1 m, film age = 2 s"
-    )

@@ -6,8 +6,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import pytest
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from tippetop.figures import sweep_map
@@ -85,31 +83,6 @@ def contours(figure: Figure) -> list[np.ndarray]:
     """The lines of contours, as points."""
     sets = [c for c in figure.axes[0].collections if isinstance(c, mpl.contour.QuadContourSet)]
     return [path.vertices for c in sets for path in c.get_paths() if len(path.vertices)]
-
-
-def test_a_border_runs_where_its_function_is_zero() -> None:
-    """log(omega3/120): the line omega3 = 120, over all mu; the legend sets its letters."""
-    values = np.log(X.span / 120.0)[:, None] + 0 * Y.span
-    figure = drawn(
-        a_map(
-            "class", (X, Y), {"class": np.ones((3, 2))}, borders={"λ = λ_u: stable below": values}
-        )
-    )
-    (line,) = contours(figure)
-    np.testing.assert_allclose(line[:, 0], 120.0, rtol=1e-4)
-    assert (line[:, 1].min(), line[:, 1].max()) == pytest.approx((0.1, 0.4))
-    assert r"$\lambda = \lambda_u$: stable below" in entries(figure)
-
-
-def test_cells_that_touch_have_a_colour_of_their_own() -> None:
-    """The tops of the fastest spin lose contact, one of the middle ones too."""
-    force = np.array([[0.5, 0.6], [0.2, 0.0], [0.0, 0.0]])
-    figure = drawn(a_map("normal-force", (X, Y), {"normal_force_min": force}))
-    _, touching = [c for c in figure.axes[0].collections if isinstance(c, QuadMesh)]
-    np.testing.assert_array_equal(~np.ma.getmaskarray(touching.get_array()), force.T == 0)
-    assert any("liftoff" in words for words in entries(figure))
-    above = drawn(a_map("normal-force", (X, Y), {"normal_force_min": force + 0.1}))
-    assert not above.legends
 
 
 # --- over one axis ------------------------------------------------------------------------------

@@ -3,13 +3,15 @@ one.
 
 Ways: "once" (an error), "full" (half a write, and no room from then on), "killed" (half a write,
 and nothing more), "power" (the same, and all that was not synced is gone), "names" (the same, but
-names are kept: their files are empty). In these an operation that changes the disk has the fault;
+names are kept: their files are empty), "some" (of each folder and file what is synced or what is
+there, or a part of it). In these an operation that changes the disk has the fault;
 in "reads", "files" and "locks" one that reads, that opens anything, or that locks fails once.
 """
 
 import errno
 import fcntl
 import os
+import random
 import shutil
 import stat
 from collections.abc import Callable
@@ -19,7 +21,7 @@ from typing import Any
 import pytest
 
 
-WAYS = ("once", "full", "killed", "power", "names", "reads", "files", "locks")
+WAYS = ("once", "full", "killed", "power", "names", "some", "reads", "files", "locks")
 GROWS = ("open", "write", "mkdir", "link")
 SCANDIR = os.scandir  # without faults
 # way -> the operations one of which fails once, and how
@@ -69,10 +71,12 @@ class Faults:
         durable.
         """
         way, self.way = self.way, ""
-        if way in ("power", "names") and self.count >= self.at:
+        if way in ("power", "names", "some") and self.count >= self.at:
             tree = {str(p.relative_to(self.root)): self._kept(p) for p in self.root.rglob("*")}
-            if way == "power":
-                tree = dict(self._below(self.root.stat().st_ino, ""))
+            if way != "names":
+                here = {p.stat().st_ino: p for p in (self.root, *self.root.rglob("*"))}
+                here = here if way == "some" else {}
+                tree = dict(self._below(self.root.stat().st_ino, "", here, random.Random(self.at)))
             shutil.rmtree(self.root)
             self.root.mkdir()
             for name, data in tree.items():
@@ -84,11 +88,21 @@ class Faults:
     def _kept(self, place: Path) -> bytes | None:
         return None if place.is_dir() else self.durable.get(place.stat().st_ino, b"")
 
-    def _below(self, inode: int, path: str) -> Any:
-        for name, (child, folder) in self.durable.get(inode, {}).items():
-            yield f"{path}{name}", None if folder else self.durable.get(child, b"")
+    def _below(self, inode: int, path: str, here: dict[int, Path], chance: random.Random) -> Any:
+        """Names and contents in a folder that are durable, or by chance those that are here."""
+        names = self.durable.get(inode, {})
+        if inode in here and chance.random() < 0.5:
+            names = {p.name: (p.stat().st_ino, p.is_dir()) for p in here[inode].iterdir()}
+        for name, (child, folder) in names.items():
+            data = None if folder else self.durable.get(child, b"")
+            if not folder and child in here:
+                now = here[child].read_bytes()
+                data = chance.choice(
+                    [data, now, now[: max(len(data), chance.randrange(len(now) + 1))]]
+                )
+            yield f"{path}{name}", data
             if folder:
-                yield from self._below(child, f"{path}{name}/")
+                yield from self._below(child, f"{path}{name}/", here, chance)
 
     def _sync(self, descriptor: int) -> None:
         status = os.fstat(descriptor)

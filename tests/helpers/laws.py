@@ -20,7 +20,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact import rolling
 from tippetop.mechanics.contact.outline import Rim, Spheroid
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill
@@ -483,28 +482,6 @@ def main_equation(case: Case) -> Pairs:
         yield "L_z' by dv_A/dt", gliding_heavy_top.Lz_rate(v_n, b), found
 
 
-@only(lambda system, form: form.name == "euler" and system.frictional)
-def general_system(case: Case) -> Pairs:
-    """The rolling equations plus the acceleration of the contact give any motion.
-
-    [T 3.36; section 12]
-    """
-    e, rates = case.state, case.rates(case.state)
-    b = contact.by_scalars(case.form.scalars(e, case.body), case.body)
-    w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
-    s, z = np.sin(e.theta), np.cos(e.theta)
-    _, theta_dot2, phi_dot2, omega3_dot = rolling.euler_rates(e, b)
-    spin_inertia = b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * s**2 + b.I3 * (b.c - b.R * z) ** 2)
-    found = (
-        theta_dot2
-        - b.m * (b.R - b.c * z) * w_x / (b.I1 + b.m * (b.c**2 + b.R**2 - 2 * b.c * b.R * z)),
-        phi_dot2 + b.m * b.I3 * (b.c - b.R * z) * w_y / (spin_inertia * s),
-        omega3_dot + b.m * b.R * b.I1 * s * w_y / spin_inertia,
-    )
-    for name, mine in zip(("theta_dot", "phi_dot", "omega3"), found, strict=True):
-        yield f"{name}'", mine, getattr(rates, name)
-
-
 def mirrored(b: Any) -> Any:
     """Return the mirror image of a body: delta and y of an ellipsoid are reversed."""
     if not hasattr(b, "I2"):
@@ -636,7 +613,6 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
     quantities_are_what_they_say,
     integrals_are_constant,
     main_equation,
-    general_system,
     mirror,
     units,
     events_are_zero_where_they_should,

@@ -1,7 +1,5 @@
 """How stores are compared, and how a command is waited for that may be stopped at any moment."""
 
-import os
-import stat
 import subprocess
 import time
 from collections.abc import Callable
@@ -73,42 +71,6 @@ def assert_same(store: Path, other: Path) -> None:
     assert mine
     assert sorted(mine) == sorted(yours)
     assert [name for name in mine if mine[name] != yours[name]] == []
-
-
-class Disk:
-    """What a power failure leaves: files and folders as they were when last synced."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch):
-        self.synced: dict[int, set[object]] = {}  # by inode
-        fsync = os.fsync
-
-        def noted(descriptor: int) -> None:
-            fsync(descriptor)
-            self.synced[os.fstat(descriptor).st_ino] = self.content(descriptor)
-
-        monkeypatch.setattr(os, "fsync", noted)
-
-    @staticmethod
-    def content(place: int | Path) -> set[object]:
-        """Names and inodes in a folder; of a file the time of its last change."""
-        status = os.stat(place)
-        if not stat.S_ISDIR(status.st_mode):
-            return {status.st_mtime_ns}
-        with os.scandir(place) as entries:
-            return {(entry.name, entry.inode()) for entry in entries}
-
-    def late(self, store: Path) -> list[Path]:
-        """Files and folders of a store that a power failure would change, removals aside."""
-        known = self.synced
-        found = (store, *store.rglob("*"))
-        return [p for p in found if not self.content(p) <= known.get(p.stat().st_ino, set())]
-
-    def lose_power(self, store: Path) -> int:
-        """Empty the files that were not synced; return their number."""
-        lost = [path for path in self.late(store) if path.is_file()]
-        for path in lost:
-            path.write_bytes(b"")
-        return len(lost)
 
 
 def acknowledged(store: Path) -> int:

@@ -1,11 +1,13 @@
-"""A rigid body in air on a plane that is tilted, vibrates or turns, by Newton and Euler in a frame
-at rest with gravity along -z.
+"""A rigid body in air on a plane that is level or tilted, vibrates or turns, by Newton and Euler in
+a frame at rest with gravity along -z: the oracle of runs.
 
 No formula of the package is used: the body is a rotation matrix, a momentum and an ellipsoid (a
-sphere, or a tip), the plane has a normal, and the force of the contact is solved for numerically.
+sphere, or a tip) or a rim, the plane has a normal, and the force of the contact is solved for
+numerically.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,14 +21,29 @@ SOON = 1e-5
 TIGHT = {"method": "DOP853", "rtol": 2.3e-14, "atol": 1e-16}
 
 
+@cache
+def turned_about(*vector: float) -> np.ndarray:
+    """Return the matrix of a rotation."""
+    return Rotation.from_rotvec(vector).as_matrix()
+
+
+def cross(a: Any, b: Any) -> np.ndarray:
+    """Return the product of vectors, or of a vector and the columns of a matrix."""
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
 class Body(NamedTuple):
     """A body with its surroundings, SI."""
 
     m: float
     inertia: Any  # principal moments
     centre: Any  # of its ellipsoid, body axes
-    half: Any  # axes of its ellipsoid; (0, 0, 0): a tip
+    half: Any  # axes of its ellipsoid; (0, 0, 0): a tip, or a rim
     g: float
+    ring: float = 0.0  # radii of the rim
+    tube: float = 0.0
     tilt: float = 0.0
     azimuth: float = 0.0
     c1: float = 0.0
@@ -43,7 +60,7 @@ class Body(NamedTuple):
     def plane(self) -> np.ndarray:
         """The axes of the plane as columns; the last is its normal."""
         across = np.array([-np.sin(self.azimuth), np.cos(self.azimuth), 0.0])
-        return Rotation.from_rotvec(self.tilt * across).as_matrix()
+        return turned_about(*(self.tilt * across))
 
     def height(self, t: float) -> tuple[float, float, float]:
         """Height, velocity and acceleration of the plane along its normal."""
@@ -54,12 +71,38 @@ class Body(NamedTuple):
 
     def turned(self, t: float) -> np.ndarray:
         """The axes of the plane at this time as columns."""
-        return self.plane @ Rotation.from_rotvec([0, 0, self.omega * t]).as_matrix()
+        return self.plane @ turned_about(0.0, 0.0, self.omega * t)
+
+    def reached(self, n: np.ndarray) -> np.ndarray:
+        """The lowest point, where n is the normal of the plane in body axes."""
+        twist = turned_about(0.0, 0.0, self.turn)
+        A = twist @ np.diag(np.square(self.half)) @ twist.T
+        across = n * [1, 1, 0]
+        rim = self.tube * n + (self.ring and self.ring * across / np.sqrt(across @ across))
+        return np.array(self.centre) - A @ n / (np.sqrt(n @ A @ n) or 1.0) - rim
 
     @property
     def centre_of_table(self) -> np.ndarray:
         """The axis of turning."""
         return self.plane @ [self.x, self.y, 0.0]
+
+
+def body_of(top: Any, **around: float) -> Body:
+    """Return the body of a record, with its surroundings."""
+    centre, half, more = [0, 0, getattr(top, "c", 0.0)], np.zeros(3), {}
+    if hasattr(top, "l"):
+        centre = [0, 0, -top.l]
+    elif hasattr(top, "R"):
+        centre, half = [0, 0, top.alpha * top.R], np.full(3, top.R)
+    elif hasattr(top, "ring"):
+        more = {"ring": top.ring, "tube": top.tube}
+    elif hasattr(top, "delta"):
+        centre, half = [top.x, top.y, top.h], np.array([top.a, top.b, top.c])
+        more = {"turn": top.delta}
+    else:
+        half = np.array([top.b, top.b, top.a])
+    inertia = top.I1, getattr(top, "I2", top.I1), top.I3
+    return Body(top.m, inertia, centre, half, top.g, **more, **around)
 
 
 def split(s: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -70,14 +113,14 @@ def split(s: np.ndarray) -> tuple[np.ndarray, ...]:
 class Point(NamedTuple):
     """The lowest point of a body, its velocity from the plane, and accelerations by forces there.
 
-    The last of `rates` is that from the plane.
+    The last two of `rates` are that from the plane, and that of the angular velocity.
     """
 
     arm: np.ndarray
     omega: np.ndarray
     gap: float
     v: np.ndarray
-    rates: Callable  # rates(F, T=0) -> v', L', v_A'
+    rates: Callable  # rates(F, T=0) -> v', L', v_A', omega'
 
 
 def lowest(s: np.ndarray, b: Body) -> Point:
@@ -86,69 +129,84 @@ def lowest(s: np.ndarray, b: Body) -> Point:
     n = b.plane[:, 2]
     inverse = Q @ np.diag(1 / np.array(b.inertia)) @ Q.T
     w = inverse @ L
-    twist = Rotation.from_rotvec([0, 0, b.turn]).as_matrix()
-    A = twist @ np.diag(np.square(b.half)) @ twist.T
-    nb, nb_dot = Q.T @ n, Q.T @ np.cross(n, w)
-    h = np.sqrt(nb @ A @ nb) or 1.0
-    p = np.array(b.centre) - A @ nb / h
-    p_dot = -A @ nb_dot / h + A @ nb * (nb @ A @ nb_dot) / h**3
+    nb, nb_dot = Q.T @ n, Q.T @ cross(n, w)
+    p, p_dot = b.reached(nb), np.imag(b.reached(nb + 1e-30j * nb_dot)) / 1e-30
     a = Q @ p
-    a_dot = np.cross(w, a) + Q @ p_dot
+    a_dot = cross(w, a) + Q @ p_dot
     height, speed, lift = b.height(s[18])
     at = r + a - b.centre_of_table
-    carries = speed * n + b.omega * np.cross(n, at)
-    carries_dot = lift * n + b.omega * np.cross(n, v + a_dot)
+    carries = speed * n + b.omega * cross(n, at)
+    carries_dot = lift * n + b.omega * cross(n, v + a_dot)
     air = -(b.c1 + b.c2 * np.linalg.norm(w)) * w
 
     def rates(F: Any, T: Any = 0.0) -> tuple[np.ndarray, ...]:
-        L_dot = np.cross(a, F) + air + T
-        w_dot = inverse @ (L_dot - np.cross(w, L))
+        L_dot = cross(a, F) + air + T
+        w_dot = inverse @ (L_dot - cross(w, L))
         v_dot = np.asarray(F) / b.m - [0, 0, b.g]
-        G = v_dot + np.cross(w_dot, a) + np.cross(w, a_dot)
-        return v_dot, L_dot, G - carries_dot
+        G = v_dot + cross(w_dot, a) + cross(w, a_dot)
+        return v_dot, L_dot, G - carries_dot, w_dot
 
-    return Point(a, w, n @ (r + a) - height, v + np.cross(w, a) - carries, rates)
-
-
-def pressed(point: Point, push: np.ndarray, n: np.ndarray, twist: Any = 0.0) -> np.ndarray:
-    """Return the force along `push` that keeps the contact point on the plane."""
-    none = n @ point.rates(np.zeros(3))[2]
-    one = n @ point.rates(push, twist)[2]
-    return -none / (one - none) * push
+    return Point(a, w, n @ (r + a) - height, v + cross(w, a) - carries, rates)
 
 
-def sliding(k: Callable) -> Callable:
-    """Return force(s, b) of friction -k(|v|) N v."""
+def no_torque(omega: np.ndarray) -> np.ndarray:
+    """Return the torque of a contact of a point, per normal force."""
+    return 0 * omega
 
-    def force(s: np.ndarray, b: Body) -> np.ndarray:
+
+def sliding(k: Callable, torque: Callable = no_torque) -> Callable:
+    """Return force and torque (s, b) of friction -k(|v|) N v, and of a torque per normal force."""
+
+    def force(s: np.ndarray, b: Body) -> tuple[np.ndarray, np.ndarray]:
         point, n = lowest(s, b), b.plane[:, 2]
         slip = point.v - n * (n @ point.v)
-        return pressed(point, n - k(np.linalg.norm(slip)) * slip, n)
+        push, twist = n - k(np.linalg.norm(slip)) * slip, torque(point.omega)
+        free = n @ point.rates(0 * n)[2]
+        N = -free / (n @ point.rates(push, twist)[2] - free)
+        return N * push, N * twist
 
     return force
 
 
-def rolling(s: np.ndarray, b: Body) -> np.ndarray:
-    """Return the force of a contact at rest."""
-    point = lowest(s, b)
-    none = point.rates(np.zeros(3))[2]
-    K = np.array([point.rates(e)[2] - none for e in np.eye(3)]).T
-    return -np.linalg.solve(K, none)
+def resting(torque: Callable = no_torque, turns: bool = True) -> Callable:
+    """Return force and torque (s, b) that keep a contact at rest, and its turning about the
+    vertical if it does not turn.
+    """
+
+    def force(s: np.ndarray, b: Body) -> tuple[np.ndarray, np.ndarray]:
+        point, n = lowest(s, b), b.plane[:, 2]
+
+        def given(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            return x[:3], (n @ x[:3]) * torque(point.omega) + x[3] * n
+
+        def gained(x: np.ndarray) -> np.ndarray:
+            *_, slip, turning = point.rates(*given(x))
+            return np.append(slip, n @ turning)[:kept]
+
+        kept = 3 if turns else 4
+        free, one = gained(np.zeros(4)), np.eye(4)[:kept]
+        by_part = np.array([gained(x) - free for x in one]).T
+        return given(np.linalg.solve(by_part, -free) @ one)
+
+    return force
 
 
-def flying(s: np.ndarray, b: Body) -> np.ndarray:
-    """Return no force."""
-    return np.zeros(3)
+rolling = resting()
+
+
+def flying(s: np.ndarray, b: Body) -> tuple[np.ndarray, np.ndarray]:
+    """Return no force and no torque."""
+    return np.zeros(3), np.zeros(3)
 
 
 def motion(force: Callable, b: Body) -> Callable:
     """Return the right-hand side of the equations."""
 
     def rates(t: float, s: np.ndarray) -> np.ndarray:
-        v_dot, L_dot, _ = lowest(s, b).rates(force(s, b))
+        v_dot, L_dot, *_ = lowest(s, b).rates(*force(s, b))
         _, v, L, Q = split(s)
         w = Q @ ((Q.T @ L) / b.inertia)
-        return np.concatenate([v, v_dot, L_dot, np.cross(w, Q.T).T.ravel(), [1.0]])
+        return np.concatenate([v, v_dot, L_dot, cross(w, Q).ravel(), [1.0]])
 
     return rates
 
@@ -172,7 +230,7 @@ def struck(s: np.ndarray, b: Body, k: Callable, e_n: float) -> np.ndarray:
         point = lowest(s, b)
         slip = point.v - n * (n @ point.v)
         push = n - k(np.linalg.norm(slip)) * slip
-        return np.concatenate([0 * n, push / b.m, np.cross(point.arm, push), np.zeros(10)])
+        return np.concatenate([0 * n, push / b.m, cross(point.arm, push), np.zeros(10)])
 
     def ends(p: float, s: np.ndarray) -> float:
         return n @ lowest(s, b).v + e_n * rises
@@ -180,6 +238,41 @@ def struck(s: np.ndarray, b: Body, k: Callable, e_n: float) -> np.ndarray:
     ends.terminal = True
     found = solve_ivp(rates, (0, 10 * b.m * abs(rises)), s, events=ends, **TIGHT)
     return found.y_events[0][0]
+
+
+def bounced(b: Body, s: np.ndarray, k: Callable, e_n: float, until: float) -> tuple:
+    """Return the times of all landings of a body in the air, and its state at the end."""
+    landings: list[float] = []
+    now = 0.0
+    while True:
+        lasts, s = follow(flying, b, s, until - now, lambda s, b: lowest(s, b).gap)
+        now += lasts
+        if now >= until:
+            return landings, s
+        landings.append(now)
+        s = struck(s, b, k, e_n)
+
+
+def sticking(b: Body, s: np.ndarray, mu: float, until: float) -> tuple:
+    """Return the time at which Coulomb friction stops a slide, and the state at the end.
+
+    Its last step is of explicit form.
+    """
+    slides = sliding(lambda v: mu / v)
+    stops, s = follow(slides, b, s, until, lambda s, b: np.linalg.norm(lowest(s, b).v) - 1e-9)
+    point = lowest(s, b)
+    last = -(point.v @ point.v) / (point.v @ point.rates(*slides(s, b))[2])
+    s = s + last * motion(slides, b)(0.0, s)
+    return stops + last, follow(rolling, b, s, until - stops - last)[1]
+
+
+def differences(row: Any, b: Body, s: np.ndarray) -> float:
+    """Return the largest difference of a row from a state: of place [m], velocity, momentum, axes;
+    that of momentum is relative.
+    """
+    parts = zip(map(np.ravel, split(state_of(row, b))), map(np.ravel, split(s)), strict=True)
+    place, velocity, momentum, axes = (abs(x - y).max() for x, y in parts)
+    return max(place, velocity, momentum / abs(s[6:9]).max(), axes)
 
 
 def state_of(row: Any, b: Body) -> np.ndarray:
@@ -198,7 +291,7 @@ def state_of(row: Any, b: Body) -> np.ndarray:
     e = e / np.linalg.norm(e)
     slip = np.zeros(3)
     if "nu_x" in row:
-        slip = float(row.nu_x) * e + float(row.nu_y) * np.cross(n, e)
+        slip = float(row.nu_x) * e + float(row.nu_y) * cross(n, e)
     rise = float(row.nu_z) if "nu_z" in row else 0.0
     gap = float(row.gap) if "gap" in row else 0.0
     s[:3] += n * (gap - lowest(s, b).gap)

@@ -11,7 +11,6 @@ import pytest
 
 from tippetop_kernels.compilation import kernel
 from tippetop_kernels.grid import on_threads
-from tippetop_kernels.level_crossings import Level, band_of
 from tippetop_kernels.minimise import (
     LARGEST,
     MOST_EXTREMES,
@@ -88,32 +87,6 @@ def test_lowest_of_two_minima(tilt):
     best = min(roots, key=lambda x: x**4 / 4 - 4.5 * x * x + tilt * x)
     assert math.log(q) == pytest.approx(best, rel=1e-13)
     assert maxima == 1
-
-
-@pytest.mark.parametrize("width", [1e-5, 0.1, 1.0, 20.0])
-def test_crossings_of_a_hanging_chain(width):
-    low, high, level, *_ = band_of(
-        excess, [math.exp(2.0)], 0, 0, (Hill(2.0, 0.0), math.cosh(width)), 1e-15, 0
-    )
-    assert level == Level.ABOVE
-    rounding = 1e-15 + 3e-16 * math.cosh(width) / math.sinh(width)
-    assert math.log(low) == pytest.approx(2 - width, abs=4 * rounding)
-    assert math.log(high) == pytest.approx(2 + width, abs=4 * rounding + 4e-15)
-
-
-def test_levels_of_a_hanging_chain():
-    found = [
-        band_of(excess, [1.0], 0, 0, (Hill(0.0, 0.0), V), 1e-12, 0)
-        for V in (1.0, 0.5, math.nan, math.cosh(100.0))
-    ]
-    assert [level for _, _, level, *_ in found] == [
-        Level.TOUCHING,
-        Level.BELOW,
-        Level.UNDEFINED,
-        Level.ABOVE,
-    ]
-    assert found[0][:2] == (1.0, 1.0)
-    assert found[3][:2] == pytest.approx((SMALLEST, LARGEST), rel=1e-15, abs=0)
 
 
 def test_every_row_is_worked_once():

@@ -99,29 +99,6 @@ def test_gradient_is_that_of_the_exact_surface(points, count):
             assert oracle.ulps(found.F_lambda.item(), by_lam) < 4
 
 
-def test_two_minima_and_the_lower_of_them():
-    """alpha = 0.3, gamma = 3, sigma = 4: above gamma* [section 5, item 4]."""
-    parameters = oracle.parameters(0.3, 3.0, 4.0)
-    b = oracle.body(parameters)
-    t = bodies.top(parameters)
-    assert t.two_wells
-    lam = 1.02 * float(spinning.lambda_pi(b))
-    D = float(spinning.slope(-1, b)) * lam
-    found = surface.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
-    q = np.geomspace(1e-12, 1e12, 200_001)
-    for x, F, status in zip(
-        found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True
-    ):
-        V = formulas.value(q, formulas.at_momenta(x, lam, t.coefficients), t.coefficients)
-        assert V.min() >= F
-        assert pytest.approx(V.min(), rel=1e-8) == F
-        inner = (V[1:-1] < V[:-2]) & (V[1:-1] < V[2:])
-        if inner.sum() == 2:
-            assert status == Status.LOWER_OF_TWO
-    assert found.theta.values.ravel()[1] == pytest.approx(1.917, abs=1e-3)  # section 5
-    assert (found.status.values == Status.LOWER_OF_TWO).any()
-
-
 @numba.njit
 def minima_along(D, lam, r):
     """Return the largest number of minima of V on 400 values of q at the points (D, lam)."""

@@ -1,7 +1,5 @@
 """Test the potential's coefficients, intervals of parameters, and momenta by name."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from examples import CANONICAL, HEAVY
@@ -41,12 +39,3 @@ def test_momenta_are_quantities_of_the_system(name: str) -> None:
         (quantity,) = (q for q in system.quantities if q.name == m.column)
         assert m.unit == quantity.unit
         assert np.add(m.unit.powers, m.rate.powers).tolist() == [1, 2, -2]
-
-
-def test_a_system_is_taken_by_name_or_as_it_is() -> None:
-    renamed = dataclasses.replace(SYSTEMS["tippe-top"], name="of one's own")
-    one, other = landscape_body.top(CANONICAL), landscape_body.top(CANONICAL, renamed)
-    assert one.coefficients == other.coefficients
-    assert landscape_labels.attributes(other)["system"] == "of one's own"
-    with pytest.raises(ValueError, match="must be one of tippe-top"):
-        landscape_body.top(CANONICAL, dataclasses.replace(renamed, landscape=None))

@@ -36,14 +36,6 @@ def test_potential_keeps_its_digits(z, line):
         assert abs(found.V_z.item() - slope) <= 1e-14 * scale
 
 
-def test_second_derivative_of_the_potential():
-    b = oracle.body(oracle.FIGURE)
-    for z, D, lam in ((0.3, 1e-4, 2e-6), (-0.8, -3e-4, 5e-6), (0.95, 4e-4, 1e-7)):
-        found = potential.potential(oracle.FIGURE, z, D, lam)
-        exact = mp.diff(potential_of(D, lam, b), mp.mpf(z), 2)
-        assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
-
-
 # --- the minimal surface ------------------------------------------------------------------------
 
 
@@ -189,16 +181,6 @@ def test_levels_say_how_the_energy_lies():
     ]
     assert found.theta_min[1] == found.theta_max[1] == found.theta_star[1]
     np.testing.assert_array_equal(np.isnan(found.theta_min), [False, False, True, True])
-
-
-def test_shapes_and_labels_are_kept():
-    D = xr.DataArray(np.full((2, 3), 1e-4), dims=("run", "time"), coords={"time": [0.0, 1.0, 2.0]})
-    found = turning.turning_angles(CANONICAL, D, 2e-6, 0.05)
-    assert found.theta_max.dims == ("run", "time")
-    assert found.theta_max.attrs["units"] == "rad"
-    assert turning.turning_angles(
-        CANONICAL, np.full((2, 1), 1e-4), 2e-6, [0.05, 0.06, 0.07]
-    ).period.shape == (2, 3)
 
 
 # --- along a run --------------------------------------------------------------------------------

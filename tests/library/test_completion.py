@@ -96,24 +96,6 @@ def test_jedi_completes(typed: str, known: str) -> None:
     assert known in [completion.name for completion in script.complete(2, len(typed))]
 
 
-@pytest.mark.parametrize("module", ["", "derivatives", "friction", "landscapes", "theory"])
-@pytest.mark.parametrize("imported", [True, False])
-def test_jedi_offers_public_names_only(module: str, imported: bool) -> None:
-    """As Jupyter does; of a package that is not imported yet, the parts too."""
-    public = getattr(tt, module) if module else tt
-    text = f"tt.{module}." if module else "tt."
-    script = (
-        jedi.Interpreter(text, [{"tt": tt}])
-        if imported
-        else jedi.Script(f"import tippetop as tt\n{text}")
-    )
-    names = {found.name for found in script.complete(column=len(text)) if found.name[0] != "_"}
-    parts = {path.stem for path in Path(tt.__file__).parent.iterdir()}
-    expected = {name for name in public.__all__ if name[0] != "_"}
-    assert expected <= names
-    assert names - expected <= (set() if module or imported else parts)
-
-
 def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str]) -> None:
     assert typed("new inverting") == typed("help scenario") == 0
     printed = capsys.readouterr().out

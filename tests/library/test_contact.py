@@ -18,25 +18,6 @@ def run() -> tt.Run:
     return tt.run(BOUNCE)
 
 
-def test_coulomb_without_eps_slips_and_then_rolls() -> None:
-    run = tt.run(TOP, tt.friction.Coulomb(mu=0.3), start=START, until=0.06)
-    assert run.phases.phase.values.tolist() == [0, 1]
-    assert run.phases.phase.attrs["flag_meanings"].split()[:2] == ["slip", "roll"]
-    np.testing.assert_allclose(run.phases.end[0], 0.0392357743555808144, rtol=0, atol=1e-11)
-    assert len(run.impacts.time) == 0
-    assert "slips until 0.0392358 s, then rolls" in str(run)
-
-
-def test_contact_and_stem_are_keywords() -> None:
-    problem = tt.run(
-        TOP, tt.friction.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}
-    ).problem
-    assert problem.contact.e_n == 0.5
-    assert problem.on_liftoff == "fly"
-    with pytest.raises(InputError, match="`contact` must be a mapping"):
-        tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, contact=0.5)
-
-
 def test_a_run_in_memory_has_all_its_tables(run: tt.Run) -> None:
     assert set(run.datasets()) == {"trajectory", "events", "phases", "impacts"}
     assert float(run.phases.end[-1]) == BOUNCE["run"]["until"]

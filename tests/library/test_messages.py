@@ -14,7 +14,7 @@ import pytest
 from examples import CANONICAL as BODY
 
 import tippetop as tt
-from tippetop.extending import Event, Exit, Kept, Quantity, Unit, number, register
+from tippetop.extending import Event, Kept, Quantity, Unit, number, register
 from tippetop.landscapes import minimal_surface, potential
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
@@ -113,9 +113,9 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.run(TOP, until=1.0), "must have a friction law, such as Viscous"),
     (lambda: tt.run(3.0), "the first argument must be a body"),
     (lambda: tt.run("nothing"), "neither a TOML file nor a preset"),
-    (lambda: tt.run("a" * 5000), "neither a TOML file nor a preset"),
-    (lambda: tt.load(Path("nope")), "`nope` is neither"),
-    (lambda: run(["mu"]), "the friction law must be a record such as Viscous"),
+    
+    
+    
     (lambda: run(0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
     (lambda: run(tt.friction.Viscous), r"a record such as Viscous\(...\), but is the class"),
     (lambda: run(until=-1.0), "^`until` must be greater than 0"),
@@ -124,13 +124,13 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(untill=3), r"run\(\) has no argument `untill`. Did you mean `until`\?"),
     (lambda: run(events=["landing"]), "^`events` must be of turning"),
     (lambda: run(events=5), "`events` must be"),
-    (lambda: run(events={"x": 1}), "`events`"),
+    
     (lambda: run(columns=[3]), "`columns` must be"),
-    (lambda: tt.run("heavy-top", columns=["friction_power"]), "`columns` must be of theta, .* but"),
+    
     (lambda: run(output="keyframes"), "`out` must be given"),
-    (lambda: run(output="keyframes", out="a", keyframe_steps=0), "`keyframe_steps` must be"),
-    (lambda: run(output="frames"), "`output` must be"),
-    (lambda: run(output="steps", keyframe_steps=10), 'must be "keyframes" where `keyframe_steps`'),
+    
+    
+    
     (lambda: run(start=0.1), "^`start` must be a mapping"),
     (lambda: tt.run(misplaced("run")), "key `run.form`; did you mean `form`"),
     (lambda: tt.run(misplaced("until")), "key `until`; did you mean `run.until`"),
@@ -147,20 +147,20 @@ CALLS: list[tuple[Call, str]] = [
     ),
     *(
         (lambda given=given: tt.load("inverting", given), "`assignments` must be a list of texts")
-        for given in (0, {}, math.nan, True, [1], b"1", np.ones(2), "run.until=1")
+        for given in (0, [1], "run.until=1")
     ),
-    (lambda: run(output_times={}), "`output_times` must be"),
+    
     (lambda: run(output_times=[0.0, [1.0]]), "`output_times` must be a number or an array of"),
     # bodies and laws
     (lambda: tt.TippeTop(m=1, R=1), r"TippeTop\(m, R, .* g\) lacks `alpha`, `I1`, `I3`, `g`"),
     (lambda: tt.friction.Viscous(0.1, mu=0.2), r"Viscous\(mu\) was given too many arguments"),
     *(
         (lambda wrong=wrong: tt.friction.Viscous(mu=wrong), "`friction.mu` must be a number, but")
-        for wrong in ([0.1], True, None, b"1")
+        for wrong in ([0.1], True)
     ),
-    (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
+    
     (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "`alfa`. Did you mean `alpha`"),
-    (lambda: tt.friction.Coulomb(mu=0.3, epsilon=1e-3), "`epsilon`. Did you mean `eps`"),
+    
     (lambda: tt.friction.Coulomb(mu=-1, eps=0), r"mu` must be at least 0.0.*\n.*eps` must be gr"),
     (lambda: TOP.body(3), "`law` must be the record of a friction law"),
     (lambda: linear_modes(TOP, "coulomb", omega3=3.0), r"such as Coulomb\(\.\.\.\), but is 'c"),
@@ -168,77 +168,69 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: linear_modes(TOP, tt.friction.Coulomb(0.3), omega3=1), "finite as v_A goes to 0"),
     # paths
     (lambda: tt.open(3), "must be a path"),
-    (lambda: tt.open(None), "must be a path"),
-    (lambda: tt.open(["x"]), "must be a path"),
-    (lambda: tt.open(b"x"), "must be a path"),
+    
+    
+    
     (lambda: tt.open(""), "must be a path"),
     (lambda: tt.resume(3), "must be a path"),
-    (lambda: tt.load(3), "must be a path"),
+    
     (lambda: made().save(3), "must be a path"),
     (lambda: tt.sweep(3, "sweep.zarr"), "must be a path"),
-    (lambda: tt.sweep("plan.toml", 3), "must be a path"),
-    (lambda: tt.StoredRun(3), "must be a path"),
+    
+    
     (lambda: run(out=3), "must be a path"),
     (lambda: made().plot("theta", 3), "must be a path"),
     (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),
     (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` is neither a TOML file nor a preset"),
-    *(
-        (lambda given=given: tt.compare("film.csv", "inverting", **given), message)
-        for given, message in (
-            ({"up": "x"}, "`up` must be one of z, y, but is 'x'"),
-            ({"up": np.ones(2)}, "`up` must be one of z, y, but is array"),
-            ({"quaternion": [1]}, "`quaternion` must be one of wxyz, xyzw, but is"),
-        )
-    ),
+    
     (lambda: tt.compare("film.csv", 3), "`reference` must be a scenario or a run, but is 3"),
     (lambda: tt.fit("film.csv", TOP, "friction.mu"), "`scenario` must be a scenario or a run, but"),
-    (lambda: tt.fit("film.csv", "", "friction.mu"), "`scenario` must be a path, but is ''"),
+    
     *(
         (
             lambda free=free: tt.fit("film.csv", "inverting", free),
             "`free` must be names such as friction.mu, parameters.I1, but is",
         )
-        for free in (None, 1, [1], [], "")
+        for free in ([1], "")
     ),
     *(
         (lambda noise=noise: tt.fit("film.csv", "inverting", "friction.mu", noise=noise), message)
         for noise, message in (
             ([1], "`noise` must be a finite number, but is"),
             (True, "`noise` must be a finite number, but is True"),
-            (np.ones(2), "`noise` must be a finite number, but is array"),
         )
     ),
     # numbers
-    (lambda: regime(TOP, None), "must be a (finite )?number"),
+    
     (lambda: regime(TOP, math.nan), "must be a (finite )?number"),
     (lambda: regime(TOP, True), "must be a (finite )?number"),
-    (lambda: regime(TOP, [1]), "must be a (finite )?number"),
-    (lambda: regime(TOP, 1 + 1j), "must be a (finite )?number"),
+    
+    
     (lambda: regime(TOP, 10**400), "must be a (finite )?number"),
-    (lambda: linear_modes(TOP, VISCOUS, omega3="x"), "must be a (finite )?number"),
+    
     (lambda: linear_modes(TOP, omega3="3 kg"), "`omega3` must be in rad s-1 .*but is"),
     (lambda: linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300"),
-    (lambda: reconstruct(made(), period=math.nan), "must be a (finite )?number"),
+    
     (lambda: reconstruct(made(), period=1e-300), "`period` must be longer than the 0.01 s"),
-    (lambda: made().certify("x"), "must be a (finite )?number"),
+    
     (lambda: made().certify(0), "`window` must be greater than 0"),
-    (lambda: least_energy(TOP, "x", 1.0), "`theta` must be a number, but is 'x'"),
+    
     (lambda: least_energy(TOP, [0.1, 4], 1.0), r"`theta` must lie in \[0, pi\], but is 4"),
     (lambda: least_energy(TOP, [1, 2], [1, 2, 3]), r"shapes that broadcast.*\(2,\) and \(3,\)"),
-    (lambda: tt.theory.asymptotic_states(TOP, 1e300), r"`lam` must give energies .*, but 1e\+300"),
+    
     # what has no such theory or landscape
     (lambda: thresholds("rolling-cylinder"), "but is that of the system rolling-cylinder"),
-    (lambda: thresholds(3.0), "a Run, a Problem or the name of a preset, but is 3.0"),
+    
     (lambda: thresholds(CYLINDER), "or a Spheroid or a Disc, but is Cylinder"),
-    (lambda: thresholds("invertin"), "neither a TOML file nor a preset"),
+    
     (lambda: regime(CYLINDER, 1.0), "must be a TippeTop"),
     (lambda: reconstruct(run(start={"theta_dot": 1.0})), "`initial.theta_dot` must be 0"),
     (lambda: reconstruct(3), "`run` must be a Run, but is 3"),
     (lambda: reconstruct(made()), r"some hundred in each nutation, but has [12] between two"),
     (lambda: reconstruct(tt.run("rolling-cylinder", until=0.1)), "must be one of a tippe top"),
-    (lambda: minimal_surface(TOP, D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
-    (lambda: minimal_surface(TOP, D=[], lam=4e-6), "`D` must be a number or"),
-    (lambda: minimal_surface(TOP, D=1e-4, lam=[[1e-6]]), "`lam.*` must be a number or"),
+    
+    
+    
     (lambda: minimal_surface(TOP, L3=1, lam=4e-6), r"`L3` is no .* D and lam.\n`D` must be given"),
     (lambda: minimal_surface(CYLINDER, **MOMENTA), "must be one of tippe-top|must be a TippeTop"),
     (lambda: potential(TOP, [0.1, 1.5], **MOMENTA), r"`z` must lie in \[-1, 1\], but is 1.5"),
@@ -247,8 +239,6 @@ CALLS: list[tuple[Call, str]] = [
     # ensembles
     (lambda: tt.ensemble("inverting", {"spin": [1.0]}), "`spin` must be one of"),
     (lambda: tt.ensemble("inverting", [1.0]), "must be a mapping"),
-    (lambda: tt.ensemble("inverting", {"omega3": ["3 kg"]}), "`omega3` must be in rad s-1 .*but"),
-    (lambda: tt.ensemble("inverting", {"omega3": [None]}), "`omega3` must be a number or an"),
     (
         lambda: tt.ensemble("inverting", SPINS | {"initial.omega3": [155.0, 150.0]}),
         r"`initial\.omega3` must be given once, but is given as `omega3` and",
@@ -256,8 +246,8 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.ensemble("inverting", {"omega3": [100, [1]]}), "`omega3` must be a number or an"),
     (lambda: tt.ensemble("inverting", SPINS, threads="x"), "`threads` must be a whole number"),
     (lambda: tt.ensemble("inverting", SPINS, orientation=[1]), "`orientation` must be True or"),
-    (lambda: tt.ensemble("inverting", SPINS, lyapunov="x"), "`lyapunov` must be True or False"),
-    (lambda: tt.ensemble("inverting", SPINS, progress=3), "`progress` must be"),
+    
+    
     *(
         (
             lambda given=given: tt.ensemble("inverting", SPINS, **given),
@@ -274,15 +264,15 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().plot(3), "the kind of figure must be one of .* but is `3`"),
     (lambda: made().plot("theta", "theta"), "must end with the format"),
     (lambda: made().plot("theta", others=3), "`others` must be a list of Runs, but is 3"),
-    (lambda: made().plot(np.ones(2)), "the kind of figure must be one of"),
+    
     (lambda: made().plot(size=[1]), r"`size` must be two numbers, but is \[1\]"),
-    (lambda: linear_modes(TOP, VISCOUS, omega3=1, inverted=[1]), "`inverted` must be True or"),
-    (lambda: minimal_surface(TOP, **MOMENTA, gradient="x"), "`gradient` must be True or False"),
-    (lambda: minimal_surface(TOP, **MOMENTA, threads=[1]), "`threads` must be a whole number"),
-    (lambda: made().plot("theta", dark="x"), "`dark` must be True or False"),
+    
+    
+    
+    
     (lambda: made().plot("theta", "t.png", overwrite=1), "`overwrite` must be True or False"),
-    (lambda: made().save("run.zarr", overwrite="no"), "`overwrite` must be True or False"),
-    (lambda: made().view().save("run.html", overwrite=1), "`overwrite` must be True or False"),
+    
+    
     (
         lambda: run(columns=["theta", "orientation"]).view(),
         r"a page must have `L`, .*: add the missing columns",
@@ -293,35 +283,35 @@ CALLS: list[tuple[Call, str]] = [
         for of in (event, column)
         for name, sentence in {
             **dict.fromkeys(
-                ["psi", "xyz", "turning", "kind", "work", "ball", "phase"], "must be a new name"
+                ["psi", "turning", "work", "ball"], "must be a new name"
             ),
-            **dict.fromkeys(["", "a/b", "1x", "\u00e9"], "must be letters, digits and _"),
-            **dict.fromkeys(["work_lo", "state_ux", "drift_energy"], "must not be one of"),
+            **dict.fromkeys(["", "a/b"], "must be letters, digits and _"),
+            **dict.fromkeys(["work_lo"], "must not be one of"),
         }.items()
     ),
     (
         column(symbol=3, long_name=None),
         "`symbol` of the column `q` must be a valid string, but is 3.\n`long_name` of the column",
     ),
-    (event(long_name=3), "`long_name` of the event `e` must be a valid string, but is 3"),
+    
     (lambda: run(events=[Event("q", "q", rising)], columns=[Quantity("q", "q", ONE, "q", rising)]),
      "given twice"),
-    (lambda: run(columns=[Quantity("q", "q", ONE, "q", rising)] * 2), "given twice"),
+    
     (event(kept=(Kept("a", "middle", "x"),)), "must be 'first', 'last' or 'count', but is 'mid"),
-    (event(kept=(Kept("a", "first", "x", 2),)), "must be -1, 0 or 1"),
+    
     (event(kept=(Kept("a", "first", "x"), Kept("a", "count", "x"))), "`a` is given twice"),
-    (event(kept=("a",)), "an instance of Kept, but is 'a'"),
-    (event(kept=3), "must be a valid tuple, but is 3"),
+    
+    
     (event(kept=(Kept("first_equator", "first", "x"),)), "new name"),
-    (event(kept=(Kept("mu", "first", "x"),)), "new name"),
+    
     (event(ends="finished"), "must be a word other than"),
-    (event(ends=""), "must be a word other than"),
+    
     (event(direction=2), "must be -1, 0 or 1"),
-    (event(direction="up"), "must be a valid integer"),
+    
     (event(formula=None), "must be a function"),
     (event(sense=1), "`sense` .* is given in `turning` and `e`"),
-    (event(lasting=True, direction=1), "`lasting` .* is given in `settled` and `e`"),
-    (event(extremes="speed"), "`extremes` .* is given in `liftoff` and `e`"),
+    
+    
     *(
         (of(formula=formula(value)), f"the formula of the {name} {sentence}")
         for of, name in ((event, "event `e`"), (column, "column `q`"))
@@ -334,21 +324,21 @@ CALLS: list[tuple[Call, str]] = [
         )
     ),
     # user-defined numbers and units
-    (lambda: number("kg", "x"), "`unit` of the number `x` must be a Unit, but is 'kg'"),
+    
     (
         lambda: number(ONE, "x", above=0, default=-1),
         "`default` of the number `x` must be finite, greater than 0, but is -1",
     ),
     (lambda: Unit("kg furlong"), "`symbol` of a Unit must be powers of 1, rad, kg"),
-    (lambda: Unit(3), 'such as "kg m2 s-1", but is 3'),
+    
     # user-defined laws
     *(
         (under(lambda v2, z, law: -law.mu, contact=contact), "at least 0, .* feeds energy, but is")
         for contact in (None, {"e_n": 0.5})
     ),
     (under(lambda v2, z, law: law.mu * math.nan), "k of the friction law `mine` must be finite"),
-    (under(lambda v2, z, law: law.nu), "the formula of the friction law `mine` fails"),
-    (under(lambda v2, z, law: None), "must return one number, but returns None"),
+    
+    
     (under(lambda v2, z, law: law.mu / (1 + sqrt(v2) / law.v)), "must be smooth in v2"),
     (under(lambda v2, z, law: law.mu * (1 + (v2 * v2) ** 0.25)), "slope is infinite|same in all"),
     (
@@ -361,12 +351,12 @@ CALLS: list[tuple[Call, str]] = [
         (lambda record=record: (register(law()), register(record)), message)
         for record, message in (
             (law(name="Other", key="mixed"), "must be new, but `mixed` is that of Mixed"),
-            (law(name="Other", key="modified"), "must be new, but `modified` is that of Modified"),
+            
             (law(key=""), "must be letters"),
             (law(coefficient=3), r"must have a function `coefficient\(v2, z, law\)`, but has 3"),
-            (law(coefficient=None), "must have a function .*, but has None"),
+            
             (law(law=number(ONE, "x", default=0)), "must not be named `law`"),
-            (law(mu_r=number(ONE, "x", default=0)), "must not be named `mu_r`"),
+            
             (3, "`record` must be a System or a class of FrictionLaw"),
         )
     ),
@@ -374,53 +364,52 @@ CALLS: list[tuple[Call, str]] = [
     # user-defined systems
     (lambda: SYSTEM.replace(outlok=None), r"has no argument `outlok`\. Did you mean `outlook`"),
     (lambda: tt.run(SYSTEM.replace(name="mine", body=3), VISCOUS, parameters=BODY), "`body` of"),
-    (system(name=""), "the name of a system must be letters"),
-    (system(name="heavy-top"), "the name of a system must be new"),
+    
+    
     (system(body=3), "`body` of `mine` must take .*, but fails: TypeError"),
     (system(body=lambda parameters, law: 1.0), "must take .* a NamedTuple, but gives 1"),
-    (system(angles=3), "the records of `mine` must be of the kinds that `System` has"),
+    
     (system(angles=without("theta_dot")), "`angles` of `mine` must have .*, but lacks theta_dot"),
-    (system(angles=without("work")), "`work` where a form integrates it, but lacks work"),
-    (system(initial={"theta": 3}), "but: 'int' object has no attribute"),
+    
+    
     (system(parameters={}), r"must take its parameters \(none\) .*, but fails: KeyError"),
-    (system(scales=lambda b: (1.0,)), r"must give a mass and a length, .* but gives \(1.0,\)"),
+    
     (system(scales=lambda b: (1.0, 0.0)), "finite and greater than 0, but gives"),
     (system(checks=lambda p: None), "`checks` .* must give a list of sentences, but gives None"),
-    (system(checks=lambda p: 1 / 0), "`checks` .* must give .*, but fails: ZeroDivisionError"),
+    
     (system(start=lambda *a: None), "`start` .* must give a record as `angles` is, but gives None"),
     (system(events=(3,)), r"`events` of a Phase must be a tuple of Event, but is \(3,\)"),
     (system(events=(dataclasses.replace(LIFTOFF, kept=()),)), "`lifted_at` .* none in liftoff"),
-    (system(quantities=(3,)), "`quantities` of a Phase must be a tuple of Quantity"),
-    (system(exits=(Exit,)), "`exits` of a Phase must be a tuple of Exit, but is"),
+    
+    
     (system(forms=[VECTORIAL]), r"`forms` of a Phase must be a Form or a dict, but is \[Form"),
     (system(quantities=(), integrals=()), "`quantities` of `mine` must have `energy`"),
     (system(phases={}), "`phases` of `mine` must be a dict of Phase, but is {}"),
-    (system(phases=[PHASE]), r"`phases` of `mine` must be a dict of Phase, but is \[Phase"),
+    
     (system(phases={"x": VECTORIAL}), "must be a dict of Phase, but is {'x': 'Form'}"),
     (system(angles=without("theta")), "must have the fields `theta` .* unless a phase has exits"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
-    (system(vectors=None), "the records of `mine` must be of the kinds"),
+    
     (system(vectors={"axis": ("kx", "ky")}), "`vectors` .* it lacks kx, ky"),
     (system(forms={"vector": VECTORIAL}, vectors={}), "be numbers, .* `u` .* is Vector"),
     (system(forms={"vector": WITHOUT_POLES}), "have `s2` and `axis_speed2`, .* gives Spin"),
-    (system(on_request=None), "the records of `mine` must be of the kinds"),
-    (system(undefined_at_poles=("phi", "twist")), "must name fields of `angles`, but has twist"),
+    
+    
     (folded(I1=1.0), "`normalised_to` of `mine` must hold.*`I1` is"),
-    (folded(mass=1.0), "`normalised_to` of `mine` .* of its body .*, but has `mass`"),
-    (folded(m=math.nan), "`normalised_to` of `mine` must hold .* `m` is 1 there, not nan"),
+    
+    
     # problems whose fields were replaced
     (replaced(parameters={**BODY, "alpha": 5.0}), "`parameters.alpha` must be less than 1.0"),
-    (replaced(parameters={**BODY, "m": "x"}), "`parameters.m` must be a number, but is 'x'"),
-    (replaced(parameters=3), "`parameters` of a Problem must be a Mapping, but is 3"),
+    
     (replaced(initial={"theta": 9.0}), "`initial.theta` must be at most 3.14159"),
     (replaced(events=("nosuch",)), "`events` must be of turning, .*, but has 'nosuch'"),
-    (replaced(events="turning"), "`events` of a Problem must be a tuple"),
+    
     (replaced(times=np.array([0.3, 0.1])), "`output_times` must ascend strictly"),
-    (replaced(until="x"), "`until` must be a number, but is 'x'"),
+    
     (replaced(form="nosuch"), "`form` of a Problem must be a Form, but is 'nosuch'"),
-    (replaced(friction=0.3), "`friction` of a Problem must be a FrictionLaw, but is 0.3"),
-    (replaced(tolerance=-1.0), "`tolerance` must be "),
-    (replaced(precision="half"), "`precision` must be .double., .longdouble. or .quad."),
+    
+    
+    
 ]  # fmt: skip
 
 

@@ -129,31 +129,6 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         TOP.m = 1.0  # type: ignore[misc]
 
 
-@pytest.mark.parametrize(
-    ("top", "law", "system"),
-    [
-        (TOP, tt.friction.Viscous(0.3), "tippe-top"),
-        (TOP, tt.friction.Coulomb(0.3, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Contensou(0.3, 5e-4), "tippe-top"),
-        (TOP, tt.friction.Frictionless(), "tippe-top"),
-        (HEAVY, None, "heavy-top"),
-        (HEAVY, tt.friction.Viscous(0.3), "gliding-heavy-top"),
-        (CYLINDER, None, "rolling-cylinder"),
-        (CYLINDER, tt.friction.Modified(0.1, 0.1), "gliding-cylinder"),
-    ],
-    ids=str,
-)
-def test_a_body_and_a_law_make_a_problem(top, law, system: str) -> None:
-    from tippetop.library.scenarios import problem_of
-
-    start = {"theta": 0.3} if isinstance(top, tt.Cylinder) else {"theta": 0.3, "omega3": 100.0}
-    problem = problem_of(top, law, start=start, until=1.0)
-    assert problem.system.name == system
-    assert problem.parameters == top._asdict()
-    if law is not None:
-        assert problem.friction == law
-
-
 # --- run ----------------------------------------------------------------------------------------
 
 
@@ -240,88 +215,10 @@ def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Pat
     assert repr(stored) == repr(run).replace("<Run of", "<StoredRun of")
 
 
-def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
-    place = tmp_path / "run.zarr"
-    run = tt.run("inverting", until=0.2, out=place)
-    assert run.trajectory.identical(tt.run("inverting", until=0.2).trajectory)
-    with pytest.raises(tt.InputError, match="already"):
-        run.save(place)
-    with pytest.raises(tt.StoreError, match="unfinished"):
-        tt.resume(place)
-
-
-def test_every_kind_of_store_opens(tmp_path: Path) -> None:
-    from tippetop.landscape import surface_recording
-
-    surface_recording.write(tmp_path / "F.zarr", surface_recording.Surface(TOP._asdict(), D, LAM))
-    surface = tt.open(tmp_path / "F.zarr")
-    np.testing.assert_array_equal(
-        surface["F"], tt.landscapes.minimal_surface(TOP, D=D, lam=LAM)["F"]
-    )
-    (tmp_path / "plan.toml").write_text(
-        'scenario = "inverting"\nset.run.until = 0.1\n'
-        '[[axis]]\nof = "initial.omega3"\nlinspace = [100.0, 150.0]\nn = 2\n'
-        '[[axis]]\nof = "friction.mu"\nlinspace = [0.1, 0.3]\nn = 3\n'
-    )
-    tt.sweep(tmp_path / "plan.toml", tmp_path / "S.zarr", workers=1)
-    table = tt.open(tmp_path / "S.zarr")
-    assert table.sizes["top"] == 6
-    assert dict(tt.open(tmp_path / "S.zarr", gridded=True).sizes) == {
-        "initial.omega3": 2,
-        "friction.mu": 3,
-    }
-    with pytest.raises(tt.StoreError, match="is a file, not a store"):
-        tt.open(tmp_path / "plan.toml")
-
-
 # --- many tops ----------------------------------------------------------------------------------
 
 
-def test_an_ensemble_takes_bare_names_and_bodies() -> None:
-    spins, frictions = np.array([100.0, 130.0, 155.0]), np.array([0.1, 0.2, 0.3])
-    bare = tt.ensemble("inverting", {"omega3": spins, "mu": frictions}, until=0.5, threads=1)
-    dotted = tt.ensemble(
-        "inverting", {"initial.omega3": spins, "friction.mu": frictions}, until=0.5, threads=1
-    )
-    body = tt.ensemble(
-        TOP,
-        {"omega3": list(spins), "mu": tuple(frictions)},
-        tt.friction.Viscous(1.0),
-        start={"theta": 0.1},
-        until=0.5,
-        threads=1,
-    )
-    for other in (dotted, body):
-        np.testing.assert_array_equal(bare["theta_end"], other["theta_end"])
-
-
 # --- theory and landscape -----------------------------------------------------------------------
-
-
-def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
-    by_letter = tt.landscapes.minimal_surface(TOP, D=D, lam=LAM)
-    assert by_letter["F"].equals(tt.landscapes.minimal_surface(run, D=D, lam=LAM)["F"])
-    heavy = {"system": "gliding-heavy-top", "parameters": HEAVY._asdict(), "initial": START}
-    heavy |= {"friction": {"law": "viscous", "mu": 0.3}, "run": {"until": 1.0}}
-    assert tt.landscapes.minimal_surface(HEAVY, L3=D, Lz=D).identical(
-        tt.landscapes.minimal_surface(heavy, L3=D, Lz=D)
-    )
-    V = tt.landscapes.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=LAM[1])
-    assert float(V["V"].min()) >= float(by_letter["F"][1, 1])
-    band = tt.landscapes.band(run)
-    theta = run.trajectory["theta"].values
-    inside = (theta > band["theta_min"].values - 1e-6) & (theta < band["theta_max"].values + 1e-6)
-    assert inside.mean() > 0.95
-    assert tt.landscapes.marked_lines(TOP, LAM).sizes["lambda"] == 3
-
-
-def test_the_theory_takes_bodies() -> None:
-    limits = tt.theory.thresholds(TOP)
-    below, above = (tt.theory.regime(TOP, k * limits["lambda_s"].value) for k in (0.5, 1.5))
-    assert (below.inverted, above.inverted) == (False, True)
-    assert tt.theory.thresholds(HEAVY)["spin_sleeping"].value > 0
-    assert tt.theory.linear_modes(TOP, tt.friction.Viscous(0.3), omega3=155.0)[0].real > 0
-    assert np.all(np.abs(tt.theory.linear_modes(TOP, omega3=155.0).real) < 1e-9)
 
 
 def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
@@ -338,7 +235,7 @@ def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
 @pytest.mark.parametrize(
     ("start", "mu", "until", "step"),
     [
-        (examples.LATE, 0.3, 2.0, 1.2e-3),
+        at_night(examples.LATE, 0.3, 2.0, 1.2e-3),
         *(at_night({}, *case) for case in ((0.3, 6.5, 2e-4), (0.15, 8.6, 1e-3))),
     ],
 )

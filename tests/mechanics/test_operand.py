@@ -19,18 +19,14 @@ from tippetop.mechanics.operand import (
     Vector,
     atan2,
     cos,
-    cross,
-    dot,
     exp,
     formula,
     kinds,
     log,
-    plus,
     product_error,
     select,
     sin,
     sqrt,
-    times,
 )
 
 
@@ -106,13 +102,6 @@ def test_elementary_functions_agree_with_40_digits(
 
 
 # --- vectors ------------------------------------------------------------------------------------
-
-
-def test_products_of_vectors_are_those_of_numpy(rng: np.random.Generator) -> None:
-    a, b = (Vector(*part) for part in rng.uniform(-2, 2, (2, 3, 50)))
-    np.testing.assert_allclose(cross(a, b), np.cross(a, b, axis=0), rtol=1e-14, atol=1e-15)
-    np.testing.assert_allclose(dot(a, b), np.sum(np.multiply(a, b), axis=0), rtol=1e-14, atol=1e-15)
-    np.testing.assert_array_equal(plus(a, times(3.0, b)), np.add(a, np.multiply(3.0, b)))
 
 
 # --- products with their rounding ---------------------------------------------------------------

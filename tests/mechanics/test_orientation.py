@@ -1,16 +1,12 @@
 """Which way the body is turned: psi and the quaternion; their rates are judged by the laws."""
 
 import dataclasses
-import math
 
 import examples
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tippetop.engine.orientation import quaternion
-from tippetop.mechanics.operand import Vector
-from tippetop.mechanics.rotation import outer
 from tippetop.problem import Problem
 from tippetop.runs import starting
 from tippetop.runs.run import solve
@@ -58,20 +54,3 @@ def test_the_orientation_has_no_effect_on_the_run(preset: str) -> None:
     np.testing.assert_allclose(
         matrices(examples.columns(turned)), matrices(columns) @ twist, rtol=0, atol=1e-13
     )
-
-
-def test_quaternions_of_rotations(rng: np.random.Generator) -> None:
-    """As SciPy gives them, up to the sign; half turns too, where w = 0."""
-    turns = Rotation.concatenate(
-        [
-            Rotation.random(1000, random_state=rng),
-            Rotation.from_rotvec(math.pi * np.eye(3)),
-            Rotation.identity(1),
-        ]
-    )
-    R = turns.as_matrix()
-    found = quaternion(outer(Vector(*R[:, :, 0].T), Vector(*R[:, :, 2].T))).T
-    expected = np.roll(turns.as_quat(), 1, axis=1)
-    assert np.abs(np.abs(np.sum(found * expected, axis=1)) - 1).max() < 1e-15
-    assert (found[:, 0] >= 0).all()
-    assert Rotation.from_quat(np.roll(found, -1, axis=1)).approx_equal(turns, atol=1e-14).all()

@@ -34,19 +34,6 @@ def test_scalars_and_texts_become_floats() -> None:
         assert type(Viscous(mu=given).mu) is float  # type: ignore[arg-type]
 
 
-def test_the_numbers_that_are_given_choose_the_record() -> None:
-    """All of one face; parts take their defaults."""
-    exact, smooth, turned = Coulomb(0.3), Coulomb(0.3, 1e-3), Coulomb(0.3, mu_d="0.1 mm")
-    assert [law._fields for law in (exact, smooth, turned)] == [
-        ("mu",),
-        ("mu", "eps"),
-        ("mu", "mu_r", "mu_d"),
-    ]
-    assert all(isinstance(law, Coulomb) and law.face is Coulomb for law in (exact, smooth, turned))
-    assert exact.eps is None
-    assert repr(turned) == "Coulomb(mu=0.3, mu_r=0.0, mu_d=0.0001)"
-
-
 def test_every_record_is_pickled_with_its_bits() -> None:
     """Unchecked: internal numbers need not lie in the intervals."""
     for law in LAWS.values():

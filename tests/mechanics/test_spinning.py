@@ -24,15 +24,6 @@ every_body = pytest.mark.parametrize("name", BODIES)
 every_end = pytest.mark.parametrize("z", [1, -1])
 
 
-def end_slope(z: int, lam: Any, b: Any) -> Any:
-    """dV/dz at an end on its marked line, by V a little away and its limit, extrapolated."""
-    D = spinning.slope(z, b) * lam
-    V = [oracle.potential(z * (1 - n * SMALL), D, lam, b) for n in (1, 2, 3)]
-    return (-5 * V[0] + 8 * V[1] - 3 * V[2]) / (
-        -2 * z * SMALL
-    )  # exact for a parabola, a rate at n = 0
-
-
 @every_body
 @every_end
 def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> None:
@@ -50,16 +41,6 @@ def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> N
         abs(b.I3 * spin * (b.R * z - b.c) / lam - 1) < 1e-50
     )  # L_3 times the arm: Jellett's integral
     assert abs(b.I3 * spin * mp.sqrt(tippe_top.d(z, b)) / D - 1) < 1e-50
-
-
-@every_body
-def test_at_lambda_pi_the_potential_is_level_at_the_inverted_end(name: str) -> None:
-    b = oracle.body(BODIES[name])
-    lam = spinning.lambda_pi(b)
-    scale = b.m * b.g * b.c
-    assert abs(end_slope(-1, lam, b)) < 1e-15 * scale
-    assert end_slope(-1, lam * (1 - mp.mpf("1e-9")), b) < -1e-10 * scale
-    assert end_slope(-1, lam * (1 + mp.mpf("1e-9")), b) > 1e-10 * scale
 
 
 @every_body

@@ -81,16 +81,6 @@ def test_tumbling_states_are_steady(gamma: float) -> None:
         assert np.abs(tumbling.tumbling_states(lam, b) - z).min() < 1e-6
 
 
-@pytest.mark.parametrize("gamma", [0.6, 0.72, 0.8, 0.936, 1.2, 1.5])
-def test_tumbling_is_stable_where_lambda_falls(gamma: float) -> None:
-    b = with_gamma(gamma)
-    low, high = tumbling.tumbling_limits(b)
-    z = np.linspace(low, high, 403)[1:-1]
-    slope = np.imag(tumbling.tumbling_jellett(z + 1e-30j, b))
-    clear = np.abs(slope) > 1e-3 * np.abs(slope).max() * 1e-3
-    assert np.all((slope < 0)[clear] == tumbling.tumbling_is_stable(z, b)[clear])
-
-
 def test_regimes_follow_gamma() -> None:
     """Bistability below gamma_+, two stable spins below gamma_c, as the corrected theorem says."""
     b = with_gamma(0.936)

@@ -13,25 +13,6 @@ from tippetop.mechanics.systems import SYSTEMS
 VISCOUS = ("viscous", {"mu": 0.3})
 
 
-@pytest.mark.parametrize("form", ["vector", "euler"])
-@pytest.mark.parametrize("until", [100.0, pytest.param(1e4, marks=pytest.mark.slow)])
-def test_rolling_keeps_its_integrals(form: str, until: float) -> None:
-    """lambda, D and E drift by rounding alone: 2e-16 times the root of the number of steps, times a
-    few.
-    """
-    made = examples.run(
-        "rolling-tippe-top",
-        examples.CANONICAL,
-        {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0},
-        until,
-        form=form,
-        events=(),
-    )
-    bound = 5 * 2.2e-16 * math.sqrt(made.report["steps"])
-    assert made.status is Status.FINISHED
-    assert max(made.report["drift"].values()) < bound
-
-
 @pytest.mark.parametrize("theta", [0.0, math.pi])
 @pytest.mark.parametrize(
     "system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"]

@@ -49,24 +49,6 @@ def test_the_least_lambda_of_a_tumbling_state_is_that_of_a_dense_scan_of_each_bo
 
 
 @every_gamma
-def test_curves_of_spinning_states_change_at_their_thresholds(gamma: float) -> None:
-    b = with_gamma(gamma)
-    most = 1.5 * max(
-        x for x in (thresholds.lambda_u(b), thresholds.lambda_s(b)) if math.isfinite(x)
-    )
-    for kind, limit, calm, pole in (
-        ("upright", thresholds.lambda_u(b), True, 1.0),
-        ("inverted", thresholds.lambda_s(b), False, -1.0),
-    ):
-        made = [branch for branch in tumbling.branches(b, most) if branch.kind == kind]
-        expected = [(calm, 0.0, min(limit, most))] + (
-            [(not calm, limit, most)] if limit < most else []
-        )
-        assert [(branch.stable, *branch.lam) for branch in made] == expected
-        assert all((branch.z == pole).all() for branch in made)
-
-
-@every_gamma
 def test_curves_of_tumbling_states_join_and_are_as_stable_as_the_regime_says(gamma: float) -> None:
     b, most = with_gamma(gamma), 1e-5
     made = [branch for branch in tumbling.branches(b, most) if branch.kind == "tumbling"]

@@ -46,6 +46,7 @@ def test_a_run_that_ends_early_is_not_taken_for_longer(clock: Callable[[], float
     assert cost.measured(problem, clock)["steps"] == steps
 
 
+@pytest.mark.slow
 def test_a_slow_computer_expects_as_many_steps_as_a_fast_one() -> None:
     """The steps of this top become shorter as friction stops its spin."""
     problem = starting.load("wooden-toy")

@@ -5,9 +5,7 @@ from pathlib import Path
 
 import heyoka as hy
 import numpy as np
-import pandas as pd
 import pytest
-import xarray as xr
 from typed import typed
 
 from tippetop.errors import InputError
@@ -35,28 +33,6 @@ def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -
     error = np.array([float(abs(a - b) / abs(b)) for a, b in zip(wide[1:], exact[1:], strict=True)])
     assert error.max() < 2.0 ** (1 - bits)
     assert np.abs(low).max() > 0
-
-
-@pytest.mark.parametrize("to", ["netcdf", "csv", "parquet"])
-def test_an_export_says_the_same_as_the_store(inversion: Path, tmp_path: Path, to: str) -> None:
-    out = tmp_path / f"run.{to}"
-    assert typed(f"export {inversion} --to {to} --out {out}") == 0
-    mine = xr.open_zarr(inversion, group="trajectory", consolidated=False)
-    if to == "netcdf":
-        theirs = xr.open_dataset(out, group="trajectory", engine="h5netcdf")
-        assert theirs["theta"].attrs["units"] == "rad"
-        np.testing.assert_array_equal(theirs["axis"], mine["axis"])
-        events = xr.open_dataset(out, group="events", engine="h5netcdf")
-        assert events.sizes["event"] > 300
-        events.close()
-    else:
-        theirs = pd.read_parquet(out) if to == "parquet" else pd.read_csv(out)
-        theirs.columns = [name.partition(" [")[0] for name in theirs]
-        np.testing.assert_array_equal(theirs["axis_z"], mine["axis"][:, 2])
-    for name in ("time", "theta", "jellett"):
-        np.testing.assert_array_equal(theirs[name], mine[name])
-    if to == "netcdf":
-        theirs.close()
 
 
 def test_the_rows_of_a_run_without_rows_are_exported_if_they_are_named(tmp_path: Path) -> None:

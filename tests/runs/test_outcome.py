@@ -25,31 +25,6 @@ def outcomes(sets: list[str], until: float, **variations: list[float]) -> tuple[
     return solve(problem, keep=False).report["outcome"], CLASSES[lane.kind[0]]
 
 
-@pytest.mark.parametrize(
-    ("sets", "until", "expected"),
-    [
-        (["initial.theta=1e-6"], 0.5, "under-way"),  # within 0.1 rad of a pole that it will leave
-        (["initial.theta=0.05"], 0.05, "under-way"),
-        (
-            ["initial.theta=1e-3", "initial.omega3=10.0"],
-            1.0,
-            "upright",
-        ),  # slow: the upright spin is stable
-        (
-            ["initial.theta=3.1", "initial.omega3=-10.0"],
-            0.02,
-            "under-way",
-        ),  # and the inverted one is not
-        (["initial.theta=3.1", "initial.omega3=-155.0"], 0.5, "inverted"),
-        (["initial.omega3=300.0"], 6.0, "lifted-off"),
-    ],
-)
-def test_a_top_near_a_pole_is_there_only_if_it_stays(
-    sets: list[str], until: float, expected: str
-) -> None:
-    assert outcomes(sets, until) == (expected, expected)
-
-
 def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
     """In planar motion sliding dies for a moment at every swing: a run marks none of these as
     significant.
@@ -78,14 +53,6 @@ def test_a_summary_says_that_a_top_is_under_way() -> None:
     run = tippetop.run("inverting", start={"theta": 1e-6}, until=0.5)
     assert run.summary.outcome == "under-way"
     assert "under way" in dict(lines(run.summary))["outcome"]
-
-
-@pytest.mark.parametrize("theta", [0.05, 3.1])
-def test_without_friction_nothing_ends(theta: float) -> None:
-    """Not even within 0.1 rad of a pole: as `check` says."""
-    assert outcomes([f"initial.theta={theta}", "friction.mu=0"], 0.5) == ("nutating", "nutating")
-    problem = starting.load("inverting", [f"initial.theta={theta}", "friction.mu=0"])
-    assert forecast.assessment(problem)["fate"].startswith("theta nutates for ever")
 
 
 @pytest.mark.parametrize(

@@ -37,16 +37,6 @@ def seven(s, b):
     return 7 * s.z
 
 
-def unwritten(s, b):
-    """What no program is written of."""
-    return s.z**-2
-
-
-def unwritten_otherwise(s, b):
-    """Another of this sort."""
-    return s.z**-4
-
-
 GONE = tt.extending.Event(
     "gone",
     "it has gone",
@@ -79,21 +69,6 @@ def test_other_records_under_the_same_names_are_refused(store: Path, others: dic
         tt.open(store, **others).certify()
     with pytest.raises(tt.InputError, match=r"must be one that the run was made with"):
         tt.open(store, **others).replay(0.0, 1e-3, 1e-3)
-
-
-def test_a_run_is_continued_with_its_own_records_only(tmp_path: Path) -> None:
-    place = tmp_path / "run.zarr"
-    columns = [HEIGHT, tt.extending.Quantity("odd", "o", ONE, "no program", unwritten)]
-    tt.run("rolling", until=0.1, columns=columns, output_step=0.05, out=place)
-    before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
-    for other in (
-        [dataclasses.replace(HEIGHT, formula=seven), columns[1]],
-        [HEIGHT, dataclasses.replace(columns[1], formula=unwritten_otherwise)],
-    ):
-        with pytest.raises(tt.InputError, match="must be one that the run was made with"):
-            tt.resume(place, until=0.2, columns=other)
-    assert before == {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
-    assert tt.resume(place, until=0.2, columns=columns).trajectory.height.size == 5
 
 
 def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> None:

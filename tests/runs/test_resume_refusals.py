@@ -39,20 +39,6 @@ def store(half: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return Path(shutil.copytree(half, tmp_path / "run.zarr"))
 
 
-def test_a_damaged_chunk_is_said_on_resume(store: Path) -> None:
-    chunk = store / "trajectory" / "theta" / "c.1"
-    whole = chunk.read_bytes()
-    for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
-        chunk.write_bytes(damage)
-        with pytest.raises(
-            StoreError, match=r"must be a whole store, but is damaged: a chunk of `trajectory/"
-        ):
-            resuming.resume(store)
-    chunk.unlink()
-    with pytest.raises(StoreError, match="is damaged"):
-        resuming.resume(store)
-
-
 def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) -> None:
     place, tail = store / LEDGER, store / state_of(store).tail
     kept, rows = place.read_bytes(), tail.read_bytes()

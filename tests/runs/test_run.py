@@ -16,7 +16,7 @@ from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
-from tippetop.runs import attributes, integration, starting
+from tippetop.runs import integration, starting
 from tippetop.runs.run import solve
 
 
@@ -60,28 +60,6 @@ def test_neither_rows_nor_events_change_the_run() -> None:
         assert all(a.tobytes() == b.tobytes() for a, b in columns)
     rows = solve(load(until=6.5, times=np.linspace(0, 6.5, 100_001))).rows
     np.testing.assert_array_equal(rows[-1], plain.rows[-1])
-
-
-def test_a_run_reports_the_same_if_nothing_is_kept() -> None:
-    problem = load(until=6.5, times=np.linspace(0, 6.5, 1001))
-    kept, dropped = solve(problem), solve(problem, keep=False)
-    assert dropped.report == kept.report
-    assert dropped.final.tobytes() == kept.final[: len(dropped.final)].tobytes()
-    assert len(kept.rows) == 1001
-    assert len(dropped.rows) == len(dropped.times) == len(dropped.events.time) == 0
-
-
-def test_a_run_that_keeps_nothing_does_not_integrate_the_orientation() -> None:
-    """Its `problem` says what was integrated, and so do the attributes."""
-    problem = load("initial.psi=0.3", until=0.1)
-    done = solve(problem, keep=False)
-    turning = [integral.name for integral in problem.form.orientation.integrals]
-    assert turning
-    assert [*done.problem.variables.names, *turning] == list(problem.variables.names)
-    attrs = attributes.attributes(done.progress)
-    assert attrs["run"]["orientation"] is False
-    assert list(attrs["final_state"]) == list(done.problem.variables.names)
-    assert solve(problem).problem is problem
 
 
 def test_integrals_never_control_the_step() -> None:

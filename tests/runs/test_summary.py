@@ -83,28 +83,6 @@ def test_what_cannot_invert_ends_at_an_angle() -> None:
         )  # a cylinder has none, whatever it passes
 
 
-@pytest.mark.parametrize(
-    ("counts", "band", "sentence"),
-    [
-        ((0, 0), (None, None), "none logged"),
-        ((9, 9), (0.125, 2.5), "9 logged, at theta between 0.125 and 2.5 rad"),
-        (
-            (9, 7),
-            (0.125, 2.5),
-            "7 logged, at theta between 0.125 and 2.5 rad; 2 more below the rounding floor",
-        ),
-        ((3, 0), (None, None), "0 logged; 3 more below the rounding floor"),
-    ],
-)
-def test_turnings_are_counted_and_noise_apart(counts: tuple, band: tuple, sentence: str) -> None:
-    found = text(
-        "turning angles",
-        event_counts={"turning": counts[0], "turning_significant": counts[1]},
-        nutational_band={"theta_min": band[0], "theta_max": band[1]},
-    )
-    assert found == sentence
-
-
 def test_a_force_is_said_in_newtons_and_in_weights() -> None:
     """What is zero within rounding is zero, without a sign."""
     force = {"min": 0.05, "max": 0.3, "weight": 0.2}

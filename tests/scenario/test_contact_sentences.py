@@ -36,22 +36,16 @@ def sentences(changes: dict[str, Any]) -> list[str]:
     [
         ({"contact.e_n": 1.2}, ["`contact.e_n`", "1.2"]),
         ({"contact.restitution": "elastic"}, ["`contact.restitution`", "'newton'", "'elastic'"]),
-        ({"contact.e_t": 0.5}, ["contact.e_t", "e_n"]),
         ({"contact": 3}, ["`contact` must be a table"]),
-        ({"stem": {"r": 0.004}}, ["`stem.h` must be given"]),
-        ({"stem": {"r": 0.0, "h": 0.03}}, ["`stem.r`", "greater than 0"]),
         ({"stem": {"r": 0.03, "h": 0.03}}, ["`stem.r` must be smaller than parameters.R = 0.02"]),
         (
             {"stem": {"r": 0.004, "h": 0.01}},
             ["`stem.h` must exceed R - r = 0.016", "never touches"],
         ),
-        ({"stem": {"r": 1e-300, "h": 0.03}}, ["`stem.r` must be greater than 1e-09 parameters.R"]),
-        ({"stem": {"r": 0.004, "h": 1e300}}, ["`stem.h` must be less than 1e+06 parameters.R"]),
         (
             {"friction.eps": 0.01, "contact": None, "run.on_liftoff": "stop"},
             ["`initial.gap` requires a contact that may open"],
         ),
-        ({"initial.gap": 1e300}, ["`initial.gap` must be at most 1e+06 times the body"]),
         (
             {"friction": {"law": "contensou", "mu": 0.3, "patch": 1.9e-7}},
             ["1.9e-07. A smaller disc slides as a point"],
@@ -62,15 +56,9 @@ def sentences(changes: dict[str, Any]) -> list[str]:
             ["`friction.mu_static` must be less than 1.4595", "Painleve"],
         ),
         (
-            {"friction": {**STRIBECK, "mu_static": 1.4, "mu_r": "5 mm"}},
-            ["`friction.mu_r` must be less than "],
-        ),
-        (
             {"initial.nu_z": -1e4},
             ["`initial.nu_z` must be within 626.", "fall from 1e+06 times the body", "-10000."],
         ),
-        ({"initial.gap": -3e-4}, ["`initial.gap` must be", "-0.0003"]),
-        ({"run.on_liftoff": "continue"}, ['`run.on_liftoff` must be "fly" or "stop"']),
         ({"run.events": ["landing"]}, ["`run.events`", "impact", "'landing'"]),
         ({"system": "rolling-tippe-top", "friction": None}, ["`contact` must be of a tippe-top"]),
     ],

@@ -1,7 +1,6 @@
 """`form = "auto"`: the cheapest form that is regular everywhere."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +8,8 @@ import pytest
 import tippetop as tt
 from tippetop.mechanics.contact.gliding import AWAY_FROM_POLE
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.runs import recording, starting
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
-from tippetop.store import root
 
 
 def test_auto_is_the_default_and_an_explicit_form_wins() -> None:
@@ -56,13 +53,3 @@ def test_the_azimuth_is_as_exact_as_theta() -> None:
         for precision in ("double", "longdouble")
     )
     np.testing.assert_allclose(axis, wide, rtol=0, atol=1e-13)
-
-
-def test_the_store_names_the_form(tmp_path: Path) -> None:
-    """A resumed run takes what the store names."""
-    for name, sets in (("contact", []), ("vector", ["form=vector"])):
-        store = tmp_path / f"{name}.zarr"
-        recording.record(starting.load("rolling", sets, 0.05), store)
-        attrs = root.attributes(store)
-        assert attrs["form"] == name
-        assert build.problem(build.tables_of(attrs)).form.name == name

@@ -60,18 +60,6 @@ def test_mujoco_tutorial_stays_upright_under_exact_coulomb_friction() -> None:
     assert events["theta"].max() == pytest.approx(0.002943501, abs=1e-9)
 
 
-def test_flying_lifts_off_when_the_top_that_stops_there_does() -> None:
-    flying = Run(solve(load("flying", until=5.0))).datasets()
-    stopped = solve(load("inverting", ["initial.omega3=300.0"]))
-    assert stopped.status is Status.LIFTOFF
-    events = flying["events"]
-    liftoffs = events["time"].values[flagged(events["kind"], "liftoff")]
-    assert liftoffs[0] == pytest.approx(stopped.report["t_end"], abs=1e-11)
-    assert len(liftoffs) > 1
-    assert len(flying["impacts"]["time"]) == flagged(events["kind"], "impact").sum() > 0
-    assert flying["impacts"]["work"].max() < 0
-
-
 def test_every_system_has_a_preset() -> None:
     assert {load(name).system.name for name in presets()} == set(SYSTEMS)
 

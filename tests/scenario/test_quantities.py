@@ -55,7 +55,6 @@ def test_parameters_are_products_of_others() -> None:
     [
         ("2/5*m*R", "be in kg m2, but .* is in kg m"),
         ("m*R^2 + R", "add numbers of one unit"),
-        ("m/m", "be in kg m2, but .* is in 1"),
         ("R^-2", "is in m-2"),
     ],
 )
@@ -84,14 +83,10 @@ def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
         ("(((((((9^12)^12)^12)^12)^12)^12)^12)", "numbers of at most 65536 bits"),
         ("*".join(["((9^12)^12)^12"] * 13), "numbers of at most 65536 bits"),
         ("__import__('os').getpid()", "must be a number, arithmetic"),
-        ("m.real", "must be a number, arithmetic"),
-        ("", "must be a number, arithmetic"),
         ("(" * 150, "must be a number, arithmetic"),
         ("1" * 201, "at most 200 characters"),
-        ("1e400", "in the range of a double"),
         ("1e99999999", "in the range of a double"),  # this took minutes
         ("1 kg*m**9**9**9", "is not a unit"),
-        ("1 kg)", "must be a number, arithmetic"),  # was an error of pint
     ],
 )
 def test_what_is_no_number_is_a_sentence(text: str, words: str) -> None:
@@ -112,9 +107,7 @@ def test_hertz_could_be_turns_or_radians() -> None:
         ("5 deg 30 arcmin", RADIAN),  # was their product: 2.6e-56
         ("10 %", RADIAN),
         ("20 deg", ONE),
-        ("0.3 rad m", METRE),
         ("155 Bq", RADIAN_PER_SECOND),
-        ("155 rad^2/s", RADIAN_PER_SECOND),
     ],
 )
 def test_an_angle_is_no_pure_number(text: str, unit: Unit) -> None:

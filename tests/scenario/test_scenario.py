@@ -24,7 +24,6 @@ def sentences(*assignments: str) -> str:
     ("assignment", "said"),
     [
         ("parameters.alpha=0.0", "`parameters.alpha` must be other than 0.0, but is 0.0."),
-        ("parameters.m=nan", "`parameters.m` must be a finite number, but is nan."),
         ("parameters.I3=7e-6", "`parameters.I3` must be at most 2*I1"),
         (
             "parameters.gama=1",
@@ -32,31 +31,22 @@ def sentences(*assignments: str) -> str:
         ),
         ("friction.mu=-0.1", "`friction.mu` must be at least 0.0, but is -0.1."),
         ("friction.law=mixed", "`friction.eps` must be given, but is missing (numbers of another"),
-        ("friction.law=glue", "`friction.law` must be one of viscous"),
-        ("friction={}", "`friction.law` must be one of"),
         ("initial.theta=3.2", "`initial.theta` must be at most 3.14"),
         ("initial.psi_dot=1.0", "`initial.psi_dot` must be given alone"),
-        ("initial.mass=1", "unknown key `initial.mass`. The keys of `initial` are"),
         ("initial.mu=0.2", "unknown key `initial.mu`; did you mean `friction.mu`?"),
         (
             "friction.eps=1e-3",
             "unknown key `friction.eps`: it belongs to law = 'coulomb' or 'mixed' or "
             "'stribeck'. The",
         ),
-        ("friction.e_n=0.5", "unknown key `friction.e_n`; did you mean `contact.e_n`?"),
         ("system=tippetop", "but is 'tippetop'. Did you mean `tippe-top`?"),
         ("run.until=0", "`run.until` must be greater than 0"),
         ("run.events=['eclipse']", "`run.events` must be of turning"),
-        ("run.output_step=1e-13", "`run.output_step` must give at most"),
         (
             "run.precision=half",
             "`run.precision` must be 'double', 'longdouble' or 'quad', but is 'half'.",
         ),
-        ("system=pendulum", "`system` must be one of tippe-top"),
         ("form=angle", "`form` must be 'auto', 'vector' or 'euler', but is 'angle'."),
-        ("initial.omega3=1e200", "must stay finite together"),
-        ("nonsense", "--set must be table.key=value, but is `nonsense`."),
-        ("run.until=[", "--set run.until must be given a TOML value"),
     ],
 )
 def test_a_fault_gets_its_sentence(assignment: str, said: str) -> None:

@@ -108,18 +108,6 @@ def test_flags_are_set_in_any_row_until_the_end(tmp_path: Path) -> None:
 # --- reading ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rows", [1, 8, 13, 45, 100])
-def test_pieces_make_the_whole(rows: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chunks, "BLOCK", rows)
-    whole(tmp_path / "a")
-    found = list(chunks.pieces(tmp_path / "a", "trajectory", ["time", "axis"]))
-    assert all(set(piece) == {"time", "axis"} for piece in found)
-    assert all(len(piece["time"]) == rows for piece in found[:-1])
-    np.testing.assert_array_equal(
-        np.concatenate([piece["axis"] for piece in found]), columns()["axis"].values
-    )
-
-
 @pytest.mark.parametrize(("count", "most"), [(1000, 2000), (1000, 100), (999, 10), (1001, 500)])
 def test_a_thin_reading_keeps_the_extremes_of_every_bin(
     count: int, most: int, tmp_path: Path, rng: np.random.Generator

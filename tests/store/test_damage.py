@@ -56,12 +56,8 @@ def of_theta(edit: Callable[[dict[str, Any]], Any]) -> Callable[[list[dict[str, 
 
 FORGED: dict[str, Callable[[list[dict[str, Any]]], Any]] = {
     "no attributes": lambda r: r[0].pop("attributes"),
-    "no members": lambda r: r[0].pop("members"),
     "a shape of another kind": of_theta(lambda d: d.update(shape=3)),
-    "no grid": of_theta(lambda d: d.update(chunk_grid=None)),
-    "no key": of_theta(lambda d: d.pop("chunk_key_encoding")),
     "rows of another table": lambda r: r[1].update(rows={"other": 3}),
-    "chunks of another table": lambda r: r[1].update(chunks={"other/0": "0" * 16}),
     "more rows than chunks": lambda r: r[1]["rows"].update(trajectory=10**15),
     "a path outside": lambda r: r[0]["tables"]["trajectory"].append("../x"),
 }

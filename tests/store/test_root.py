@@ -1,7 +1,6 @@
 """What a store is: ours or not, of which format, finished or not; and how a new one comes to be."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -122,21 +121,4 @@ def test_a_new_store_appears_whole_or_not_at_all(tmp_path: Path) -> None:
         stopped(target)
     assert list(tmp_path.iterdir()) == []
     made(target)
-    assert list(tmp_path.iterdir()) == [target]
-
-
-def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(
-    tmp_path: Path,
-) -> None:
-    target = made(tmp_path / "a.zarr", title="old")
-    with pytest.raises(StoreError, match="must not exist yet"):
-        stopped(target)
-    with pytest.raises(Stop):
-        stopped(target, overwrite=True)
-    assert root.attributes(target)["title"] == "old"
-    made(tmp_path / "b.zarr", title="new")
-    with root.new_store(target, overwrite=True) as scratch:
-        shutil.copytree(tmp_path / "b.zarr", scratch, dirs_exist_ok=True)
-    shutil.rmtree(tmp_path / "b.zarr")
-    assert root.attributes(target)["title"] == "new"
     assert list(tmp_path.iterdir()) == [target]

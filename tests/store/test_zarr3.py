@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 import zarr
 from stores import files
 
@@ -101,19 +100,6 @@ def test_chunks_are_those_of_zarr_and_documents_are_equal(
             assert json.loads(ours[name]) == json.loads(theirs[name]), name
         else:
             assert ours[name] == theirs[name], name
-
-
-@pytest.mark.filterwarnings("error")
-def test_xarray_and_zarr_read_it_without_a_keyword(
-    written: dict[str, Column], tmp_path: Path
-) -> None:
-    found = xr.open_zarr(tmp_path / "ours", group="group").load()
-    root: Any = zarr.open_group(tmp_path / "ours", mode="r")
-    assert set(found.variables) == set(root["group"].keys()) == written.keys()
-    for name, column in written.items():
-        assert found[name].dims == column.dims
-        np.testing.assert_array_equal(found[name].values, column.values)
-        np.testing.assert_array_equal(root["group"][name][:], column.values)
 
 
 def test_what_zarr_encodes_is_decoded(written: dict[str, Column], tmp_path: Path) -> None:

@@ -74,22 +74,6 @@ def test_the_table_is_what_the_columns_count() -> None:
         np.testing.assert_array_equal(counts, tops[column])
 
 
-def test_the_last_settled_of_a_top_is_significant_as_in_its_run() -> None:
-    """Sliding dies out in the first top, but not in the second."""
-    given = {"start": {"theta": 0.02}, "until": 20.0, "events": ["settled"]}
-    law = {"mu": 1.0}
-    found = tt.dataframe(
-        tt.ensemble("inverting", {"omega3": [20.0, 150.0]}, law, event_table=True, **given)[1]
-    )
-    for top, spin in enumerate([20.0, 150.0]):
-        start = {**given["start"], "omega3": spin}
-        run = tt.run("inverting", law, **{**given, "start": start})
-        expected, its = tt.dataframe(run.events), found[found.top == top]
-        assert its.significant.tolist() == expected.significant.tolist()
-        assert expected.significant.sum() == (top == 0)
-        np.testing.assert_allclose(its.time, expected.time, rtol=1e-6)
-
-
 def test_invalid_tops_and_tops_without_events_have_no_rows() -> None:
     numbers = {"omega3": [np.nan, 155.0, 155.0], "until": [1.0, 1e-4, 1.0]}
     events = tt.ensemble("inverting", numbers, event_table=True)[1]

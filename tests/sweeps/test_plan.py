@@ -156,33 +156,16 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
     ("document", "words"),
     [
         ({"axis": []}, "`axis` must have at least 1 item"),
-        ({}, "`axis` must be given"),
         (
             {"axis": [OMEGA], "kep": []},
             "unknown key `kep`; did you mean `keep`? The keys are scenario, set, axis",
         ),
-        (
-            {"axis": [{"of": "friction.mu", "values": []}]},
-            "`axis.1.values` must have at least 1 item",
-        ),
-        ({"axis": [{"of": "friction.mu", "values": ["a"]}]}, "`axis.1.values.0` must be a number"),
         ({"axis": [OMEGA, {"of": "friction.mu"}]}, "`axis.2` must have one of values, linspace"),
         ({"axis": [{**OMEGA, "linspace": [1, 2]}]}, "but has values and linspace"),
         ({"axis": [{"of": "friction.mu", "linspace": [1, 2]}]}, "`axis.1.n` must be given"),
-        (
-            {"axis": [{"of": "friction.mu", "linspace": [1, 2], "n": 0}]},
-            "`axis.1.n` must be at least 1",
-        ),
         ({"axis": [{**OMEGA, "n": 3}]}, "`axis.1.n` must be given"),
-        ({"axis": [{**OMEGA, "log": True}]}, "`axis.1.log` requires between"),
-        ({"axis": [{"of": "friction.mu", "geomspace": [0, 2], "n": 3}]}, "two ends of one sign"),
         ({"axis": [{**DRAWN, "between": [2, 1]}]}, "`axis.1.between` must ascend"),
-        ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 8}}, "`sample.seed` must be given"),
         ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 9, "seed": 1}}, "power of two"),
-        (
-            {"axis": [DRAWN], "sample": {"method": "halton", "n": 8, "seed": 1}},
-            "'random', 'sobol' or",
-        ),
         (
             {"axis": [OMEGA], "sample": {"method": "sobol", "n": 8, "seed": 1}},
             "must have an axis with `between`",
@@ -193,14 +176,9 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             "`initial.spin` must be one of sigma, gamma, lambda, ",
         ),
         (
-            {"axis": [OMEGA, {"of": "lambda", "values": [1]}]},
-            "`lambda` must vary alone, but `initial.omega3`",
-        ),
-        (
             {"axis": [{"of": "lambda", "values": [1]}], "scenario": "gliding-heavy-top"},
             "must be an axis of tippe-top",
         ),
-        ({"axis": [OMEGA], "scenario": "nowhere"}, "`nowhere` is neither a TOML file nor a preset"),
         (
             {"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}},
             "`frict`; did you mean `friction`?",
@@ -209,7 +187,6 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             {"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}},
             "must not be given in a plan",
         ),
-        ({"axis": [OMEGA], "keep": ["colour"]}, "`keep` must be of status, class, "),
         ({"axis": [OMEGA], "runs": [1]}, "`runs` must be numbers of tops, 0 to 0, but has 1"),
         (
             {"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]},
@@ -218,10 +195,6 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         (
             {"axis": [{**GRID[0], "n": 10**5}, {**GRID[1], "n": 10**5}]},
             "at most 1e+09 tops, but makes 1e+10",
-        ),
-        (
-            {"axis": [{**GRID[0], "n": 10**9}]},
-            "`axis.1.n` must be less than or equal to 10000000, but is 1000000000",
         ),
     ],
 )

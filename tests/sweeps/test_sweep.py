@@ -2,7 +2,6 @@
 
 import json
 import resource
-import shutil
 import signal
 import subprocess
 import sys
@@ -81,23 +80,6 @@ def test_gridded_has_the_axes_as_dimensions(whole: Path) -> None:
         one = table.isel(top=top)
         place = {key: float(one[key]) for key in grid.dims}
         assert float(grid["theta_end"].sel(place)) == float(one["theta_end"])
-
-
-@pytest.mark.parametrize("damage", ["chunk", at_night("metadata")])
-def test_a_damaged_run_of_a_sweep_is_made_again(
-    damage: str, whole: Path, file: Path, tmp_path: Path
-) -> None:
-    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    column = store / "runs" / "5" / "trajectory" / "theta"
-    if damage == "chunk":
-        content = bytearray((column / "c.0").read_bytes())
-        content[len(content) // 2] ^= 1
-        (column / "c.0").write_bytes(content)
-    else:
-        (column / "zarr.json").unlink()
-        assert typed(f"info {store}") == 5
-    assert typed(f"sweep {file} --out {store} --workers 1") == 0
-    assert_same(store, whole)
 
 
 # --- what interrupts it -------------------------------------------------------------------------

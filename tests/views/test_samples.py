@@ -33,19 +33,6 @@ def attitudes(times: np.ndarray, kept: np.ndarray, at: np.ndarray) -> np.ndarray
     return spacing.attitude(*ends, h, (at - times[i]) / h)
 
 
-def test_between_samples_the_attitude_is_that_of_the_run(inverting: tt.Run) -> None:
-    """Also where only a few hundred are kept, and the top turns several times around between two of
-    them.
-    """
-    table, at = rows(inverting), np.sort(np.random.default_rng(1).uniform(0, 6.5, 400))
-    exact = tt.run("inverting", until=6.5, output_times=at).trajectory.orientation.values[: len(at)]
-    whole = samples.samples(table, inverting.attributes)
-    assert angle_between(attitudes(table["time"], whole, at), exact).max() < np.radians(0.01)
-    keep = spacing.chosen(table["time"], whole, 300)
-    assert 300 < len(keep) < 2500
-    assert angle_between(attitudes(table["time"][keep], whole[keep], at), exact).max() < FIFTH
-
-
 def test_rows_that_are_too_far_apart_are_named() -> None:
     page = tt.run("inverting", until=2.0, output_step=0.05).view()
     assert "rows are far apart" in page.text

@@ -1,4 +1,4 @@
-"""The variational equations: derivatives of motions along directions in the space of all numbers.
+"""Compile the variational equations: derivatives of motions along directions of the input numbers.
 
 The formulas are those of the run; their operands are expressions with derivatives. A number and its
 direction are parameters of the compiled functions, so that one integrator serves every direction,
@@ -57,7 +57,7 @@ def compiled_flow(
 def expressions_of(
     system: System, variables: Variables, state: Sequence[Any], body: Any
 ) -> dict[str, Any]:
-    """Return functions of the state by name: columns, axes of the body."""
+    """Return columns and axes of the body, as functions of the state."""
     form = variables.form
     q, carried = variables.split(state)
     values = observed(system, form, q, carried, body)

@@ -5,7 +5,6 @@ they never make energy.
 import itertools
 from typing import Any
 
-import heyoka as hy
 import numpy as np
 import pytest
 from nightly import at_night
@@ -16,7 +15,6 @@ from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.restitution import RESTITUTIONS
 from tippetop.mechanics.contact.uniqueness import painleve_bound
 from tippetop.mechanics.friction import SetValued
-from tippetop.mechanics.operand import leaves, refill
 
 
 BALL = Touch(1.0, 1.0, 0.3, 131 / 350, 0.4, 1.0, SetValued(0.3))
@@ -53,25 +51,6 @@ def balanced(v: tuple, K: Any, made: Any) -> None:
     np.testing.assert_allclose(np.subtract(after, v), jump, rtol=0, atol=1e-14 * size)
     scale = np.dot(np.abs(p), np.abs(v) + np.abs(after))
     assert made.energy == pytest.approx(gained(v, made), rel=0, abs=1e-13 * scale)
-
-
-def test_impacts_have_the_digits_of_34(rng: np.random.Generator) -> None:
-    """The same motion fed with more digits."""
-    compared: set[str] = set()
-    while compared != {"slip", "stick", "reverse"}:
-        v, theta, mu, ball = random_impact(rng)
-        v = (v[0], v[1] * 10 ** rng.uniform(-12, 0), 3 * v[2])
-        made = hit(v, theta, mu, 0.6, ball=ball)
-        if made.mode in compared:
-            continue
-        b = ball._replace(friction=SetValued(mu), clearance=0.0, lever=0.0)
-        b = refill(b, map(hy.real128, leaves(b)))
-        s, z, *v128 = map(hy.real128, (np.sin(theta), np.cos(theta), *v))
-        exact = struck(v128, s, z, b, hy.real128(0.6), precision="quad")
-        assert exact.mode == made.mode or made.mode == "reverse"  # or it swings round
-        for name in ("v_e", "v_2", "v_n", "p_e", "p_2", "p_z", "work_n", "work_t"):
-            assert float(abs(getattr(made, name) - getattr(exact, name))) < 1e-13 * max(map(abs, v))
-        compared.add(made.mode)
 
 
 def test_an_impact_that_stops_is_that_of_the_rates_and_then_straight(

@@ -3,16 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 from touching import LEINE_GLOCKER, ROCKING
 
-from tippetop.engine.status import Status
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
 
 LAW = {"law": "contensou", "mu": 0.3, "patch": 2e-3}
-REST = 4  # the number of the phase
 
 
 def scenario(until=1.0, friction=LAW, parameters=LEINE_GLOCKER, run=None, **tables):
@@ -28,28 +25,6 @@ def columns_of(done):
     c = SimpleNamespace(**{name: column.values for name, column in done.columns().items()})
     c.turn = c.omega3 * np.cos(c.theta) + c.phi_dot * np.sin(c.theta) ** 2
     return c
-
-
-@pytest.mark.parametrize("mu_r", [0.0, 1e-5])
-def test_a_disc_at_rest_rolls_without_turning(mu_r):
-    """Only rolling resistance takes energy; the balances count the impulse that brings
-    it to rest.
-    """
-    done = solve(
-        scenario(
-            friction=LAW | {"mu_r": mu_r}, initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}
-        )
-    )
-    assert done.status is Status.FINISHED
-    assert max(done.report["drift"].values()) < 1e-13
-    assert done.report["contact_phases"]["counts"] == {"slip": 1, "rest": 1}
-    c = columns_of(done)
-    rests = c.phase == REST
-    assert np.abs(c.turn[rests]).max() < 1e-13
-    assert np.hypot(c.nu_x, c.nu_y)[rests].max() < 1e-15
-    falls = -np.diff(c.energy[rests]) / c.energy[0]
-    assert falls.min() > (1e-7 if mu_r else -1e-15)
-    assert falls.max() < (1e-3 if mu_r else 1e-15)
 
 
 def test_a_disc_gives_way_where_friction_can_no_longer_hold_it():

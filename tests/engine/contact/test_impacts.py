@@ -58,7 +58,7 @@ def test_a_law_that_is_too_stiff_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize(
     ("precision", "digits"), [("longdouble", 1e-18), pytest.param("quad", 1e-32)]
 )
-@pytest.mark.parametrize("law", [Coulomb(0.3, 0.1), DISC.friction, Viscous(0.3)])
+@pytest.mark.parametrize("law", [Coulomb(0.3, 0.1), SetValued(0.3), DISC.friction, Viscous(0.3)])
 def test_an_impact_has_the_digits_of_its_numbers(precision: str, digits: float, law: Any) -> None:
     """Slip across the lean decays exponentially with the normal impulse of a viscous law."""
     number = {"longdouble": np.longdouble, "quad": hy.real128}[precision]

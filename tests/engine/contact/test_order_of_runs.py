@@ -11,7 +11,7 @@ import tippetop as tt
 from tippetop.mechanics.operand import formula
 
 
-SEEDS = range(5)
+SEEDS = range(2, 5)
 
 
 def scenario(seed: int) -> dict:

@@ -1,27 +1,22 @@
-"""Runs of bodies with an outline: against multi-precision references, own Newton and Euler, closed
-forms, and the tippe top.
+"""Runs of bodies with an outline: against multi-precision references, closed forms, and the tippe
+top; `test_surroundings.py` has them against Newton and Euler.
 """
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import laws
 import numpy as np
 import pytest
 from nightly import at_night
-from scipy.integrate import solve_ivp
 
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
-from tippetop.runs.certificate import certificate_violations
 
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "outlines.json").read_text())
 EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0.0, I1=1.56e-5, I3=9.6e-6, g=9.81)
 JUMPS = {"theta": 1.5, "phi_dot": 190.0}
-UP = np.array([0.0, 0.0, 1.0])
 
 
 # --- references ---------------------------------------------------------------------------------
@@ -73,96 +68,7 @@ def test_every_phase_keeps_its_balance(law: Any, precision: str) -> None:
     assert run.drift["energy_balance"] < (1e-14 if precision == "double" else 1e-16)
 
 
-# --- own Newton and Euler -----------------------------------------------------------------------
-
-
-def own_rates(y: np.ndarray, b: Any, k: Callable) -> np.ndarray:
-    """Return the rates of axis, angular momentum and velocity, with F = N (zhat - k v_A)."""
-    u, L, V = y.reshape(3, 3)
-
-    def turning(u: np.ndarray, L: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return L / b.I1 + (1 / b.I3 - 1 / b.I1) * (L @ u) * u, laws.arm_of(u, UP, b)
-
-    omega, arm = turning(u, L)
-    v = V + np.cross(omega, arm)
-    push = UP - k(np.hypot(v[0], v[1])) * v * (1 - UP)
-
-    def rates(N: float) -> np.ndarray:
-        F = N * push
-        return np.array([np.cross(omega, u), np.cross(arm, F), F / b.m - b.g * UP])
-
-    def lift(N: float) -> float:
-        du, dL, dV = 1j * laws.STEP * rates(N)
-        return np.imag(V + dV + np.cross(*turning(u + du, L + dL)))[2] / laws.STEP
-
-    return rates(-lift(0.0) / (lift(1.0) - lift(0.0))).ravel()
-
-
-def random_body(rng: np.random.Generator) -> Any:
-    """Return a spheroid or a disc of a few centimetres."""
-    m, a, b = 0.05, *rng.uniform(0.01, 0.04, 2)
-    I3 = m * b * b * rng.uniform(0.3, 0.6)
-    numbers = {"m": m, "c": 0.2 * b * rng.normal(), "I3": I3, "I1": I3 * rng.uniform(0.6, 1.5)}
-    if rng.random() < 0.5:
-        return tt.Spheroid(a=a, b=b, g=9.81, **numbers)
-    return tt.Disc(ring=b, tube=0.1 * a, g=9.81, **numbers)
-
-
-@pytest.mark.parametrize("law", [tt.friction.Viscous(mu=0.5), tt.friction.Coulomb(mu=0.2)])
-@pytest.mark.parametrize("count", [6, at_night(50)])
-def test_random_bodies_move_as_newton_and_euler_say(
-    law: Any, count: int, rng: np.random.Generator
-) -> None:
-    """Under Coulomb's law itself they slide as long as this lasts."""
-    k = {"Viscous": lambda v: law.mu}.get(type(law).__name__, lambda v: law.mu / v)
-    for _ in range(count):
-        top, until = random_body(rng), 0.02
-        start = dict(zip(("theta_dot", "phi_dot", "omega3"), rng.normal(size=3) * 5, strict=True))
-        start |= {"theta": rng.uniform(0.6, 1.4), "nu_x": 1.0, "nu_y": 1.0}
-        run = tt.run(top, law, start=start, until=until, output_step=until, on_liftoff="fly")
-        if run.phases.sizes["interval"] > 1:
-            continue
-        rows = run.trajectory
-        u, L = rows.axis.values, rows.L.values
-        b = run.problem.body()
-        omega = L[0] / b.I1 + (1 / b.I3 - 1 / b.I1) * (L[0] @ u[0]) * u[0]
-        V = np.array([1.0, 1.0, 0.0]) - np.cross(omega, laws.arm_of(u[0], UP, b))
-        y = np.concatenate([u[0], L[0], V])
-        options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-16}
-        end = solve_ivp(lambda t, y, b=b: own_rates(y, b, k), (0, until), y, **options).y[:, -1]
-        np.testing.assert_allclose(u[-1], end[:3], rtol=0, atol=1e-11)
-        np.testing.assert_allclose(L[-1], end[3:6], rtol=0, atol=1e-11 * np.abs(L).max())
-
-
 # --- closed forms -------------------------------------------------------------------------------
-
-
-def test_an_egg_on_its_side_rocks_as_a_pendulum() -> None:
-    """In pure rolling: omega^2 = m g (a^2/b - b)/(I1 + m b^2)."""
-    start = {"theta": np.pi / 2 + 1e-5, "omega3": 0.0}
-    times = tt.run(EGG, start=start, until=2.0, events=["equator"]).events.time.values
-    e = EGG
-    omega = np.sqrt(e.m * e.g * (e.a**2 / e.b - e.b) / (e.I1 + e.m * e.b**2))
-    np.testing.assert_allclose(np.diff(times), np.pi / omega, rtol=1e-8)
-
-
-def test_a_sharp_disc_rolls_steadily() -> None:
-    """I1 phi'^2 cos(theta) = (I3 + m r^2) phi' omega_3 + m g r cot(theta)."""
-    coin = tt.Disc(m=0.01, ring=0.02, tube=0.0, c=0.0, I1=1e-6, I3=2e-6, g=9.81)
-    theta, phi_dot, r = 1.1, 12.0, coin.ring
-    drive = coin.I1 * phi_dot**2 * np.cos(theta) - coin.m * coin.g * r / np.tan(theta)
-    omega3 = drive / ((coin.I3 + coin.m * r**2) * phi_dot)
-    rolls = tt.run(coin, start={"theta": theta, "phi_dot": phi_dot, "omega3": omega3}, until=2.0)
-    np.testing.assert_allclose(rolls.trajectory.theta, theta, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("top", [EGG, tt.Disc(0.01, 0.02, 1e-3, 1e-3, 1e-6, 2e-6, 9.81)])
-def test_without_friction_two_momenta_stay(top: Any) -> None:
-    start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 30.0, "theta_dot": 1.0}
-    rows = tt.run(top, tt.friction.Frictionless(), start=start, until=0.5).trajectory
-    L3 = (rows.L.values * rows.axis.values).sum(axis=1)
-    for momentum in (L3, rows.L.values[:, 2]):
-        np.testing.assert_allclose(momentum, momentum[0], rtol=1e-13)
 
 
 def test_a_disc_that_falls_flat_ends_by_an_event() -> None:
@@ -198,44 +104,6 @@ def test_a_disc_that_lies_nearly_flat_keeps_its_balance(law: Any, options: dict[
 # --- the tippe top ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("form", ["vector", "euler"])
-@pytest.mark.parametrize("law", [None, tt.friction.Viscous(mu=0.3)])
-def test_a_round_spheroid_is_the_tippe_top(law: Any, form: str) -> None:
-    assert_tippe_top(law, {"theta": 0.1, "omega3": 155.0}, form=form)
-
-
-@pytest.mark.parametrize(
-    "law", [tt.friction.Coulomb(mu=0.3), tt.friction.Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)]
-)
-def test_a_round_spheroid_strikes_slips_and_rolls_as_the_tippe_top(law: Any) -> None:
-    start = {"theta": 0.5, "omega3": 60.0, "gap": 1e-3}
-    assert_tippe_top(law, start, contact={"e_n": 0.5})
-
-
-def assert_tippe_top(law: Any, start: dict[str, float], **options: Any) -> None:
-    """The same rows of a sphere, as its record and as a spheroid."""
-    numbers = {"m": 0.02, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
-    tops = (
-        tt.TippeTop(R=0.02, alpha=0.3, **numbers),
-        tt.Spheroid(a=0.02, b=0.02, c=0.006, **numbers),
-    )
-    options = {"start": start, "until": 0.5, **options}
-    one, two = (
-        tt.run(top, law, system=top.resting if law is None else None, **options).trajectory
-        for top in tops
-    )
-    for name in ("axis", "L", "energy", "modified_energy", "normal_force", "x", "orientation"):
-        size = np.max(np.abs(one[name].values))
-        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-12 * size)
-
-
-def test_thresholds_of_an_egg_are_those_of_its_regime() -> None:
-    """Upright spin above sqrt(5 g a^3)/b^2 is stable under friction."""
-    found = tt.theory.thresholds("spinning-egg")
-    assert found["spin_upright"].value == pytest.approx(np.sqrt(5 * 9.81 * 0.03**3) / 0.02**2)
-    assert tt.theory.thresholds("rolling-egg")["spin_upright"].value < 50
-
-
 # --- presets ------------------------------------------------------------------------------------
 
 
@@ -262,8 +130,8 @@ def test_the_disc_of_euler_lies_flat_in_the_end() -> None:
     "law",
     [
         tt.friction.Viscous(mu=3.0, mu_r=2e-4, mu_d=2e-4),
-        tt.friction.Contensou(mu=0.3, patch=4e-4, mu_r=4e-4),
-        tt.friction.Coulomb(mu=0.3, mu_r=4e-4, mu_d=2e-4),
+        at_night(tt.friction.Contensou(mu=0.3, patch=4e-4, mu_r=4e-4)),
+        at_night(tt.friction.Coulomb(mu=0.3, mu_r=4e-4, mu_d=2e-4)),
         at_night(tt.friction.Coulomb(mu=0.4, mu_r=5e-4)),
     ],
 )
@@ -276,35 +144,6 @@ def test_a_disc_that_loses_energy_ends_flat(law: Any) -> None:
 
 
 # --- what surrounds a run -----------------------------------------------------------------------
-
-
-def test_a_run_of_jumps_certifies_and_its_end_is_a_start(tmp_path: Path) -> None:
-    law, store = tt.friction.Coulomb(mu=0.1), tmp_path / "a.zarr"
-    run = tt.run(EGG, law, start={**JUMPS, "nu_x": 0.0}, until=0.3, out=store, contact={"e_n": 0.3})
-    begins = tt.run(EGG, law, start=store, until=1e-3, contact={"e_n": 0.3}).trajectory.axis[0]
-    np.testing.assert_array_equal(begins, run.trajectory.axis[-1])
-    assert certificate_violations(run.certify()) == []
-
-
-def test_derivatives_by_the_shape_are_those_of_differences() -> None:
-    law, options = tt.friction.Viscous(mu=1.0), {"start": {"theta": 1.5, "phi_dot": 110.0}}
-    found = tt.derivatives.sensitivities(EGG, ["a"], law, until=0.05, **options)
-    step = 1e-6
-    ends = [
-        tt.run(EGG._replace(a=EGG.a + h), law, until=0.05, **options).trajectory.theta.values[-1]
-        for h in (-step, step)
-    ]
-    by_a = float(found.trajectory.theta.sel(parameter="parameters.a").values[-1])
-    assert by_a == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6)
-
-
-def test_the_ensemble_is_that_of_single_runs() -> None:
-    spins, law = [60.0, 110.0], tt.friction.Viscous(mu=1.0)
-    ends = tt.ensemble(EGG, {"phi_dot": spins}, law, start={"theta": 1.5}, until=1.0).theta_end
-    for spin, end in zip(spins, ends.values, strict=True):
-        start = {"theta": 1.5, "phi_dot": spin}
-        alone = tt.run(EGG, law, start=start, until=1.0).trajectory.theta.values[-1]
-        assert end == pytest.approx(alone, abs=1e-11)
 
 
 @pytest.mark.parametrize(

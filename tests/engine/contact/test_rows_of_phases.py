@@ -37,17 +37,3 @@ def test_the_power_of_friction_is_what_energy_falls_by(
     falls = -CubicSpline(t, columns["energy"].values)(t, 1)
     assert power.min() > 0
     np.testing.assert_allclose(falls[5:-5], power[5:-5], rtol=0, atol=1e-6 * power.max())
-
-
-def test_what_rolls_keeps_its_energy() -> None:
-    """Of which the vertical velocity of the centre of mass is a part."""
-    start = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0, "theta_dot": 3.0}
-    columns = run(
-        LEINE_GLOCKER, friction={"law": "coulomb", "mu": 1.0}, initial=start, until=0.01
-    ).columns()
-    assert (columns["phase"].values == 1).all()
-    energy, theta = columns["energy"].values, columns["theta"].values
-    assert np.ptp(energy) < 1e-13 * energy[0]
-    assert np.ptp(theta) > 0.005
-    assert np.abs(columns["friction_power"].values).max() < 1e-16
-    assert np.abs(columns["nu_z"].values).max() < 1e-15

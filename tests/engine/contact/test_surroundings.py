@@ -1,148 +1,99 @@
-"""Air and a tilted plane: against an own code by Newton and Euler, and closed forms."""
+"""Bodies of every kind on planes of every kind, in air or not: against Newton and Euler in space,
+and closed forms.
+"""
 
-from collections import namedtuple
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import tilted
+from nightly import at_night
 
 import tippetop as tt
-from tippetop import TippeTop
-from tippetop.friction import Contensou
-from tippetop.mechanics.contact import contact_phases as phases
-from tippetop.mechanics.contact.body import (
-    Moving,
-    angular_velocity,
-    arm,
-    axis_rate,
-    contact_velocity,
-    momentum_of,
-    seen_from_balls,
-)
-from tippetop.mechanics.contact.response import around_torque
-from tippetop.mechanics.contact.surroundings import at_present, pushing, rules_of, surrounded_body
-from tippetop.mechanics.disc_friction import rolling
-from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 
 
 QUIET = {"progress": False}
-NOTHING = namedtuple("Nothing", ())()
 
 
-def random_top(seed: int, moves: str = "") -> tuple[dict[str, Any], tilted.Body, Any]:
-    """A top in the air on a tilted plane: its tables, the same for the own code, and its force."""
-    rng = np.random.default_rng(seed)
-    system = ("tippe-top", "gliding-heavy-top", "spheroid", "ellipsoid")[seed % 4]
-    rolls = seed % 8 >= 4 and system != "gliding-heavy-top"
-    m, R, g = 0.02, rng.uniform(0.01, 0.03), 9.81
+KINDS = (tt.TippeTop, tt.HeavyTop, tt.Spheroid, tt.Disc, tt.Ellipsoid)
+PLANES = ("level", "tilted", "vibrating", "turning")
+
+
+def random_top(rng: np.random.Generator, kind: Any) -> Any:
+    """Return a body of some centimetres."""
+    m, R = 0.02, rng.uniform(0.01, 0.03)
     I3 = m * R**2 * rng.uniform(0.3, 0.6)
     I1 = I3 * rng.uniform(0.7, 1.3)
-    inertia: Any = (I1, I1, I3)
-    offset = R * rng.uniform(0.1, 0.3)
-    centre, half, turn = [0, 0, offset], np.full(3, R), 0.0
-    if system == "gliding-heavy-top":
-        body = {"l": R}
-        centre, half = [0, 0, -R], np.zeros(3)
-    elif system == "tippe-top":
-        body = {"alpha": offset / R, "R": R}
-    elif system == "spheroid":
-        body = {"a": 1.3 * R, "b": R, "c": offset}
-        half = np.array([R, R, 1.3 * R])
-    else:
-        turn = 0.3
-        inertia = (I1, 1.2 * I1, I3)
-        body = dict(a=1.4 * R, b=1.2 * R, c=R, delta=turn, x=0.1 * R, y=-0.1 * R, h=offset)
-        body["I2"] = inertia[1]
-        centre, half = [0.1 * R, -0.1 * R, offset], R * np.array([1.4, 1.2, 1.0])
-    body |= {"m": m, "I1": I1, "I3": I3, "g": g}
-    air = {"c1": m * R**2 * rng.uniform(0, 1), "c2": m * R**2 * rng.uniform(0, 0.01)}
-    plane = {"tilt": rng.uniform(-0.2, 0.2), "azimuth": rng.uniform(0, 6)}
-    if moves == "vibration":
-        plane |= {"amplitude": 2e-4, "frequency": 30.0, "phase": rng.uniform(0, 6)}
-    elif moves == "turntable":
-        plane = {"omega": rng.uniform(-20, 20), "x": 0.02, "y": -0.03}
-    initial = {
-        "theta": rng.uniform(0.3, 0.8),
-        "theta_dot": rng.uniform(-2, 2),
-        "phi": rng.uniform(-3, 3),
-        "phi_dot": rng.uniform(-5, 5),
-        "omega3": rng.uniform(40, 90) * rng.choice([-1, 1]),
-        "psi": rng.uniform(-3, 3),
-    }
-    if system == "ellipsoid":  # slow enough to stay on the plane
-        initial |= {"phi_dot": 0.0, "omega3": rng.uniform(2, 8)}
-    tables: dict[str, Any] = {
-        "system": f"rolling-{system}" if rolls else system,
-        "parameters": body,
-        "air": air,
-        "plane": plane,
-        "initial": initial,
-        "run": {"until": 0.2, "output_step": 0.1},
-    }
-    force = tilted.rolling
-    if not rolls:
-        initial |= {"nu_x": rng.uniform(-0.2, 0.2), "nu_y": rng.uniform(-0.2, 0.2)}
-        tables["friction"] = {"law": "coulomb", "mu": 0.3, "eps": 0.05}
-        force = tilted.sliding(lambda v: 0.3 / np.sqrt(v * v + 0.05**2))
-    own = tilted.Body(m, inertia, centre, half, g, **plane, **air, turn=turn)
-    return tables, own, force
+    c = R * rng.uniform(0.1, 0.3)
+    a, b = R * rng.uniform(0.8, 1.5, 2)
+    shape: dict[str, float] = {
+        "TippeTop": {"alpha": c / R, "R": R},
+        "HeavyTop": {"l": R},
+        "Spheroid": dict(a=a, b=b, c=c),
+        "Disc": dict(ring=R, tube=0.2 * R, c=c / 2),
+        "Ellipsoid": dict(a=a, b=b, c=R, delta=a / b, x=c / 2, y=-c / 2, h=c, I2=(I1 + I3) / 2),
+    }[kind.__name__]
+    return kind(m=m, I1=I1, I3=I3, g=9.81, **shape)
 
 
-def differences(one: np.ndarray, other: np.ndarray) -> float:
-    """The largest difference of two states: of place [m], velocity, momentum, axes."""
-    parts = zip(map(np.ravel, tilted.split(one)), map(np.ravel, tilted.split(other)), strict=True)
-    place, velocity, momentum, axes = (abs(a - b).max() for a, b in parts)
-    return max(place, velocity, momentum / abs(other[6:9]).max(), axes)
+def random_surroundings(rng: np.random.Generator, plane: str) -> dict[str, dict[str, float]]:
+    """Return the tables [air] and [plane]."""
+    if plane == "level":
+        return {}
+    air = {"c1": 8e-6 * rng.uniform(0, 1), "c2": 8e-6 * rng.uniform(0, 0.01)}
+    if plane == "turning":
+        return {"air": air, "plane": {"omega": rng.uniform(-20, 20), "x": 0.02, "y": -0.03}}
+    tilted = {"tilt": rng.uniform(-0.2, 0.2), "azimuth": rng.uniform(0, 6)}
+    if plane == "vibrating":
+        tilted |= {"amplitude": 2e-4, "frequency": 30.0, "phase": rng.uniform(0, 6)}
+    return {"air": air, "plane": tilted}
 
 
 @pytest.mark.parametrize(
     "seed",
-    [
-        1,
-        3,
-        4,
-        6,
-        *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2, 5, *range(7, 24))),
+    [  # each kind and each plane, sliding and rolling, and all of that at night
+        *(0, 12, 13, 4, 11, 28, 27, 39, 30, 17),
+        *(at_night(seed) for seed in range(40, 400)),
     ],
 )
-def test_a_top_in_air_on_a_tilted_plane_moves_as_an_own_code_says(seed: int) -> None:
-    tables, b, force = random_top(seed)
-    run = tt.run(tables, **QUIET)
+def test_a_random_body_moves_as_newton_and_euler_say(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    kind, plane, rolls = KINDS[seed % 5], PLANES[seed // 10 % 4], seed // 5 % 2 == 1
+    top, around = random_top(rng, kind), random_surroundings(rng, plane)
+    spins = (2, 8) if kind in (tt.Disc, tt.Ellipsoid) else (40, 90)
+    start = {
+        "theta": rng.uniform(0.4, 0.9),
+        "theta_dot": rng.uniform(-2, 2),
+        "phi": rng.uniform(-3, 3),
+        "phi_dot": rng.uniform(-5, 5),
+        "omega3": rng.uniform(*spins) * rng.choice([-1, 1]),
+        "psi": rng.uniform(-3, 3),
+    }
+    options: dict[str, Any] = {"until": 0.05, "output_step": 0.025, "start": start, **around}
+    law, force = None, tilted.rolling
+    if kind is tt.HeavyTop or not rolls:
+        law = tt.friction.Coulomb(mu=0.3, eps=0.05)
+        force = tilted.sliding(lambda v: 0.3 / np.sqrt(v * v + 0.05**2))
+        start |= {"nu_x": rng.uniform(-0.2, 0.2), "nu_y": rng.uniform(-0.2, 0.2)}
+    elif kind is tt.TippeTop:
+        options["system"] = top.resting
+    run = tt.run(top, law, **options, **QUIET)
     rows = run.trajectory
     last = float(rows.time[-1])  # a heavy top may have fallen before
-    assert last >= 0.1
+    assert last >= 0.025
+    b = tilted.body_of(top, **around.get("air", {}), **around.get("plane", {}))
     _, end = tilted.follow(force, b, tilted.state_of(rows.isel(time=0), b), last)
-    assert differences(tilted.state_of(rows.isel(time=-1), b), end) < 1e-10
-    drift = run.attributes["report"]["drift"]
-    assert drift["energy_balance"] < 1e-13
-    if "tippe-top" in tables["system"]:
-        assert drift["jellett"] < 1e-13
+    assert tilted.differences(rows.isel(time=-1), b, end) < 1e-10, (kind, plane, rolls)
+    assert max(run.drift.get(name, 0.0) for name in ("energy_balance", "energy")) < 1e-13
+    if kind is tt.TippeTop:
+        assert run.drift["jellett"] < 1e-13
 
 
-TOP = dict(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
-OWN = dict(
-    m=0.02, inertia=(2.994e-6, 2.994e-6, 3.2e-6), centre=[0, 0, 0.006], half=[0.02] * 3, g=9.82
-)
-
-
-@pytest.mark.parametrize("moves", ["vibration", "turntable"])
-@pytest.mark.parametrize(
-    "seed", [3, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 2, 6, 7, 8))]
-)
-def test_a_top_on_a_plane_that_moves_moves_as_an_own_code_says(seed: int, moves: str) -> None:
-    tables, b, force = random_top(seed, moves)
-    run = tt.run(tables, **QUIET)
-    rows = run.trajectory
-    last = float(rows.time[-1])
-    assert last >= 0.1
-    _, end = tilted.follow(force, b, tilted.state_of(rows.isel(time=0), b), last)
-    assert differences(tilted.state_of(rows.isel(time=-1), b), end) < 1e-10
-    drift = run.attributes["report"]["drift"]
-    assert drift["energy_balance"] < 1e-13
-    if "tippe-top" in tables["system"]:
-        assert drift["jellett"] < 1e-13
+TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+EGGLIKE = tt.Ellipsoid(
+    m=0.05, a=0.025, b=0.02, c=0.018, delta=0.5, x=1e-3, y=-1e-3, h=3e-3, I1=7e-6, I2=8e-6, I3=9e-6,
+    g=9.81,
+)  # fmt: skip
 
 
 AROUND: dict[str, Any] = {
@@ -152,6 +103,7 @@ AROUND: dict[str, Any] = {
 
 
 MOVING: dict[str, dict[str, Any]] = {
+    "level": {},
     "tilted": AROUND,
     "vibrating": AROUND
     | {"plane": {"tilt": 0.1, "azimuth": 0.7, "amplitude": 3e-4, "frequency": 20, "phase": 1.0}},
@@ -159,77 +111,47 @@ MOVING: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.parametrize("around", MOVING.values(), ids=MOVING)
-def test_a_top_flies_and_bounces_as_an_own_code_says(around: dict[str, Any]) -> None:
-    tables = {
-        "system": "tippe-top",
-        "parameters": TOP,
-        "friction": {"law": "viscous", "mu": 0.8},
-        "contact": {"restitution": "newton", "e_n": 0.4},
-        "initial": dict(theta=0.6, theta_dot=3.0, omega3=60.0, gap=0.004, nu_x=0.1, phi_dot=4.0),
-        "run": {"until": 0.052, "output_step": 0.052},
-        **around,
-    }
-    run = tt.run(tables, **QUIET)
-    assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
-    assert run.attributes["report"]["drift"]["jellett"] < 1e-13
-    b = tilted.Body(**OWN, **around["air"], **around["plane"])
-    s = tilted.state_of(run.trajectory.isel(time=0), b)
-    now, landings = 0.0, []
-    while True:
-        lasts, s = tilted.follow(
-            tilted.flying, b, s, 0.052 - now, lambda s, b: tilted.lowest(s, b).gap
-        )
-        now += lasts
-        if now >= 0.052:
-            break
-        landings.append(now)
-        s = tilted.struck(s, b, lambda v: 0.8, 0.4)
-    assert len(landings) >= 2
-    assert np.allclose(run.datasets()["impacts"].time, landings, atol=1e-10)
-    assert differences(tilted.state_of(run.trajectory.isel(time=-1), b), s) < 1e-8
+every_plane = pytest.mark.parametrize("around", MOVING.values(), ids=MOVING)
+every_body = pytest.mark.parametrize("top", [TOP, EGGLIKE], ids=lambda top: type(top).__name__)
 
 
-@pytest.mark.parametrize("around", MOVING.values(), ids=MOVING)
-def test_a_top_slides_and_sticks_as_an_own_code_says(around: dict[str, Any]) -> None:
-    tables = {
-        "system": "tippe-top",
-        "parameters": TOP,
-        "friction": {"law": "coulomb", "mu": 0.3},
-        "initial": dict(theta=0.4, omega3=20.0, nu_x=0.04, nu_y=0.02),
-        "run": {"until": 0.1, "output_step": 0.1},
-        **around,
-    }
-    run = tt.run(tables, **QUIET)
-    assert run.attributes["report"]["drift"]["energy_balance"] < 1e-13
-    b = tilted.Body(**OWN, **around["air"], **around["plane"])
-    s = tilted.state_of(run.trajectory.isel(time=0), b)
-    slides = tilted.sliding(lambda v: 0.3 / v)
-    least = 1e-9
-    stick, s = tilted.follow(
-        slides, b, s, 0.1, lambda s, b: np.linalg.norm(tilted.lowest(s, b).v) - least
-    )
-    _, s = tilted.follow(tilted.rolling, b, s, 0.1 - stick)
-    phase = run.attributes["report"]["contact_phases"]["first"][1]
-    assert phase["phase"] == "roll"
-    assert abs(phase["start"] - stick) < 1e-8
-    assert differences(tilted.state_of(run.trajectory.isel(time=-1), b), s) < 1e-8
+def own(top: Any, around: dict[str, Any]) -> tilted.Body:
+    return tilted.body_of(top, **around.get("air", {}), **around.get("plane", {}))
+
+
+@every_plane
+@every_body
+def test_a_body_flies_and_bounces_as_newton_and_euler_say(top: Any, around: dict[str, Any]) -> None:
+    until, e_n = 0.052, 0.4
+    start = dict(theta=0.6, theta_dot=3.0, omega3=60.0, gap=0.004, nu_x=0.1, phi_dot=4.0)
+    options = {"contact": {"restitution": "newton", "e_n": e_n}, "output_step": until}
+    law = tt.friction.Viscous(mu=0.8)
+    run = tt.run(top, law, start=start, until=until, **options, **around, **QUIET)
+    assert max(run.drift.values()) < 1e-13
+    b = own(top, around)
+    first = tilted.state_of(run.trajectory.isel(time=0), b)
+    landings, end = tilted.bounced(b, first, lambda v: 0.8, e_n, until)
+    assert len(landings) >= (2 if top is TOP else 1)
+    assert np.allclose(run.impacts.time, landings, atol=1e-10)
+    assert tilted.differences(run.trajectory.isel(time=-1), b, end) < 1e-8
+
+
+@every_plane
+@every_body
+def test_a_body_slides_and_sticks_as_newton_and_euler_say(top: Any, around: dict[str, Any]) -> None:
+    start, until = dict(theta=0.4, omega3=20.0, nu_x=0.04, nu_y=0.02), 0.06
+    law, options = tt.friction.Coulomb(mu=0.3), {"until": until, "output_step": until}
+    run = tt.run(top, law, start=start, **options, **around, **QUIET)
+    assert run.drift["energy_balance"] < 1e-13
+    assert run.phases.phase.values.tolist() == [0, 1]
+    b = own(top, around)
+    first = tilted.state_of(run.trajectory.isel(time=0), b)
+    stops, end = tilted.sticking(b, first, 0.3, until)
+    assert float(run.phases.start[1]) == pytest.approx(stops, abs=1e-11)
+    assert tilted.differences(run.trajectory.isel(time=-1), b, end) < 1e-9
 
 
 # --- closed forms -------------------------------------------------------------------------------
-
-
-def test_a_uniform_ball_rolls_down_with_five_sevenths_of_gravity_along_the_plane() -> None:
-    tilt, azimuth, until = 0.2, 0.5, 0.4
-    ball = tt.Spheroid(m=0.05, a=0.02, b=0.02)
-    plane = {"tilt": tilt, "azimuth": azimuth}
-    start = {"theta": 0.4, "omega3": 0.0}
-    run = tt.run(ball, system="rolling-spheroid", plane=plane, start=start, until=until, **QUIET)
-    distance = 5 / 14 * 9.81 * np.sin(tilt) * until**2
-    end = run.trajectory.isel(time=-1)
-    assert np.allclose([end.x, end.y], distance * np.array([np.cos(0.5), np.sin(0.5)]), rtol=1e-12)
-    assert np.isclose(end.normal_force, 0.05 * 9.81 * np.cos(tilt), rtol=1e-12)
-    assert np.isclose(end.friction_needed, 2 / 7 * np.tan(tilt), rtol=1e-12)
 
 
 def test_a_uniform_ball_on_a_turntable_circles_at_two_sevenths_of_its_speed() -> None:
@@ -249,33 +171,6 @@ def test_a_uniform_ball_on_a_turntable_circles_at_two_sevenths_of_its_speed() ->
     circle, *_ = np.linalg.lstsq(known, at_rest)
     assert abs(at_rest - known @ circle).max() < 1e-12
     assert abs(circle[1]) > 0.05
-
-
-@pytest.mark.filterwarnings("ignore:`parameters.I")  # which are large
-@pytest.mark.parametrize(("factor", "stops"), [(0.9, True), (1.1, False)])
-def test_a_slider_stops_where_the_tilt_is_less_than_the_angle_of_friction(
-    factor: float, stops: bool
-) -> None:
-    mu, speed = 0.3, 0.2
-    tilt = float(np.arctan(factor * mu))
-    inertia = 1e6  # of m R^2: it hardly turns
-    body = dict(m=1.0, R=1.0, alpha=0.5, I1=inertia, I3=inertia, g=9.81)
-    run = tt.run(
-        {"system": "tippe-top", "parameters": body, "friction": {"law": "coulomb", "mu": mu}},
-        plane={"tilt": tilt},
-        start={"theta": 0.5, "nu_x": speed, "omega3": 0.0},
-        until=0.5 if not stops else 1.0,
-        **QUIET,
-    )
-    slows = 9.81 * (mu * np.cos(tilt) - np.sin(tilt))
-    phases = run.attributes["report"]["contact_phases"]
-    if stops:
-        assert phases["counts"] == {"slip": 1, "roll": 1}
-        assert np.isclose(phases["last"]["start"], speed / slows, rtol=1e-4)
-        assert np.isclose(run.trajectory.x[-1], speed**2 / (2 * slows), rtol=1e-4)
-    else:
-        assert phases["counts"] == {"slip": 1}
-        assert np.isclose(run.trajectory.nu_x[-1], speed - slows * 0.5, rtol=1e-4)
 
 
 def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
@@ -316,48 +211,3 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[st
     assert report["drift"]["energy_balance"] < 1e-12  # as without: impacts
     if law != "coulomb":
         assert "both" in report["contact_phases"]["counts"]
-
-
-@pytest.mark.parametrize(
-    ("group", "plane"), [("tilt", (0.1, 0.3)), ("turntable", (5.0, 0.05, -0.02))]
-)
-def test_a_body_that_rolls_on_both_balls_keeps_both_contacts_at_rest(
-    group: str, plane: tuple[float, ...]
-) -> None:
-    body = TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
-    law = Contensou(mu=0.3, patch=5e-4, mu_r=1e-5)
-    rules = rules_of(("air", group))
-    numbers = body._asdict() | dict(zip(rules, (1e-8, 1e-11, *plane), strict=True))
-    whole = at_present(surrounded_body(TippeTop.body_of)(numbers, law), SimpleNamespace(x=0, y=0))
-    b, other = seen_from_balls(whole, (0.005, 0.013))
-    z = -b.clearance / b.lever
-    u = Vector(np.sqrt(1 - z * z), 0.0, z)
-
-    def moves(spin: float) -> tuple[Any, float]:
-        omega = times(spin, Vector(1.0, 0.0, 0.0))
-        x = phases.without_slip_on_both(
-            Moving(u, momentum_of(omega, u, b), Vector(0.0, 0.0, 0.0), 0.0, NOTHING), b
-        )
-        force, torque, *_ = phases.rolled(x, b)
-        turn = plus(plus(cross(arm(u, b), force), torque), around_torque(x, b))
-        push = plus(times(1 / b.m, force), pushing(x.velocity, 0.0, b))._replace(z=0.0)
-
-        def later(time: float) -> list:
-            state = Moving(
-                plus(u, times(time, axis_rate(x, b))),
-                plus(x.L, times(time, turn)),
-                plus(x.velocity, times(time, push)),
-                0.0,
-            )
-            return [[*contact_velocity(state, ball)] for ball in (b, other)]
-
-        slips = (np.array(later(1e-6)) - np.array(later(-1e-6))) / 2e-6
-        assert abs(slips).max() < 1e-6 * b.g
-        power = dot(torque, angular_velocity(x, b))
-        assert np.isclose(power, b.m * b.g * dot(rolling(angular_velocity(x, b), law), omega))
-        return push, power
-
-    push, power = moves(0.0)
-    assert power == 0
-    assert abs(push.x) + abs(push.y) > 0.1  # it starts to roll
-    assert moves(3.0)[1] < 0

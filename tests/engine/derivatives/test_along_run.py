@@ -9,7 +9,6 @@ from examples import PRESETS
 
 import tippetop as tt
 from tippetop.engine.derivatives.sensitivities import differentiate
-from tippetop.errors import InputError
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
 from tippetop.runs.run import solve
@@ -181,20 +180,3 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
     for i, (name, size) in enumerate(zip(wrt, (0.1, 0.01), strict=True)):
         expected, *_ = difference(problem, name, size)
         assert np.abs(found[:, i] - expected["nu_y"]).max() < 1e-8 * np.abs(expected["nu_y"]).max()
-
-
-@pytest.mark.parametrize(
-    ("preset", "wrt", "words"),
-    [
-        ("inverting", ["friction.nu"], "friction.mu"),
-        ("inverting", ["run.until"], "must be one of parameters.m"),
-        ("inverting", ["initial.psi_dot"], "must be given alone"),
-        ("inverting", ["friction.mu", "friction.mu"], "must be given once"),
-        ("inverting", [], "must be names such as"),
-    ],
-)
-def test_what_has_no_derivatives_is_refused_in_a_sentence(
-    preset: str, wrt: list[str], words: str
-) -> None:
-    with pytest.raises(InputError, match=words):
-        tt.derivatives.sensitivities(preset, wrt, until=0.1)

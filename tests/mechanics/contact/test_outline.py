@@ -6,12 +6,14 @@ from typing import Any
 import laws
 import numpy as np
 import pytest
+import tilted
 from scipy.integrate import quad
 
 import tippetop as tt
 from tippetop.mechanics.contact.body import Touch, height, touching_ball
 from tippetop.mechanics.contact.outline import Rim, Spheroid, root, shape_by
 from tippetop.mechanics.friction import Frictionless, Viscous
+from tippetop.mechanics.operand import Vector
 from tippetop.mechanics.systems import outlook
 from tippetop.mechanics.theory.modes import is_unstable
 from tippetop.scenario import build
@@ -56,15 +58,45 @@ def support(n: np.ndarray, u: np.ndarray, shape: Any) -> Any:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_arm_is_the_gradient_of_the_support_function(shape: Any) -> None:
-    """So is that of the laws of `laws.py`, which the equations of motion are held against."""
+    """So are those of `laws.py` and `tilted.py`, which motions are held against."""
     up = np.array([0.0, 0.0, 1.0])
+    rim = isinstance(shape, Rim)
+    size = {"ring": shape.ring, "tube": shape.tube} if rim else {}
+    half = np.zeros(3) if rim else np.array([shape.b, shape.b, shape.a])
+    own = tilted.Body(1.0, (1, 1, 1), [0, 0, shape.c], half, 1.0, **size)
     for z in Z:
         u = np.array([np.sqrt(1 - z * z), 0.0, z])
         expected = [np.imag(support(-up + 1j * STEP * e, u, shape)) / STEP for e in np.eye(3)]
         b = ball(z, shape)
         for found in (b.c * u - b.R * up, laws.arm_of(u, up, b)):
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
+        if not hasattr(shape, "k"):
+            axes = np.array([[z, 0, u[0]], [0, 1, 0], [-u[0], 0, z]])  # of the body, columns
+            found = axes @ own.reached(axes.T @ up)
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
         assert height(z, b) == pytest.approx(support(-up, u, shape), abs=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_arm_of_an_ellipsoid_is_the_gradient_of_its_support_function(seed: int) -> None:
+    """So is that of `tilted.py`."""
+    rng = np.random.default_rng(seed)
+    half, centre, turn = rng.uniform(0.5, 2, 3), rng.uniform(-0.2, 0.2, 3), rng.uniform(-3, 3)
+    names = "m", "a", "b", "c", "delta", "x", "y", "h", "I1", "I2", "I3", "g"
+    values = 1.0, *half, turn, *centre, 0.4, 0.5, 0.6, 1.0
+    outline = tt.Ellipsoid.body_of(dict(zip(names, values, strict=True)), ()).outline
+    own = tilted.Body(1.0, (1, 1, 1), [*centre], half, 1.0, turn=turn)
+    cos, sin = np.cos(turn), np.sin(turn)
+    axes = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])  # rows: those of the half axes
+
+    def support(n: np.ndarray) -> Any:
+        return np.sqrt(((half * (axes @ n)) ** 2).sum()) + centre @ n
+
+    for up in rng.normal(size=(20, 3)):
+        n = up / np.linalg.norm(up)
+        expected = [np.imag(support(-n + 1j * STEP * e)) / STEP for e in np.eye(3)]
+        for found in (outline.arm(Vector(*n)), own.reached(n)):
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

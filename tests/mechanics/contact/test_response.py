@@ -132,23 +132,6 @@ def test_velocities_of_the_contact_point(every_state: list[State]) -> None:
         assert_close(contact.centre_velocity(turning(x), v, x.ball), V)
 
 
-def test_a_contact_that_slides_stays_closed(every_state: list[State]) -> None:
-    """Whatever force and torque friction gives per normal force."""
-    for x in every_state:
-        force, tau, u = column(-0.2, 0.1, 1), column(0.03, 0.02, -0.05), vector(x.u)
-        per = vector(force), vector(tau)
-        F, torque = response.sliding(turning(x), lambda *of, per=per: per, u, x.ball)
-        assert_close(F, F.z * force)
-        G = acceleration(x, F.z * force, F.z * tau)
-        assert_close([G[2]], [0])
-        across, along = response.across_and_along(vector(G), vector(x.n))
-        assert_close((across, along), (dot(cross(Z, x.n), G), dot(x.n, G)))
-        assert_close(torque, F.z * tau)
-        given, _ = response.gains(u, Vector(0, 0, 0), vector(tau), x.ball)
-        free = column(0, 0, 0)
-        assert_close(given, acceleration(x, free, tau) - acceleration(x, free))
-
-
 def test_a_contact_that_rolls_stays_at_rest(every_state: list[State]) -> None:
     for x in every_state:
         F = column(*response.resting(turning(x), x.ball)[0])

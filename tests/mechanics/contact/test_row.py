@@ -7,7 +7,7 @@ import pytest
 from touching import inertia
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.rows import ANGLES, Row, row_of_angles, row_scalars
+from tippetop.mechanics.contact.rows import Row, row_scalars
 from tippetop.mechanics.friction import Viscous
 
 
@@ -42,22 +42,3 @@ def test_scalars_of_a_row_are_those_of_vectors(rng: np.random.Generator) -> None
             q.drilled - v[:2] @ [q.Fx, q.Fy],
         )
         assert given == pytest.approx(wanted, rel=1e-11, abs=1e-13)
-
-
-def test_the_row_of_angles_has_their_contact_velocity_gap_and_jelletts_integral(
-    rng: np.random.Generator,
-) -> None:
-    for theta in rng.uniform(0.1, 3.0, 20):
-        b = body(rng)
-        e = ANGLES._make(rng.uniform(-1, 1, len(ANGLES)))._replace(theta=theta)
-        q = row_of_angles(e, np.sin(theta), np.cos(theta), b)
-        ex = np.array([np.cos(e.phi), np.sin(e.phi), 0.0])
-        v, u = contact_velocity(q, b), np.array([q.ux, q.uy, q.uz])
-        assert (v @ ex, v @ np.cross(Z, ex), v[2]) == pytest.approx(
-            (e.nu_x, e.nu_y, e.nu_z), abs=1e-12
-        )
-        assert (q.radius, q.offset) == (b.R, b.c)
-        assert q.height - b.R + b.c * u[2] == pytest.approx(e.gap, abs=1e-13)
-        assert q.jellett_taken == pytest.approx(
-            -np.array([q.Lx, q.Ly, q.Lz]) @ (b.c * u - b.R * Z), abs=1e-13
-        )

@@ -159,8 +159,9 @@ class Motion(NamedTuple):
     def flow(
         self, times: np.ndarray, values: np.ndarray, *moves: np.ndarray
     ) -> tuple[np.ndarray, ...]:
-        """Return the values (n, times) and derivatives (n, directions, times) of a state that moves
-        for these times, ascending.
+        """Return the state after each of these times, ascending, with its derivatives.
+
+        They are (n, times) and (n, directions, times).
         """
         order = len(moves)
         directions = moves[0].shape[1]
@@ -661,8 +662,9 @@ class Pass:
 
     @QUIET
     def rows(self) -> np.ndarray:
-        """Return the rows of the run at all times, (variables, order + 1, directions, times), in
-        internal units.
+        """Return the values and derivatives of the variables of the run at all times.
+
+        The array is (variables, order + 1, directions, times), in internal units.
         """
         if self.states is not None:
             return self.states
@@ -683,8 +685,9 @@ class Pass:
 
     @QUIET
     def read(self) -> dict[str, np.ndarray]:
-        """Return the columns and other functions of the state at all times by name, (order + 1,
-        times, directions) each.
+        """Return the columns and other functions of the state at all times, by name.
+
+        Each is (order + 1, times, directions): values and derivatives.
         """
         state = [Dual(value[0], *moves) for value, *moves in self.rows()]
         first = _columned(self.numbers.first)
