@@ -19,7 +19,7 @@ from ..problem import Problem, name_faults
 from ..runs.shape import moments
 
 
-# Tolerance of the integrator while numbers are searched: three fifths of the time
+# Tolerance of the integrator while numbers are searched: half of the time
 TOLERANCE = 1e-9
 # Steps per internal unit of time beyond which a motion is given up: a canonical inversion takes 9,
 # a rattleback 27
@@ -60,16 +60,17 @@ class Predictions:
     """
 
     def __init__(self, problem: Problem, free: Sequence[str], most: float = MOST_STEPS):
-        self.problem = problem
+        self.exact = problem
+        self.problem = dataclasses.replace(problem, tolerance=max(TOLERANCE, problem.tolerance))
         self.tangents = None
         if not problem.system.is_hybrid:
-            coarse = dataclasses.replace(problem, tolerance=TOLERANCE)
-            self.tangents = Tangents(coarse, free, most)
+            self.tangents = Tangents(self.problem, free, most)
         elif faults := name_faults(problem, free, without=("run.",)):
             raise InputError(faults)
 
     def refine(self) -> None:
         """Predict with the tolerance of the scenario from now on."""
+        self.problem = self.exact
         if self.tangents is not None:
             self.tangents.problem = self.problem
 

@@ -46,6 +46,10 @@ WORSE = 60.0
 SAME = 1.0
 # Plausible distances within which points are the same before the last window
 NEAR = 0.03
+# Change of the variances of the noise by which a local search ends, and by which the last one does,
+# relative to all
+ENOUGH = 0.1
+EXACT = 1e-8
 # Motions of a local search before the last window
 FEW = 12
 # Motions of a local search over the last window
@@ -77,13 +81,17 @@ def local_minimum(
 ) -> Minimum:
     """Return the minimum next to a point over the first rows.
 
-    `size`: the scale beyond which a loss bends; None: of the residuals of the point."""
+    `size`: the scale beyond which a loss bends; None: of the residuals of the point, and the
+    minimum over all rows is exact. It is in a search too where the misfit is smooth: where the
+    contact may change, it is rough, and small steps go on for long.
+    """
     from scipy.optimize import least_squares
 
     def residuals(x: np.ndarray) -> np.ndarray:
         return misfit.at(x[None], rows, slopes=False)[0][0]
 
     last = rows >= misfit.rows
+    exact = last and (size is None or not misfit.observation.problem.system.is_hybrid)
     begin = residuals(point)
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
@@ -94,7 +102,7 @@ def local_minimum(
         bounds=misfit.space.bounds,
         loss=misfit.loss,
         f_scale=size or misfit.size(begin),
-        ftol=1e-8 if last else 0.1 / count,
+        ftol=EXACT if exact else ENOUGH / count,
         gtol=float(np.finfo(float).eps),  # where nothing moves
         max_nfev=MOST if last else FEW,
     )
