@@ -122,7 +122,8 @@ def fit(
     systematic
         Whether influences that the scenario lacks are estimated.
     hopeless
-        Searches that end equally far from the data, after which the others are left out.
+        Searches that are given up, or end equally far from the data, after which the others are
+        left out.
     progress
         Called with the numbers of windows that are done and that are expected.
 
@@ -143,7 +144,7 @@ def fit(
     count = len(windows(misfit))
     ends: list[Minimum] = []
     costs: list[float] = []
-    alike = False
+    lost = False
     for n, points in enumerate(starts_of(misfit, starts)):
         expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
@@ -152,24 +153,27 @@ def fit(
 
         report(0)
         minima = search(misfit, points, np.random.default_rng((0, n)), report)
-        if OFFSET in space.names:
+        if OFFSET in space.names and minima[0].searches:
             minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
         ends = merge([*ends, *minima])
-        costs = sorted([*costs, minima[0].cost])
-        alike = n + 1 >= hopeless and costs[hopeless - 1] < ALIKE * costs[0]
-        alike = alike and bool(_not_noise(misfit, *_left(misfit, ends[0].point)))
-        if ends[0].searches >= MET or alike:
+        costs += [end.cost for end in minima[:1] if end.searches]
+        failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
+        lost = failed >= hopeless and bool(_not_noise(misfit, *_left(misfit, ends[0].point)))
+        if ends[0].searches >= MET or lost:
             break
     misfit.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
-    again = [
-        local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
-        for end in ends[: 1 if alike else None]
-    ]
-    ends = merge(again)  # a search along a long valley may have ended early
+    if lost:
+        ends = ends[:1]
+    if ends[0].searches:  # a search along a long valley may have ended early
+        again = [
+            local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
+            for end in ends
+        ]
+        ends = merge(again)
     met = ends[0].searches
-    return judged(misfit, ends, met, n + 1, systematic=systematic, hopeless=alike)
+    return judged(misfit, ends, met, n + 1, systematic=systematic, hopeless=lost)
 
 
 def _refuse(misfit: Misfit) -> None:
@@ -248,7 +252,7 @@ def judged(
 ) -> Fit:
     """Return the result of searches that ended in these minima, best first, `met` in the first.
 
-    `hopeless`: whether they ended early, equally far from the data.
+    `hopeless`: whether they ended early, far from the data.
     Variances are multiplied by the time over which residuals are correlated.
     """
     from scipy.stats import t as student
@@ -263,7 +267,8 @@ def judged(
     freedom = max(float(weight.sum()) / rows - len(point), 1.0)
     variance = misfit.variance(residual) * rows
     sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
-    scaled = jacobian * np.sqrt(weight)[:, None] / np.where(sizes > 0, sizes, 1)
+    sizes = np.where(sizes > 0, sizes, 1)
+    scaled = jacobian * np.sqrt(weight)[:, None] / sizes
     _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
     inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways / np.outer(sizes, sizes)
     slopes = np.array(
@@ -293,8 +298,8 @@ def judged(
     reasons = []
     if hopeless and met < MET:
         reasons.append(
-            f"{searches} independent searches came equally near the data, and not near enough: "
-            "more `starts` would hardly help."
+            f"{searches} independent searches found nothing near enough to the data: more `starts` "
+            "would hardly help."
         )
     elif met < MET:
         reasons.append(

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .headers import UNITS
 from .misfit import Misfit
 from .observation import OFFSET
 from .scales import FAR, Space
@@ -50,6 +51,10 @@ NEAR = 0.03
 # relative to all
 ENOUGH = 0.1
 EXACT = 1e-8
+# Multiple of the stated noise, of the residuals of a window, beyond which a search is given up
+HOPELESS = 3.0
+# Ratio of the standard deviation of noise to the median of its size
+MEDIAN = 1.4826
 # Motions of a local search before the last window
 FEW = 12
 # Motions of a local search over the last window
@@ -117,10 +122,14 @@ def search(
 ) -> list[Minimum]:
     """Return minima over all of the data, best first, to which starts (starts, free) lead.
 
-    The best one alone counts as an end of the search.
+    The best one alone counts as an end of the search. A search whose residuals are much larger than
+    the stated noise before its last window is given up: it returns its best point, which does not
+    count.
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
+    stated = None if UNITS.keys() & misfit.observation.groups else misfit.observation.noise
+    most = HOPELESS / MEDIAN * (stated or np.inf)
     least = np.inf
     looking = True
     for n, window in enumerate(rows):
@@ -143,6 +152,10 @@ def search(
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
         progress(n + 1)
+        if not last and misfit.size(best.residual) > most:
+            (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
+            cost = float((residual**2).sum())
+            return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
     return [best._replace(searches=1), *kept[1:]]
 
 
