@@ -118,7 +118,7 @@ def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
 
 
 def test_searches_of_a_hopeless_model_end_early(tmp_path: Path) -> None:
-    """The film of a top that gets up, fitted by one that hardly has friction: few of 12 searches."""
+    """The film of a top that gets up, fitted by one that hardly has friction: few searches."""
     seen = film(tmp_path / "both.csv", "inverting", ["initial.theta=0.5"], 2.0)
     path = tmp_path / "film.csv"
     path.write_text("\n".join(row.rpartition(",")[0] for row in seen.read_text().splitlines()))
