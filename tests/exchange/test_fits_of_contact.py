@@ -1,5 +1,6 @@
 """Fits where the contact changes its phase, under laws that have no derivatives along a run."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -114,6 +115,20 @@ def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
     assert np.isnan(found.estimates["friction.mu"].low)
     assert "no interval" in str(found)
     assert "+-" not in str(found)
+
+
+def test_searches_of_a_hopeless_model_end_early(tmp_path: Path) -> None:
+    """The film of a top that gets up, fitted by one that hardly has friction: few searches."""
+    seen = film(tmp_path / "both.csv", "inverting", ["initial.theta=0.5"], 2.0)
+    path = tmp_path / "film.csv"
+    path.write_text("\n".join(row.rpartition(",")[0] for row in seen.read_text().splitlines()))
+    wrong = tt.load("inverting", ["initial.theta=0.5", "friction.mu=0.01"])
+    free = ["initial.omega3", "initial.theta"]
+    found = tt.fit(path, wrong, free, noise=NOISE, within=0.1, systematic=False)
+    assert re.search(r"\b[3-5] independent searches found nothing near enough", found.reason)
+    assert not found.trustworthy
+    assert not found.converged
+    assert abs(found.estimates["initial.theta"].value - 0.5) < 0.05
 
 
 @pytest.mark.slow

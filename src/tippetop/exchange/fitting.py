@@ -21,6 +21,8 @@ from .search import Minimum, local_minimum, merge, search, starts_of, widen, win
 STARTS = 12
 # Searches that must have ended in the best minimum
 MET = 3
+# Greatest cost of searches that end equally far from the data, in units of the least one
+ALIKE = 1.25
 # Standard deviations of the sum of squared autocorrelations, and of the variance, beyond noise
 NOISY = 5.0
 # Lags of that sum
@@ -90,6 +92,11 @@ class Fit(NamedTuple):
     likelihood: float
     rows_correlated: float
 
+    @property
+    def is_noise(self) -> bool:
+        """Whether the residuals are noise, of the stated size."""
+        return not np.isnan([estimate.low for estimate in self.estimates.values()]).any()
+
 
 def fit(
     observation: Observation,
@@ -97,6 +104,7 @@ def fit(
     starts: int = STARTS,
     within: float = FAR,
     systematic: bool = True,
+    hopeless: int = MET,
     progress: Report = lambda *_: None,
 ) -> Fit:
     """Fit the free numbers of an observation.
@@ -113,6 +121,9 @@ def fit(
         Plausible distance of the numbers from those of the scenario, relative.
     systematic
         Whether influences that the scenario lacks are estimated.
+    hopeless
+        Searches that are given up, or end equally far from the data, after which the others are
+        left out.
     progress
         Called with the numbers of windows that are done and that are expected.
 
@@ -132,6 +143,8 @@ def fit(
     widen(misfit)
     count = len(windows(misfit))
     ends: list[Minimum] = []
+    costs: list[float] = []
+    lost = False
     for n, points in enumerate(starts_of(misfit, starts)):
         expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
@@ -140,20 +153,27 @@ def fit(
 
         report(0)
         minima = search(misfit, points, np.random.default_rng((0, n)), report)
-        if OFFSET in space.names:
+        if OFFSET in space.names and minima[0].searches:
             minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
         ends = merge([*ends, *minima])
-        if ends[0].searches >= MET:
+        costs += [end.cost for end in minima[:1] if end.searches]
+        failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
+        lost = failed >= hopeless and bool(_not_noise(misfit, *_left(misfit, ends[0].point)))
+        if ends[0].searches >= MET or lost:
             break
     misfit.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
-    again = [
-        local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
-        for end in ends
-    ]
-    ends = merge(again)  # a search along a long valley may have ended early
-    return judged(misfit, ends, ends[0].searches, n + 1, systematic=systematic)
+    if lost:
+        ends = ends[:1]
+    if ends[0].searches:  # a search along a long valley may have ended early
+        again = [
+            local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
+            for end in ends
+        ]
+        ends = merge(again)
+    met = ends[0].searches
+    return judged(misfit, ends, met, n + 1, systematic=systematic, hopeless=lost)
 
 
 def _refuse(misfit: Misfit) -> None:
@@ -228,25 +248,27 @@ def judged(
     searches: int,
     *,
     systematic: bool = False,
+    hopeless: bool = False,
 ) -> Fit:
     """Return the result of searches that ended in these minima, best first, `met` in the first.
 
+    `hopeless`: whether they ended early, far from the data.
     Variances are multiplied by the time over which residuals are correlated.
     """
     from scipy.stats import t as student
 
-    observation = misfit.observation
     space = misfit.space
     point = ends[0].point
     (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
     values = space.values(point)
-    parts = {group: off[0] for group, off in observation.predictions([values]).items()}
+    parts, noise = _left(misfit, point)
     rows = correlation_time(parts)
     freedom = max(float(weight.sum()) / rows - len(point), 1.0)
     variance = misfit.variance(residual) * rows
     sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
-    scaled = jacobian * np.sqrt(weight)[:, None] / np.where(sizes > 0, sizes, 1)
+    sizes = np.where(sizes > 0, sizes, 1)
+    scaled = jacobian * np.sqrt(weight)[:, None] / sizes
     _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
     inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways / np.outer(sizes, sizes)
     slopes = np.array(
@@ -256,7 +278,6 @@ def judged(
     covariance = variance * moves @ inner @ moves.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
-    noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
     doubts = _not_noise(misfit, parts, noise)
     shifts = {}
     if systematic:
@@ -275,7 +296,12 @@ def judged(
         low, high = map(scale.outside, limits)
         estimates[name] = Estimate(value, float(s * slope), low, high, float(shift * slope))
     reasons = []
-    if met < MET:
+    if hopeless and met < MET:
+        reasons.append(
+            f"{searches} independent searches found nothing near enough to the data: more `starts` "
+            "would hardly help."
+        )
+    elif met < MET:
         reasons.append(
             f"the minimum is not trustworthy: {met} of {searches} independent searches ended "
             f"there ({MET} are needed), "
@@ -290,6 +316,12 @@ def judged(
                 f"{name} would move `{space.names[worst]}` by {shift[worst] / sigma[worst]:.2g} "
                 "standard errors."
             )
+    worst = int(np.argmax(beside / sigma))
+    if LARGE * sigma[worst] < beside[worst] and not any("would move" in text for text in reasons):
+        reasons.append(
+            f"what the scenario lacks would together move `{space.names[worst]}` by "
+            f"{beside[worst] / sigma[worst]:.2g} standard errors."
+        )
     trustworthy = not reasons
     reasons.insert(
         0,
@@ -312,6 +344,13 @@ def judged(
         _likelihood(parts, noise),
         rows,
     )
+
+
+def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
+    """Return the residuals at a point, SI, and their root mean squares, by group."""
+    found = misfit.observation.predictions([misfit.space.values(point)])
+    parts = {group: off[0] for group, off in found.items()}
+    return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
 
 
 def _likelihood(parts: Arrays, noise: dict[str, float]) -> float:

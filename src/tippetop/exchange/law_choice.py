@@ -16,6 +16,8 @@ from .periods import RIVAL
 
 # Plausible distance of the numbers under a further law from those under the first
 NEAR = 0.1
+# Searches under a law that end equally far from a film that another law explains
+HOPELESS = 2
 # Rows of the motion by whose sliding the coefficients of laws are compared
 ROWS = 200
 

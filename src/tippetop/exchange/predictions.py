@@ -15,7 +15,7 @@ from ..problem import Problem, Problems, refuse
 from ..runs.shape import moments
 
 
-# Tolerance of the integrator while numbers are searched: three fifths of the time
+# Tolerance of the integrator while numbers are searched: half of the time
 TOLERANCE = 1e-9
 # Steps per internal unit of time beyond which a smooth motion is given up: a canonical inversion
 # takes 9, a rattleback 27
@@ -44,13 +44,13 @@ class Predictions:
     def __init__(self, problem: Problem, free: Sequence[str]):
         refuse(problem, free)
         self.is_smooth = not problem.system.is_hybrid
-        changes: Any = {"on_liftoff": "continue", "tolerance": TOLERANCE} if self.is_smooth else {}
-        self.tolerance = problem.tolerance
-        self.problem = dataclasses.replace(problem, stop_when="until", **changes)
+        changes: Any = {"on_liftoff": "continue"} if self.is_smooth else {}
+        self.exact = dataclasses.replace(problem, stop_when="until", **changes)
+        self.problem = dataclasses.replace(self.exact, tolerance=max(TOLERANCE, problem.tolerance))
 
     def refine(self) -> None:
         """Predict with the tolerance of the scenario from now on."""
-        self.problem = dataclasses.replace(self.problem, tolerance=self.tolerance)
+        self.problem = self.exact
 
     def read(
         self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Sequence[str]

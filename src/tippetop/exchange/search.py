@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .headers import UNITS
 from .misfit import Misfit
 from .observation import OFFSET
 from .scales import FAR, Space
@@ -46,6 +47,14 @@ WORSE = 60.0
 SAME = 1.0
 # Plausible distances within which points are the same before the last window
 NEAR = 0.03
+# Change of the variances of the noise by which a local search ends, and by which the last one does,
+# relative to all
+ENOUGH = 0.1
+EXACT = 1e-8
+# Multiple of the stated noise, of the residuals of a window, beyond which a search is given up
+HOPELESS = 3.0
+# Ratio of the standard deviation of noise to the median of its size
+MEDIAN = 1.4826
 # Motions of a local search before the last window
 FEW = 12
 # Motions of a local search over the last window
@@ -77,13 +86,17 @@ def local_minimum(
 ) -> Minimum:
     """Return the minimum next to a point over the first rows.
 
-    `size`: the scale beyond which a loss bends; None: of the residuals of the point."""
+    `size`: the scale beyond which a loss bends; None: of the residuals of the point, and the
+    minimum over all rows is exact. It is in a search too where the misfit is smooth: where the
+    contact may change, it is rough, and small steps go on for long.
+    """
     from scipy.optimize import least_squares
 
     def residuals(x: np.ndarray) -> np.ndarray:
         return misfit.at(x[None], rows, slopes=False)[0][0]
 
     last = rows >= misfit.rows
+    exact = last and (size is None or not misfit.observation.problem.system.is_hybrid)
     begin = residuals(point)
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
@@ -94,7 +107,7 @@ def local_minimum(
         bounds=misfit.space.bounds,
         loss=misfit.loss,
         f_scale=size or misfit.size(begin),
-        ftol=1e-8 if last else 0.1 / count,
+        ftol=EXACT if exact else ENOUGH / count,
         gtol=float(np.finfo(float).eps),  # where nothing moves
         max_nfev=MOST if last else FEW,
     )
@@ -109,10 +122,14 @@ def search(
 ) -> list[Minimum]:
     """Return minima over all of the data, best first, to which starts (starts, free) lead.
 
-    The best one alone counts as an end of the search.
+    The best one alone counts as an end of the search. A search whose residuals are much larger than
+    the stated noise before its last window is given up: it returns its best point, which does not
+    count.
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
+    stated = None if UNITS.keys() & misfit.observation.groups else misfit.observation.noise
+    most = HOPELESS / MEDIAN * (stated or np.inf)
     least = np.inf
     looking = True
     for n, window in enumerate(rows):
@@ -135,6 +152,10 @@ def search(
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
         progress(n + 1)
+        if not last and misfit.size(best.residual) > most:
+            (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
+            cost = float((residual**2).sum())
+            return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
     return [best._replace(searches=1), *kept[1:]]
 
 

@@ -268,25 +268,27 @@ def fit(
         raise InputError(f"`within` must be greater than 0, and at most 1, but is {within}.")
     flag("systematic", systematic)
 
-    def fitted(problem: Problem, names: Sequence[str], within: float) -> Fitted:
+    def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
         observation = measurements.observation_of(
             problem, path_of("data", data), names, convention, place, noise
         )
         with reporting(progress, "windows") as report:
             result = fitting.fit(
-                observation, loss, starts, within, systematic=systematic, progress=report
+                observation, loss, starts, within, systematic, hopeless, progress=report
             )
         return Fitted(problem, observation, result)
 
     if not laws:
-        return fitted(problem, names, within)
+        return fitted(problem, names, within, fitting.MET)
     until = float(read(path_of("data", data), wrapped=False, track=track).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
     for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
         lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
-        found = fitted(one, [n for n in names if n not in lacking], within)
+        explained = any(other._fit.is_noise for other in fits.values())
+        hopeless = law_choice.HOPELESS if explained else fitting.MET
+        found = fitted(one, [n for n in names if n not in lacking], within, hopeless)
         if not fits:  # the others begin where this one ended
             problem = found.problem
             within = min(within, law_choice.NEAR)
