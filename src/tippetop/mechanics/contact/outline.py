@@ -52,12 +52,11 @@ class Ball(NamedTuple):
     """The outline of a sphere, whose R and c are numbers of the body."""
 
 
-class Bent(NamedTuple):
+class Place(NamedTuple):
     """The outline of a body where it touches, and how its ball changes there."""
 
     shape: Any
     bend: Operand  # c'(z)
-    twist: Operand  # c''(z)
     height: Operand  # R - c z, which cancels where a disc is nearly flat
 
 
