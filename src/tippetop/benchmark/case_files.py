@@ -241,9 +241,9 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             "moments_of_inertia": moments(body).tolist(),
             "gravity": body.g,
             "balls": {
-                name: {"offset": offset, "radius": radius}
-                for name, (offset, radius) in problem.balls.items()
-                if np.ndim(radius) == 0 and radius
+                name: {"offset": ball.c, "radius": ball.R}
+                for name, ball in problem.balls.items()
+                if isinstance(ball.outline, Ball) and ball.R
             },
             "outline": _outline(problem),
             "fixed_point": body.c if problem.contact is None else None,
