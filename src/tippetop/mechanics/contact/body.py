@@ -383,15 +383,20 @@ def rolling_velocity(e, s, z, b):
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
-    """Return a sentence if I3 exceeds 2 I1: about its centre of mass, no rigid body has more."""
-    I1 = parameters["I1"]
-    I3 = parameters["I3"]
-    if I3 > 2 * I1:
-        return [
-            f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but "
-            f"is {I3:.6g}."
-        ]
-    return []
+    """Return a sentence if a moment of inertia exceeds the sum of the others.
+
+    About its centre of mass, no rigid body has such moments.
+    """
+    moments = {name: parameters.get(name, parameters["I1"]) for name in ("I1", "I2", "I3")}
+    name = max(moments, key=moments.__getitem__)
+    others = sum(moments.values()) - moments[name]
+    if moments[name] <= others * (1 + 1e-12):
+        return []
+    words = "the sum of the other moments" if "I2" in parameters else "2*I1"
+    return [
+        f"`parameters.{name}` must be at most {words} = {others:.6g} (no rigid body has more), but "
+        f"is {moments[name]:.6g}."
+    ]
 
 
 def outside_faults(*centre: float) -> list[str]:

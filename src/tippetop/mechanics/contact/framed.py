@@ -109,8 +109,7 @@ def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmet
 
 Scalars: Any = namedtuple(
     "Scalars",
-    "z s2 z_dot phi_dot_s2 axis_speed2 L3 v v_u v_n v2 rise speed2 gap power height force "
-    "friction_force2 phase ball u up turns spin rotation",
+    (*rows.MOTION, *NUMBERS, "friction_force2", "v", "u", "up", "turns", "spin", "rotation"),
 )
 """As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
 energy of rotation.
@@ -121,35 +120,21 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     """Return the scalars of a row."""
     x = rows.moving(q, ())
     u = x.u
-    u_dot = contact.axis_rate(x, b)
     up = frame.up(u)
     omega = frame.turns(x, b)
     v = contact.contact_velocity(x, b)
-    values = (
-        u.z,
-        u.x * u.x + u.y * u.y,
-        u_dot.z,
-        u.x * u_dot.y - u.y * u_dot.x,
-        dot(u_dot, u_dot),
-        dot(x.L, u),
-        v,
-        *contact.slip_scalars(u, v),
-        v.z,
-        dot(x.velocity, x.velocity),
-        contact.gap(x, b),
-        0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled,
-        q.height,
-        q.force,
+    power = 0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled
+    return Scalars(
+        *rows.motion(x, v, power, contact.gap(x, b), b),
+        *(getattr(q, name) for name in NUMBERS),
         q.Fx * q.Fx + q.Fy * q.Fy,
-        q.phase,
-        q.ball,
+        v,
         u,
         up,
         cross(omega, up),
         dot(up, omega),
         dot(omega, frame.parts(x.L, u)) / 2,
     )
-    return Scalars._make(values)
 
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:

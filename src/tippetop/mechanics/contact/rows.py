@@ -24,7 +24,7 @@ from . import gliding
 from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
 from .body_axes import by_angles, carried_along
 from .contact_phases import PHASES
-from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
+from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate, turning
 from .integrals import integral
 from .rolling import spin
 
@@ -77,7 +77,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
 
 # --- scalars ------------------------------------------------------------------------------------
 
-FIELDS = (
+MOTION = (
     *contact.Kinematics._fields,
     "v_u",  # v_A.3hat of the horizontal part
     "v_n",  # (3hat x v_A).zhat
@@ -86,8 +86,8 @@ FIELDS = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
-    *NUMBERS,
 )
+FIELDS = (*MOTION, *NUMBERS)
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 
@@ -102,19 +102,19 @@ def lowest_velocity(q, b):
     return contact.contact_velocity(moving(q, ()), ball_of(q, b))
 
 
+def motion(x, v, power, gap, b):
+    """Return the scalars of a body that moves; v is v_A."""
+    moves = kinematics(x, contact.axis_rate(x, b), b)
+    return *moves, *slip_scalars(x.u, v), v.z, dot(x.velocity, x.velocity), power, gap
+
+
 def row_scalars(q, b):
     """Return the scalars of a row."""
-    u = axis(q)
     v = lowest_velocity(q, b)
-    return Scalars(
-        *kinematics(turning(q), axis_rate(q, b), b),
-        *slip_scalars(u, v),
-        v.z,
-        q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
-        q.drilled - (q.Fx * v.x + q.Fy * v.y),
-        q.height - q.radius + q.offset * u.z,
-        *(getattr(q, name) for name in NUMBERS),
-    )
+    power = q.drilled - (q.Fx * v.x + q.Fy * v.y)
+    gap = q.height - q.radius + q.offset * q.uz
+    numbers = (getattr(q, name) for name in NUMBERS)
+    return Scalars(*motion(moving(q, ()), v, power, gap, b), *numbers)
 
 
 # --- angles -------------------------------------------------------------------------------------
