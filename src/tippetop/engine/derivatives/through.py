@@ -10,11 +10,12 @@ Between formulas, numbers are the rows of an array: the value, then its derivati
 direction. The time is the last row of a state, so that it moves with the end of a phase too.
 """
 
+import operator
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import lru_cache, partial
-from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -640,6 +641,7 @@ class Pass:
         system = self.problem.system
         variables = self.problem.variables
         form = variables.form
+        form = replace(form, scalars=lru_cache(form.scalars))  # they are most of the work
         first = _columned(self.numbers.first)
         given = system, form, *variables.split(duals_of(self.rows(), self.order)), first
         values = observed(*given)
@@ -669,7 +671,8 @@ class Pass:
             for event in motion.formulas.events:
                 if event.name == name and column < len(which):
                     state = states[:, : self.directions + 1, column]
-                    shift[:] = motion.happens(event, state)[-1, 1:]
+                    _, (*by, pace) = motion.slopes(event, state)
+                    shift[:] = state[-1, 1:] - np.array(by) / pace
         return shifts
 
     @QUIET
@@ -693,7 +696,7 @@ class Pass:
                     is_exit = interval.jump and interval.jump.exit.event == event.name
                     if size[k] > NOISE and not (is_end and is_exit):
                         notes.append(Note(interval.began, f"`{event.name}`", least[:, k]))
-        return sorted(notes, key=attrgetter("time"))
+        return sorted(notes, key=operator.attrgetter("time"))
 
 
 def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: Any) -> Pass:
@@ -719,13 +722,14 @@ def _quaternion(products: Sequence, order: int) -> list[Dual]:
 
     The derivatives of P = 4 q q^t are P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
     """
-    parts = np.array(
-        [[np.broadcast_arrays(*parts_of(one, order)) for one in row] for row in products]
-    )
-    q = quaternion(parts[:, :, 0, 0])
-    turns = np.einsum("ijk...t,jt->ki...t", parts[:, :, 1:], q) / 4
+    q = quaternion([np.broadcast_arrays(*map(plain, row)) for row in products])
+    turns = []
+    for k in range(1, order + 1):
+        moves = [[parts_of(one, order)[k] for one in row] for row in products]
+        turns.append([sum(map(operator.mul, row, q)) / 4 for row in moves])
     if order > 1:
-        turns[1] += q[:, None] * (turns[0] ** 2).sum(axis=0)
+        square = sum(one**2 for one in turns[0])
+        turns[1] = [turn + one * square for turn, one in zip(turns[1], q, strict=True)]
     return [Dual(*one) for one in zip(q, *turns, strict=True)]
 
 
