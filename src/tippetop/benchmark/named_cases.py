@@ -107,7 +107,7 @@ def case(name: str | Path) -> Case:
 def _own(path: Path) -> Case:
     """Return a scenario as a case. Raises InputError."""
     problem = replace(starting.load(path), orientation=True)
-    require_still(problem.tables, f"`{path}`")
+    require_still(problem.tables, f"`{path}`", tilted=True)
     if path.stem in names():
         raise InputError(f"`{path}` must not have the name of a case, but {path.stem} is one.")
     if problem.contact is None and problem.system.name != "heavy-top":
