@@ -279,11 +279,9 @@ def judged(
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
     doubts = _not_noise(misfit, parts, noise)
-    shifts = {}
-    if systematic:
-        gain = moves @ inner @ jacobian.T * weight
-        found = influences.moves(misfit, values, lambda change: gain @ change)
-        shifts = {name: np.linalg.norm(some, axis=0) for name, some in found.items()}
+    changes = influences.changes(misfit, values) if systematic else {}
+    solution = moves @ inner @ jacobian.T * weight
+    shifts = {name: np.linalg.norm(some @ solution.T, axis=0) for name, some in changes.items()}
     beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
     quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
     estimates = {}
@@ -322,6 +320,8 @@ def judged(
             f"what the scenario lacks would together move `{space.names[worst]}` by "
             f"{beside[worst] / sigma[worst]:.2g} standard errors."
         )
+    if changes and not reasons:
+        reasons = _hidden(misfit, ends, changes)
     trustworthy = not reasons
     reasons.insert(
         0,
@@ -415,8 +415,8 @@ def _undecided(
     return reasons
 
 
-def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
-    """Return a sentence where other numbers fit nearly as well."""
+def _rivals(space: Space, ends: Sequence[Minimum], where: str = "") -> list[str]:
+    """Return a sentence where other numbers than those of the first end fit nearly as well."""
     best = ends[0]
     near = [
         space.values(end.point) for end in ends[1:] if end.cost - best.cost < RIVAL * best.variance
@@ -425,4 +425,40 @@ def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
         return []
     numbers = ", ".join(f"{name} = {value:.6g}" for name, value in near[0].items())
     more = f" (and {len(near) - 1} more such sets)" if len(near) > 1 else ""
-    return [f"other numbers fit nearly as well: {numbers}{more}; errors are those of one set."]
+    return [
+        f"other numbers fit nearly as well{where}: {numbers}{more}; errors are those of one set."
+    ]
+
+
+def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[str]:
+    """Return sentences on a motion that influences explain better, or by other numbers.
+
+    `changes`: those of residuals at the first end, by influence.
+    """
+    best = ends[0]
+    gains = {name: _gain(misfit, best, [change], best) for name, change in changes.items()}
+    freed = []
+    for end in ends:
+        some = (
+            changes if end is best else influences.changes(misfit, misfit.space.values(end.point))
+        )
+        freed.append(end._replace(cost=end.cost - _gain(misfit, end, [*some.values()], best)))
+    reasons = _rivals(misfit.space, freed, ", if the scenario lacks something")
+    if best.cost - freed[0].cost > RIVAL * best.variance:
+        name = max(gains, key=lambda name: gains[name])
+        reasons.append(
+            f"the residuals are like those of {name}, or of several: let its numbers be free."
+        )
+    return reasons
+
+
+def _gain(misfit: Misfit, end: Minimum, changes: Sequence[np.ndarray], best: Minimum) -> float:
+    """Return by how much the cost falls where influences of about their sizes are free too."""
+    change = np.concatenate(changes or [np.empty((0, len(end.residual)))])
+    count = len(change)
+    root = np.sqrt(misfit.weight(end.residual))
+    known = np.hstack([np.zeros((count, len(end.point))), np.sqrt(best.variance) * np.eye(count)])
+    table = np.vstack([np.hstack([end.jacobian, change.T]) * root[:, None], known])
+    before = np.append(root * end.residual, np.zeros(count))
+    after = before - table @ np.linalg.lstsq(table, before, rcond=None)[0]
+    return float(before @ before - after @ after)

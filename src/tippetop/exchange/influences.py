@@ -1,16 +1,17 @@
 """How far estimates would move if the world were not quite that of the scenario.
 
-The least-squares fit is linear near its end: a change dr of the residuals moves the numbers by the
-pseudo-inverse of the Jacobian times dr.
+Each influence has a plausible size. Near the end of a fit, where it is linear, it changes the
+residuals by a vector, and the numbers by the pseudo-inverse of the Jacobian times that.
 """
 
 import copy
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from ..arguments import PlainData
+from ..columns import Arrays
 from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
@@ -29,9 +30,6 @@ USUAL_MU = 0.2
 DENSITY, VISCOSITY = 1.2, 1.5e-5
 """Of air [kg/m^3], kinematic [m^2/s]."""
 
-Moves = dict[str, np.ndarray]
-"""Changes of the coordinates of the free numbers, by influence, (directions, free)."""
-
 
 def air_of_sphere(radius: float, spin: float) -> tuple[float, float]:
     """Return c1 and c2 of the torque of the air on a sphere that turns about a diameter.
@@ -43,10 +41,8 @@ def air_of_sphere(radius: float, spin: float) -> tuple[float, float]:
     return c1, 3.225 * DENSITY * math.sqrt(VISCOSITY / spin) * radius**4
 
 
-def moves(
-    misfit: Misfit, values: Mapping[str, float], solve: Callable[[np.ndarray], np.ndarray]
-) -> Moves:
-    """Return how the estimates move under each influence that the scenario lacks.
+def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
+    """Return how the residuals change under each influence that the scenario lacks.
 
     Parameters
     ----------
@@ -54,14 +50,12 @@ def moves(
         Of the measurements; its observation has the scenario.
     values
         The fitted numbers.
-    solve
-        Returns the change of the coordinates for a change of the residuals.
 
     Returns
     -------
     dict
-        By influence; it may act along one or two directions. One that the system of the scenario
-        cannot have is left out.
+        (directions, residuals) by influence, which may act along one or two directions. One that
+        the system of the scenario cannot have is left out.
     """
     problem = misfit.observation.problem
     tables = build.resolved(problem)
@@ -70,19 +64,17 @@ def moves(
     start = {**tables["initial"], **{n.partition(".")[2]: v for n, v in values.items()}}
     spin = abs(float(start.get("omega3", 0.0))) or 1.0
     law = tables.get("friction", {}).get("law", "none")
-    changes: dict[str, list[dict[str, float]]] = {}
+    cases: dict[str, list[dict[str, float]]] = {}
     if "tilt" not in tables.get("plane", {}):
-        changes[TILTED] = [
-            {"plane.tilt": TILT, "plane.azimuth": turn} for turn in (0.0, math.pi / 2)
-        ]
+        cases[TILTED] = [{"plane.tilt": TILT, "plane.azimuth": turn} for turn in (0.0, math.pi / 2)]
     if "air" not in tables and "R" in tables["parameters"]:
         c1, c2 = air_of_sphere(float(start.get("R", tables["parameters"]["R"])), spin)
-        changes[AIR] = [{"air.c1": c1, "air.c2": c2}]
+        cases[AIR] = [{"air.c1": c1, "air.c2": c2}]
     if law not in ("none", "coulomb", "contensou") and "mu_d" not in tables["friction"]:
         mu = 3 * math.pi / 16 * tables["friction"].get("mu_coulomb", USUAL_MU)
-        changes[DISC] = [{"friction.mu_d": mu * PATCH}]
+        cases[DISC] = [{"friction.mu_d": mu * PATCH}]
     found = {}
-    for name, some in changes.items():
+    for name, some in cases.items():
         keys = list(some[0])
         extended = {**tables}
         for key in keys:
@@ -92,14 +84,14 @@ def moves(
         points += [{k: v if k == "plane.azimuth" else PART * v for k, v in p.items()} for p in some]
         rows = _residuals(misfit, extended, keys, [{**values, **p} for p in points])
         if rows is not None:
-            found[name] = np.array([solve(row - rows[0]) / PART for row in rows[1:]])
+            found[name] = (rows[1:] - rows[0]) / PART
     if law == "coulomb":
         friction = {"law": "contensou", "patch": PATCH, "mu_r": 0.0}
         friction["mu"] = tables["friction"]["mu"]
         before = _residuals(misfit, tables, [], [dict(values)])
         after = _residuals(misfit, {**tables, "friction": friction}, [], [dict(values)])
         if before is not None and after is not None:
-            found[DISC] = np.array([solve(after[0] - before[0])])
+            found[DISC] = after - before
     return found
 
 
