@@ -1,6 +1,7 @@
 """A fit of the numbers of a scenario to a measured motion, and how far the data decide them."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -52,11 +53,14 @@ class Estimate(NamedTuple):
     systematic: float = 0.0
 
 
-class Fit(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Fit:
     """The result of a fit.
 
     Parameters
     ----------
+    observation
+        Measurements and the scenario.
     estimates
         By dotted name.
     correlations
@@ -65,7 +69,7 @@ class Fit(NamedTuple):
         Whether enough independent searches ended in the same best minimum.
     trustworthy
         Whether also the residuals are noise, and the data decide every number.
-    reason
+    reasons
         Sentences; the first one is the outcome.
     residuals
         Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis
@@ -81,11 +85,12 @@ class Fit(NamedTuple):
         Over how many rows the residuals are correlated; 1: noise.
     """
 
+    observation: Observation
     estimates: dict[str, Estimate]
     correlations: np.ndarray
     converged: bool
     trustworthy: bool
-    reason: list[str]
+    reasons: list[str]
     residuals: Arrays
     noise: dict[str, float]
     influences: dict[str, dict[str, float]]
@@ -330,6 +335,7 @@ def judged(
         else "the fit must be read with care:",
     )
     return Fit(
+        misfit.observation,
         estimates,
         correlations,
         met >= MET,

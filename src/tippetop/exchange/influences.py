@@ -63,50 +63,41 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
     del tables["form"]
     start = {**tables["initial"], **{n.partition(".")[2]: v for n, v in values.items()}}
     spin = abs(float(start.get("omega3", 0.0))) or 1.0
-    law = tables.get("friction", {}).get("law", "none")
-    cases: dict[str, list[dict[str, float]]] = {}
-    if "tilt" not in tables.get("plane", {}):
-        cases[TILTED] = [{"plane.tilt": TILT, "plane.azimuth": turn} for turn in (0.0, math.pi / 2)]
+    friction = tables.get("friction", {})
+    law = friction.get("law", "none")
+    plane = tables.get("plane", {})
+    # Tables without and with each direction of an influence, and the part that the change is
+    cases: dict[str, tuple[list[PlainData], float]] = {}
+    if "tilt" not in plane:
+        tilts = (0.0, 0.0), (PART * TILT, 0.0), (PART * TILT, math.pi / 2)
+        some = [{"plane": {**plane, "tilt": tilt, "azimuth": turn}} for tilt, turn in tilts]
+        cases[TILTED] = some, PART
     if "air" not in tables and "R" in tables["parameters"]:
         c1, c2 = air_of_sphere(float(start.get("R", tables["parameters"]["R"])), spin)
-        cases[AIR] = [{"air.c1": c1, "air.c2": c2}]
-    if law not in ("none", "coulomb", "contensou") and "mu_d" not in tables["friction"]:
-        mu = 3 * math.pi / 16 * tables["friction"].get("mu_coulomb", USUAL_MU)
-        cases[DISC] = [{"friction.mu_d": mu * PATCH}]
-    found = {}
-    for name, some in cases.items():
-        keys = list(some[0])
-        extended = {**tables}
-        for key in keys:
-            table, _, number = key.partition(".")
-            extended[table] = {**extended.get(table, {}), number: 0.0}
-        points = [dict.fromkeys(keys, 0.0)]
-        points += [{k: v if k == "plane.azimuth" else PART * v for k, v in p.items()} for p in some]
-        rows = _residuals(misfit, extended, keys, [{**values, **p} for p in points])
-        if rows is not None:
-            found[name] = (rows[1:] - rows[0]) / PART
+        cases[AIR] = [{"air": {"c1": size * c1, "c2": size * c2}} for size in (0.0, PART)], PART
     if law == "coulomb":
-        friction = {"law": "contensou", "patch": PATCH, "mu_r": 0.0}
-        friction["mu"] = tables["friction"]["mu"]
-        before = _residuals(misfit, tables, [], [dict(values)])
-        after = _residuals(misfit, {**tables, "friction": friction}, [], [dict(values)])
-        if before is not None and after is not None:
-            found[DISC] = after - before
+        disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
+        cases[DISC] = [{}, {"friction": disc}], 1.0
+    elif law not in ("none", "contensou") and "mu_d" not in friction:
+        drilling = 3 * math.pi / 16 * friction.get("mu_coulomb", USUAL_MU) * PATCH
+        some = [{"friction": {**friction, "mu_d": size * drilling}} for size in (0.0, PART)]
+        cases[DISC] = some, PART
+    found = {}
+    for name, (some, part) in cases.items():
+        rows = [_residuals(misfit, tables | changed, values) for changed in some]
+        if np.isfinite(every := np.array(rows)).all():
+            found[name] = (every[1:] - every[0]) / part
     return found
 
 
-def _residuals(
-    misfit: Misfit, tables: PlainData, keys: list[str], points: list[dict[str, float]]
-) -> np.ndarray | None:
-    """Return residuals (points, numbers) under changed tables; None if they are refused."""
+def _residuals(misfit: Misfit, tables: PlainData, values: Mapping[str, float]) -> np.ndarray:
+    """Return residuals under changed tables; NaN if these are refused."""
     observation = copy.copy(misfit.observation)
     try:
         problem: Problem = build.problem(tables)
-        known = [name for name in observation.own if name in problem.rules]
-        observation.own = (*known, *keys)
+        observation.own = tuple(name for name in observation.own if name in problem.rules)
         observation.predicted = observation.predictions_of(problem, observation.own)
-        observation.predicted.refine()
-        rows, _ = misfit.read(observation, points, misfit.rows)
     except InputError:
-        return None
-    return rows if np.isfinite(rows).all() else None
+        return np.full(misfit.rows, np.nan)
+    observation.predicted.refine()
+    return misfit.read(observation, [dict(values)], misfit.rows)[0][0]

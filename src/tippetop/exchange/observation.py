@@ -61,6 +61,8 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
+    given
+        Which residuals of each kind are numbers, (rows, parts).
     """
 
     def __init__(
@@ -100,6 +102,12 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
                 "gyroscope, an accelerometer, a place or a marker."
             )
+        self.given = {}
+        for group, rows in self.groups.items():
+            given = np.isfinite(rows)
+            if parts := residuals.PARTS.get(group):
+                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
+            self.given[group] = given
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
         self.problem = problem
