@@ -177,8 +177,7 @@ def fit(
             for end in ends
         ]
         ends = merge(again)
-    met = ends[0].searches
-    return judged(misfit, ends, met, n + 1, systematic=systematic, hopeless=lost)
+    return judged(misfit, ends, n + 1, systematic=systematic, hopeless=lost)
 
 
 def _refuse(misfit: Misfit) -> None:
@@ -209,19 +208,26 @@ def _refuse(misfit: Misfit) -> None:
         )
 
 
+def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
+    """Return the autocorrelations of each part of the residuals, by lag, (rows,) each."""
+    found = []
+    for part in np.hstack([*parts.values()]).T:
+        r = part[np.isfinite(part)]
+        products = np.fft.irfft(np.abs(np.fft.rfft(r, 2 * len(r))) ** 2)[: len(r)]
+        if (r != 0).any():
+            found.append(products / products[0])
+    return found
+
+
 def _excess(parts: Arrays) -> float:
     """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
     lags = np.arange(1, LAGS + 1)
     worst = 0.0
-    for off in parts.values():
-        for part in off.T:
-            r = part[np.isfinite(part)]
-            n = len(r)
-            power = (r**2).sum()
-            if n > 2 * LAGS and power > 0:
-                rho = np.array([(r[k:] * r[:-k]).sum() for k in lags]) / power
-                total = n * (n + 2) * (rho**2 / (n - lags)).sum()  # Ljung and Box 1978
-                worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
+    for rho in _autocorrelations(parts):
+        n = len(rho)
+        if n > 2 * LAGS:
+            total = n * (n + 2) * (rho[lags] ** 2 / (n - lags)).sum()  # Ljung and Box 1978
+            worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
     return worst
 
 
@@ -232,30 +238,22 @@ def correlation_time(parts: Arrays) -> float:
     all parts counts.
     """
     longest = 1.0
-    for off in parts.values():
-        for part in off.T:
-            r = part[np.isfinite(part)]
-            power = (r**2).sum()
-            total = 1.0
-            for k in range(1, len(r) // 4):
-                rho = (r[k:] * r[:-k]).sum() / power if power > 0 else 0.0
-                if rho < 2 / np.sqrt(len(r)):
-                    break
-                total += 2 * rho
-            longest = max(longest, total)
+    for rho in _autocorrelations(parts):
+        some = rho[1 : len(rho) // 4]
+        end = np.argmin([*(some >= 2 / np.sqrt(len(rho))), False])
+        longest = max(longest, 1 + 2 * float(some[:end].sum()))
     return longest
 
 
 def judged(
     misfit: Misfit,
     ends: Sequence[Minimum],
-    met: int,
     searches: int,
     *,
-    systematic: bool = False,
-    hopeless: bool = False,
+    systematic: bool,
+    hopeless: bool,
 ) -> Fit:
-    """Return the result of searches that ended in these minima, best first, `met` in the first.
+    """Return the result of searches that ended in these minima, best first.
 
     `hopeless`: whether they ended early, far from the data.
     Variances are multiplied by the time over which residuals are correlated.
@@ -266,27 +264,27 @@ def judged(
     point = ends[0].point
     (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
+    root = np.sqrt(weight)
     values = space.values(point)
     parts, noise = _left(misfit, point)
     rows = correlation_time(parts)
     freedom = max(float(weight.sum()) / rows - len(point), 1.0)
     variance = misfit.variance(residual) * rows
-    sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
+    scaled = jacobian * root[:, None]
+    sizes = np.linalg.norm(scaled, axis=0)
     sizes = np.where(sizes > 0, sizes, 1)
-    scaled = jacobian * np.sqrt(weight)[:, None] / sizes
-    _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
-    inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways / np.outer(sizes, sizes)
+    across, singular, ways = np.linalg.svd(scaled / sizes, full_matrices=False)
     slopes = np.array(
         [scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)]
     )
-    moves = space.slopes(point) / slopes[:, None]
-    covariance = variance * moves @ inner @ moves.T
+    moves = space.slopes(point) / slopes[:, None] / sizes
+    inverse = moves @ (ways.T / np.maximum(singular, 1e-12)) @ across.T
+    covariance = variance * inverse @ inverse.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
     doubts = _not_noise(misfit, parts, noise)
     changes = influences.changes(misfit, values) if systematic else {}
-    solution = moves @ inner @ jacobian.T * weight
-    shifts = {name: np.linalg.norm(some @ solution.T, axis=0) for name, some in changes.items()}
+    shifts = {n: np.linalg.norm(inverse @ (root * some).T, axis=1) for n, some in changes.items()}
     beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
     quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
     estimates = {}
@@ -298,6 +296,7 @@ def judged(
             limits = np.clip(limits, scale.low, scale.high)
         low, high = map(scale.outside, limits)
         estimates[name] = Estimate(value, float(s * slope), low, high, float(shift * slope))
+    met = ends[0].searches
     reasons = []
     if hopeless and met < MET:
         reasons.append(
@@ -312,19 +311,15 @@ def judged(
         )
     reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
     reasons += doubts
-    for name, shift in shifts.items():
+
+    def moved(name: str, shift: np.ndarray) -> list[str]:
         worst = int(np.argmax(shift / sigma))
-        if shift[worst] > LARGE * sigma[worst]:
-            reasons.append(
-                f"{name} would move `{space.names[worst]}` by {shift[worst] / sigma[worst]:.2g} "
-                "standard errors."
-            )
-    worst = int(np.argmax(beside / sigma))
-    if LARGE * sigma[worst] < beside[worst] and not any("would move" in text for text in reasons):
-        reasons.append(
-            f"what the scenario lacks would together move `{space.names[worst]}` by "
-            f"{beside[worst] / sigma[worst]:.2g} standard errors."
-        )
+        errors = shift[worst] / sigma[worst]
+        words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."
+        return [words] if errors > LARGE else []
+
+    large = [words for name, shift in shifts.items() for words in moved(name, shift)]
+    reasons += large or moved("what the scenario lacks, together,", beside)
     if changes and not reasons:
         reasons = _hidden(misfit, ends, changes)
     trustworthy = not reasons

@@ -62,5 +62,6 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.set_xlabel(other)
             if column == 0 < row:
                 panel.set_ylabel(label)
+    fig.align_labels()
     fig.supxlabel(text, x=0.02, ha="left", fontsize="small")
     return fig

@@ -107,7 +107,12 @@ class Posterior:
         refuse_without("matplotlib")
         from ..figures.corner import corner
 
-        columns = dict(zip(self.free, self.points.T, strict=True))
+        units = [self.fit.observation.rule(name).unit.symbol for name in self.free]
+        labels = [
+            name if unit == "1" else f"{name} ({unit})"
+            for name, unit in zip(self.free, units, strict=True)
+        ]
+        columns = dict(zip(labels, self.points.T, strict=True))
         return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
