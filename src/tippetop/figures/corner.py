@@ -54,6 +54,8 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.pcolormesh(*edges, count.T, cmap="Blues", rasterized=True)
                 panel.set_ylim(limits[row])
             panel.set_xlim(limits[column])
+            for axis in (panel.xaxis, panel.yaxis):
+                axis.set_major_formatter("{x:.6g}")
             panel.locator_params(nbins=3)
             panel.tick_params(
                 labelbottom=row == n - 1, labelleft=column == 0 < row, labelrotation=30
