@@ -14,7 +14,7 @@ from typed import typed
 
 import tippetop as tt
 from tippetop.exchange.misfit import Misfit
-from tippetop.exchange.motion import Motion, turned
+from tippetop.exchange.motion import turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.search import Minimum, merge
 from tippetop.library.exchanging import Fitted
@@ -170,7 +170,7 @@ def test_jacobians_are_the_exact_derivatives() -> None:
     """By numbers of the body, the law, the start and the clock, against variational equations."""
     names = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3"]
     t = np.array([0.01, 0.05, 0.11])
-    seen = Motion(t, theta=np.full(3, 0.2), omega3=np.zeros(3), place=np.zeros((3, 3)))
+    seen = {"t": t, "theta": np.full(3, 0.2), "omega3": np.zeros(3), "place": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
     observation.predicted.refine()
     space = observation.space()
@@ -194,7 +194,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     """Its height too, which depends on numbers of the body that are free."""
     t, arm = np.array([0.02, 0.05, 0.11]), (0.01, 0.0, 0.005)
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
-    motion = Motion(t, marker=np.zeros((3, 3)))
+    motion = {"t": t, "marker": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
     (off,) = observation.predictions([free])["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}

@@ -95,11 +95,9 @@ class LogLikelihood:
         """Return the logarithms for residuals by group, (points, rows, parts)."""
         total: np.ndarray = np.zeros(1)
         for group, off in parts.items():
-            seen = np.isfinite(self._observation.groups[group])
-            if seen.shape != off.shape[1:]:
-                seen = np.broadcast_to(seen.all(axis=1, keepdims=True), off.shape[1:])
-            squares = (off[:, seen] ** 2).sum(axis=1)
-            n = int(seen.sum())
+            given = self._observation.given[group]
+            squares = (off[:, given] ** 2).sum(axis=1)
+            n = int(given.sum())
             noise = self._observation.noise if group not in UNITS else None
             if noise is None:
                 total = total - n / 2 * np.log(np.maximum(squares, 1e-300))

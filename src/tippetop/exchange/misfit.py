@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 
 from ..arguments import choice
-from ..columns import Arrays
-from . import residuals
 from .observation import Observation
 from .scales import FAR, Space
 
@@ -123,24 +121,14 @@ class Misfit:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the same under the scenario of another observation of these measurements."""
         parts = observation.predictions(points, slice(0, rows))
-        given = self.given(rows)
+        given = {group: every[:rows] for group, every in self.observation.given.items()}
         found = [off[:, given[group]] * self.weights[group] for group, off in parts.items()]
         worst = [np.full(given[group].sum(), WORST * self.weights[group]) for group in parts]
         return np.concatenate(found, axis=1), np.concatenate(worst)
 
-    def given(self, rows: int) -> Arrays:
-        """Return which residuals of each group are numbers, (rows, parts)."""
-        found = {}
-        for group, seen in self.observation.groups.items():
-            given = np.isfinite(seen[:rows])
-            if parts := residuals.PARTS.get(group):
-                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
-            found[group] = given
-        return found
-
     def split(self, table: np.ndarray) -> list[np.ndarray]:
         """Return the rows of a table of all residuals, of each group."""
-        ends = np.cumsum([given.sum() for given in self.given(self.rows).values()])
+        ends = np.cumsum([given.sum() for given in self.observation.given.values()])
         return np.split(table, ends[:-1])
 
     def refine(self) -> None:

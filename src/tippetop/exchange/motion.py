@@ -1,16 +1,16 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import choice
+from ..columns import Arrays
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
-from .headers import CAMERA, KINDS, SCALARS
+from .headers import CAMERA, KIND, KINDS
 from .motion_table import Table
 
 
@@ -69,76 +69,44 @@ def place_of(name: str, given: Place) -> tuple[float, float, float] | None:
     return x, y, z
 
 
-class Motion(NamedTuple):
-    """A motion in our conventions, SI; None for quantities that the table lacks.
+def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # noqa: B008 - a tuple
+    """Return the motion of a table in our conventions, SI: what it has, and what follows from that.
 
-    Parameters
-    ----------
-    t, theta, phi, psi, theta_dot, phi_dot, omega3
-        (rows,).
-    axis
-        The unit vector 3hat along the axis of the body, space frame, (rows, 3).
-    orientation
-        Unit quaternion wxyz, body to space, (rows, 4).
-    place, velocity
-        Of the centre of mass, space frame, (rows, 3), NaN where a component is not given.
-    omega
-        Angular velocity, space frame, (rows, 3).
-    gyroscope, accelerometer
-        Angular velocity and specific force in body axes, (rows, 3).
-    force
-        Of the contact on the body, space frame, (rows, 3).
-    marker
-        Places of a marker on the body, space frame, (rows, 3).
-    leans
-        Directions of the axis in the pictures of cameras, (rows,) each, by column.
+    Returns
+    -------
+    dict
+        The scalars and cameras of the table by their names, (rows,); the `KINDS` of vectors,
+        (rows, 3), NaN where a component is not given; `orientation`, unit quaternions wxyz, body
+        to space, (rows, 4). An axis is a unit vector.
+
+    Raises
+    ------
+    InputError
+        For missing conventions and non-rotations.
     """
-
-    t: np.ndarray
-    theta: Rows = None
-    phi: Rows = None
-    psi: Rows = None
-    theta_dot: Rows = None
-    phi_dot: Rows = None
-    omega3: Rows = None
-    axis: Rows = None
-    orientation: Rows = None
-    place: Rows = None
-    velocity: Rows = None
-    omega: Rows = None
-    gyroscope: Rows = None
-    accelerometer: Rows = None
-    force: Rows = None
-    marker: Rows = None
-    leans: Mapping[str, np.ndarray] = MappingProxyType({})
-
-
-def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
-    """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
-    found: dict[str, Any] = {name: table.columns.get(name) for name in SCALARS}
+    found: dict[str, Rows] = {n: rows for n, rows in table.columns.items() if n not in KIND}
     for kind in KINDS.keys() - {"orientation"}:
         found[kind] = _vector(table, KINDS[kind][0].split(), turn)
-    theta = found["theta"]
-    phi = found["phi"]
-    omega3 = found["omega3"]
-    omega = found["omega"]
+    theta = found.get("theta")
+    phi = found.get("phi")
     axis = found["axis"]
     axis = None if axis is None else _unit(table, axis, "axis")
     axis = _filled(axis, None if q is None else axis_of(q))
     if theta is not None and phi is not None:
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
         axis = _filled(axis, np.stack(parts, axis=1))
+    omega = found["omega"]
     own = found["gyroscope"]
-    if own is not None:
-        omega = _filled(omega, None if q is None else turned(q, own))
+    if own is not None and q is not None:
+        omega = _filled(omega, turned(q, own))
     if axis is not None:
-        theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
-        omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
-    found |= {"theta": theta, "omega3": omega3, "axis": axis, "omega": omega, "orientation": q}
-    leans = {name: rows for name, rows in table.columns.items() if CAMERA.fullmatch(name)}
-    return Motion(**found, leans=leans)
+        found["theta"] = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+        spin = None if omega is None else (omega * axis).sum(axis=1)
+        found["omega3"] = _filled(found.get("omega3"), spin)
+    found |= {"axis": axis, "omega": omega, "orientation": q}
+    return {name: rows for name, rows in found.items() if rows is not None}
 
 
 def _filled(given: Rows, other: Rows) -> Rows:
