@@ -110,7 +110,7 @@ def test_mirror_images_are_exact(law: Any) -> None:
 
 def test_a_run_certifies_and_its_end_is_a_start(tmp_path: Path) -> None:
     law, store = Coulomb(mu=0.1), tmp_path / "a.zarr"
-    run = tt.run(BOAT, law, start=START, until=0.1, out=store)
+    run = tt.run(BOAT, law, start=START, until=0.03, out=store)
     begins = tt.run(BOAT, law, start=store, until=1e-3).trajectory.orientation[0]
     np.testing.assert_array_equal(begins, run.trajectory.orientation[-1])
     assert certificate_violations(run.certify()) == []
