@@ -65,9 +65,7 @@ ones."""
 DAILY = ("inverting", "cohen-coulomb", "flying", "leine-glocker-drilling")  # of every phase
 
 
-@pytest.mark.parametrize(
-    "name", [name if name in DAILY else at_night(name) for name in PRESETS]
-)
+@pytest.mark.parametrize("name", [name if name in DAILY else at_night(name) for name in PRESETS])
 def test_a_motion_and_its_phases_are_those_of_the_engine(tab: Any, name: str) -> None:
     times = np.linspace(0.05, PRESETS[name], 100)
     run = tt.run(name, until=PRESETS[name], output_times=times)
