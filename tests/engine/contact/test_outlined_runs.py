@@ -45,13 +45,6 @@ def test_an_egg_jumps_when_the_reference_does() -> None:
     np.testing.assert_allclose(phases.end.values[:2], expected, rtol=0, atol=1e-15)
 
 
-@pytest.mark.parametrize("e_n", [0.0, 0.5])
-def test_many_jumps_of_an_egg_keep_its_balance(e_n: float) -> None:
-    run = tt.run(EGG, tt.friction.Viscous(mu=1.0), start=JUMPS, until=1.0, contact={"e_n": e_n})
-    assert run.summary.event_counts["liftoff"] == 24
-    assert run.drift["energy_balance"] < 1e-13
-
-
 @pytest.mark.parametrize(
     "law",
     [
