@@ -88,7 +88,12 @@ def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
 
 def test_tops_that_stand_on_their_stem_begin_there_whatever_their_inclination() -> None:
     """The gap of the sphere is not given: it follows theta. The energy of the start does too."""
-    tops = some("begins on its stem", **{"initial.theta": np.linspace(2.4, 3.0, 12)})
+    thetas = np.linspace(0.3, 3.0, 12)
+    tops = some("begins on its stem", **{"initial.theta": thetas})
+    tables = reading.read("leine-glocker-stem") | ON_STEM
+    for top, theta in enumerate(thetas.tolist()):
+        own = build.problem(tables | {"initial": ON_STEM["initial"] | {"theta": theta}})
+        assert hybrid_tops.problem_of(tops, top).initial == own.initial
     measured, single = ensemble.measure(tops, threads=1), alone(tops)
     np.testing.assert_allclose(measured.final, single.final, rtol=0, atol=1e-9)
     assert max(drift.max() for drift in measured.drift.values()) < 1e-12
