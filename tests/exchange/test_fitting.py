@@ -231,9 +231,3 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert out.is_file()
     assert figure.is_file()
     assert typed(f"{words} --out {out}") == 5  # it exists already
-
-
-def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
-    found = fitted(film, ["initial.theta=0.5", "initial.omega3=100.0"], ["friction.mu"])
-    assert not found.trustworthy
-    assert "the residuals are not noise" in found.reason

@@ -126,7 +126,7 @@ SURROUNDINGS: dict[str, dict[str, dict[str, float]]] = {
     ("preset", "name"),
     [
         *(("cohen-coulomb", name) for name in SURROUNDINGS),
-        *(("inverting", name) for name in SURROUNDINGS),
+        ("inverting", "vibrates"),
         ("rolling", "vibrates"),
     ],
 )
