@@ -124,13 +124,14 @@ def test_the_chip_is_at_the_centre_of_mass_by_default(
 def test_a_fit_to_a_chip_and_a_camera_finds_the_numbers_of_the_own_engine(
     film: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
-    path = table(tmp_path, film, "omega_body", "accelerometer", "camera_0")
+    some = {name: values[::4] for name, values in film.items()}
+    path = table(tmp_path, some, "omega_body", "accelerometer", "camera_0")
     guess = SCENARIO | {
         "friction": {"law": "viscous", "mu": 0.33},
         "initial": SCENARIO["initial"] | {"omega3": 152.0, "psi": 0.6},
     }
     free = ["friction.mu", "initial.omega3", "initial.psi"]
-    found = tt.fit(path, guess, free, starts=1, chip=ARM)
+    found = tt.fit(path, guess, free, starts=1, within=0.2, chip=ARM, systematic=False)
     assert set(found.residuals) == {"gyroscope", "accelerometer", "camera_0"}
     for name, true in zip(free, (MU, 155.0, 0.7), strict=True):
         assert found.estimates[name].value == pytest.approx(true, rel=1e-5), name

@@ -1,6 +1,5 @@
 """The tables [air] and [plane]: what is read, refused, and withheld."""
 
-import dataclasses
 import pickle
 from pathlib import Path
 from typing import Any
@@ -75,48 +74,6 @@ def test_numbers_of_another_plane_do_not_vary() -> None:
     ):
         with pytest.raises(InputError, match=r"Give the scenario a `plane\.tilt`"):
             ask()
-
-
-@pytest.mark.parametrize("preset", ["inverting", "flying"])
-@pytest.mark.parametrize(
-    "around",
-    [
-        {"air": AIR, "plane": PLANE},
-        {"plane": {"amplitude": 1e-4, "frequency": 20.0, "phase": 0.2}},
-        {"plane": {"omega": 2.0, "x": 0.01, "y": 0.02}},
-    ],
-    ids=["tilted", "vibrating", "turning"],
-)
-def test_a_gliding_top_has_derivatives_by_its_surroundings(
-    preset: str, around: dict[str, Any]
-) -> None:
-    base = tt.run(preset, **around, until=0.2).problem
-    keys = [*base.surroundings]
-    found = tt.derivatives.sensitivities(base, keys).trajectory.isel(time=-1)
-    for key in keys:
-        value = base.surroundings[key]
-        step = 1e-4 * value
-        ends = {}
-        for side in (1, -1):
-            moved = {**base.surroundings, key: value + side * step}
-            rows = tt.run(dataclasses.replace(base, surroundings=moved)).trajectory
-            ends[side] = rows.isel(time=-1)
-        for name in ("theta", "x"):
-            slope = float(ends[1][name] - ends[-1][name]) / (2 * step)
-            assert np.isclose(found[name].sel(parameter=key), slope, rtol=1e-5, atol=1e-10)
-
-
-def test_a_rolling_top_has_derivatives_by_its_surroundings() -> None:
-    names = ["plane.tilt", "air.c1", "initial.omega3"]
-    slopes = tt.derivatives.sensitivities("rolling", names, **AROUND, until=0.5).trajectory
-    step = 1e-5
-    ends = [
-        tt.run("rolling", air=AIR, plane=PLANE | {"tilt": np.pi / 180 + side * step}, until=0.5)
-        for side in (1, -1)
-    ]
-    one, other = (run.trajectory.theta.values[-1] for run in ends)
-    found = float(slopes.theta.sel(parameter="plane.tilt")[-1])
-    assert np.isclose(found, (one - other) / (2 * step), rtol=1e-7)
 
 
 @pytest.mark.parametrize("omega", [3.0, -30.0])

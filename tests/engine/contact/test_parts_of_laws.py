@@ -80,7 +80,7 @@ def test_a_phase_is_the_motion_of_newton_and_euler(law, start, phase, force):
 def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
     law = LAWS["contensou"] | {"patch": 2e-4}
     for mu_d, phase in ((0.0, "slip"), (5e-3, "rest")):
-        done = solve(scenario(law, 0.002, initial=RESTING, parts={"mu_d": mu_d}))
+        done = solve(scenario(law, 2e-4, initial=RESTING, parts={"mu_d": mu_d}))
         assert done.report["contact_phases"]["counts"] == {phase: 1}
         assert max(done.report["drift"].values()) < 1e-13
 

@@ -136,8 +136,14 @@ def test_a_body_flies_and_bounces_as_newton_and_euler_say(top: Any, around: dict
     assert tilted.differences(run.trajectory.isel(time=-1), b, end) < 1e-8
 
 
-@every_plane
-@every_body
+@pytest.mark.parametrize(
+    ("top", "around"),
+    [
+        (TOP, MOVING["turning"]),
+        (EGGLIKE, MOVING["vibrating"]),
+        *map(at_night, (TOP, EGGLIKE) * 4, [around for around in MOVING.values() for _ in "ab"]),
+    ],
+)
 def test_a_body_slides_and_sticks_as_newton_and_euler_say(top: Any, around: dict[str, Any]) -> None:
     start, until = dict(theta=0.4, omega3=20.0, nu_x=0.04, nu_y=0.02), 0.06
     law, options = tt.friction.Coulomb(mu=0.3), {"until": until, "output_step": until}
@@ -187,7 +193,8 @@ def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
     [
         ("viscous", AROUND),
         ("coulomb", AROUND),
-        *(("contensou", one) for one in (MOVING["vibrating"], {"plane": {"omega": 1.0}})),
+        ("contensou", {"plane": {"omega": 1.0}}),
+        at_night("contensou", MOVING["vibrating"]),
     ],
 )
 def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from nightly import at_night
 from scipy.integrate import quad
 from touching import inertia
 
@@ -58,7 +59,7 @@ def limits(x):
     return force, torque
 
 
-@pytest.mark.parametrize("x", [0.3, 1.7])
+@pytest.mark.parametrize("x", [at_night(0.3), 1.7])
 def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
     force, torque = limits(x)
     law, N = Contensou(0.3, 0.1, 0.0), 2.0
@@ -73,7 +74,7 @@ def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
     assert margin(Vector(0.5999, 0.0, N), 0.0, law) > 0 > margin(Vector(0.6, 0.0, N), 1e-9, law)
 
 
-@pytest.mark.parametrize("x", [0.3, 1.7])
+@pytest.mark.parametrize("x", [at_night(0.3), 1.7])
 def test_a_disc_that_gives_way_slides_against_its_friction(x):
     force, torque = limits(x)
     v, edge = direction(Vector(0.0, force * 0.6, 2.0), -torque * 0.06, Contensou(0.3, 0.1, 0.0))
