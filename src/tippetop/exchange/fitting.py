@@ -184,10 +184,9 @@ def _refuse(misfit: Misfit) -> None:
     """Raise InputError for too few measurements, or a number without effect on them."""
     observation = misfit.observation
     space = misfit.space
-    count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
-    if count <= len(space.names):
+    if observation.count <= len(space.names):
         raise InputError(
-            f"more measurements than free numbers must be there, but are {count} for "
+            f"more measurements than free numbers must be there, but are {observation.count} for "
             f"{len(space.names)}."
         )
     start = np.zeros(len(space.names))
@@ -211,7 +210,7 @@ def _refuse(misfit: Misfit) -> None:
 def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
     """Return the autocorrelations of each part of the residuals, by lag, (rows,) each."""
     found = []
-    for part in np.hstack([*parts.values()]).T:
+    for part in (part for off in parts.values() for part in off.T):
         r = part[np.isfinite(part)]
         products = np.fft.irfft(np.abs(np.fft.rfft(r, 2 * len(r))) ** 2)[: len(r)]
         if (r != 0).any():

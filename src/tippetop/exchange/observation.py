@@ -114,6 +114,11 @@ class Observation:
         self.predicted = self.predictions_of(problem, self.own)
 
     @property
+    def count(self) -> int:
+        """The number of measurements, in as many numbers as noise has directions."""
+        return sum(int(given.sum()) for given in self.given.values())
+
+    @property
     def used(self) -> dict[str, int]:
         """In how many rows each kind of measurement is used."""
         return {
