@@ -290,7 +290,8 @@ def judged(
         limits = scale.inside(value) + quantile * s / scale.slope(value) * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
-        estimates[name] = Estimate(value, float(s), *map(scale.outside, limits), float(shift))
+        low, high = map(scale.outside, limits)
+        estimates[name] = Estimate(value, float(s), low, high, float(shift))
     met = ends[0].searches
     reasons = []
     if hopeless and met < MET:
