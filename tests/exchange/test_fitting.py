@@ -124,6 +124,18 @@ def test_searches_with_the_same_end_are_counted_together() -> None:
     assert [(e.point.round(2).item(), e.searches) for e in ends] == [(0.0, 3), (1.0, 2)]
 
 
+def test_three_rows_of_noise_do_not_end_a_search(tmp_path: Path) -> None:
+    """Two of the first three residuals are larger than twice the stated noise."""
+    t = np.arange(0, 1, 1 / 60)
+    seen = tt.run("inverting", start={"theta": 0.5}, until=t[-1], output_times=t).trajectory
+    noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal((len(t), 3))
+    noise[:3] = np.deg2rad(1.0)
+    axis = seen.axis.values + np.cross(noise, seen.axis.values)
+    path = write(tmp_path / "film.csv", t, axis / np.linalg.norm(axis, axis=1)[:, None])
+    found = fitted(path, ["initial.theta=0.5"], ["friction.mu"], starts=3, noise="0.3 deg")
+    assert found.converged
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [3, 8])
 def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_path: Path) -> None:

@@ -184,10 +184,9 @@ def _refuse(misfit: Misfit) -> None:
     """Raise InputError for too few measurements, or a number without effect on them."""
     observation = misfit.observation
     space = misfit.space
-    count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
-    if count <= len(space.names):
+    if observation.count <= len(space.names):
         raise InputError(
-            f"more measurements than free numbers must be there, but are {count} for "
+            f"more measurements than free numbers must be there, but are {observation.count} for "
             f"{len(space.names)}."
         )
     start = np.zeros(len(space.names))
@@ -211,7 +210,7 @@ def _refuse(misfit: Misfit) -> None:
 def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
     """Return the autocorrelations of each part of the residuals, by lag, (rows,) each."""
     found = []
-    for part in np.hstack([*parts.values()]).T:
+    for part in (part for off in parts.values() for part in off.T):
         r = part[np.isfinite(part)]
         products = np.fft.irfft(np.abs(np.fft.rfft(r, 2 * len(r))) ** 2)[: len(r)]
         if (r != 0).any():
@@ -274,11 +273,8 @@ def judged(
     sizes = np.linalg.norm(scaled, axis=0)
     sizes = np.where(sizes > 0, sizes, 1)
     across, singular, ways = np.linalg.svd(scaled / sizes, full_matrices=False)
-    slopes = np.array(
-        [scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)]
-    )
-    moves = space.slopes(point) / slopes[:, None] / sizes
-    inverse = moves @ (ways.T / np.maximum(singular, 1e-12)) @ across.T
+    slopes = space.slopes(point) / sizes
+    inverse = slopes @ (ways.T / np.maximum(singular, 1e-12)) @ across.T
     covariance = variance * inverse @ inverse.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
@@ -288,14 +284,14 @@ def judged(
     beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
     quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
     estimates = {}
-    for (name, value), scale, s, slope, shift in zip(
-        values.items(), space.scales, sigma, slopes, beside, strict=True
+    for (name, value), scale, s, shift in zip(
+        values.items(), space.scales, sigma, beside, strict=True
     ):
-        limits = scale.inside(value) + quantile * s * np.array([-1, 1])
+        limits = scale.inside(value) + quantile * s / scale.slope(value) * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
         low, high = map(scale.outside, limits)
-        estimates[name] = Estimate(value, float(s * slope), low, high, float(shift * slope))
+        estimates[name] = Estimate(value, float(s), low, high, float(shift))
     met = ends[0].searches
     reasons = []
     if hopeless and met < MET:
@@ -338,10 +334,7 @@ def judged(
         reasons,
         parts,
         noise,
-        {
-            name: dict(zip(values, (shift * slopes).tolist(), strict=True))
-            for name, shift in shifts.items()
-        },
+        {name: dict(zip(values, shift.tolist(), strict=True)) for name, shift in shifts.items()},
         _likelihood(parts, noise),
         rows,
     )
@@ -397,18 +390,21 @@ def _undecided(
 ) -> list[str]:
     """Return sentences on the numbers that the data do not decide."""
     reasons = []
+    widths = []
     for (name, value), scale, s in zip(values.items(), space.scales, sigma, strict=True):
         u = scale.inside(value)
+        width = s / scale.slope(value)
+        widths.append(width)
         for side, limit in (("lowest", scale.low), ("highest", scale.high)):
-            if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * s, AT_BOUND):
+            if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * width, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
-        if s > (1.0 if scale.logarithmic else max(1.0, abs(u))):
+        if width > (1.0 if scale.logarithmic else max(1.0, abs(u))):
             reasons.append(
                 f"the data cannot decide `{name}`: its standard error is as large as itself."
             )
     for i, name in enumerate(space.names):
         for j, other in enumerate(space.names[:i]):
-            if abs(correlations[i, j]) > CORRELATED and max(sigma[i], sigma[j]) > ROUGH:
+            if abs(correlations[i, j]) > CORRELATED and max(widths[i], widths[j]) > ROUGH:
                 reasons.append(
                     f"`{other}` and `{name}` cannot be distinguished: correlation "
                     f"{correlations[i, j]:.4f}."
@@ -437,29 +433,29 @@ def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[st
     `changes`: those of residuals at the first end, by influence.
     """
     best = ends[0]
-    gains = {name: _gain(misfit, best, [change], best) for name, change in changes.items()}
-    freed = []
-    for end in ends:
-        some = (
-            changes if end is best else influences.changes(misfit, misfit.space.values(end.point))
-        )
-        freed.append(end._replace(cost=end.cost - _gain(misfit, end, [*some.values()], best)))
-    reasons = _rivals(misfit.space, freed, ", if the scenario lacks something")
-    if best.cost - freed[0].cost > RIVAL * best.variance:
-        name = max(gains, key=lambda name: gains[name])
+
+    def freed(end: Minimum, changes: Arrays) -> Minimum:
+        return end._replace(cost=end.cost - _gain(misfit, end, changes, best.variance))
+
+    values = [misfit.space.values(end.point) for end in ends[1:]]
+    others = [influences.changes(misfit, some) for some in values]
+    every = [freed(end, some) for end, some in zip(ends, [changes, *others], strict=True)]
+    reasons = _rivals(misfit.space, every, ", if the scenario lacks something")
+    if best.cost - every[0].cost > RIVAL * best.variance:
+        name = min(changes, key=lambda name: freed(best, {name: changes[name]}).cost)
         reasons.append(
             f"the residuals are like those of {name}, or of several: let its numbers be free."
         )
     return reasons
 
 
-def _gain(misfit: Misfit, end: Minimum, changes: Sequence[np.ndarray], best: Minimum) -> float:
+def _gain(misfit: Misfit, end: Minimum, changes: Arrays, variance: float) -> float:
     """Return by how much the cost falls where influences of about their sizes are free too."""
-    change = np.concatenate(changes or [np.empty((0, len(end.residual)))])
-    count = len(change)
+    if not changes:
+        return 0.0
     root = np.sqrt(misfit.weight(end.residual))
-    known = np.hstack([np.zeros((count, len(end.point))), np.sqrt(best.variance) * np.eye(count)])
-    table = np.vstack([np.hstack([end.jacobian, change.T]) * root[:, None], known])
-    before = np.append(root * end.residual, np.zeros(count))
-    after = before - table @ np.linalg.lstsq(table, before, rcond=None)[0]
-    return float(before @ before - after @ after)
+    by_numbers, _ = np.linalg.qr(end.jacobian * root[:, None])
+    left = np.concatenate([*changes.values()]).T * root[:, None]
+    left -= by_numbers @ (by_numbers.T @ left)
+    slope = left.T @ (root * end.residual)
+    return float(slope @ np.linalg.solve(left.T @ left + variance * np.eye(len(slope)), slope))

@@ -58,13 +58,11 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
         the system of the scenario cannot have is left out.
     """
     problem = misfit.observation.problem
-    tables = build.resolved(problem)
-    tables["run"] = {"until": problem.until}
-    del tables["form"]
+    tables = problem.tables
     start = {**tables["initial"], **{n.partition(".")[2]: v for n, v in values.items()}}
     spin = abs(float(start.get("omega3", 0.0))) or 1.0
-    friction = tables.get("friction", {})
-    law = friction.get("law", "none")
+    law = problem.law.key if problem.system.frictional else "none"
+    friction = {"law": law, **tables["friction"]}
     plane = tables.get("plane", {})
     # Tables without and with each direction of an influence, and the part that the change is
     cases: dict[str, tuple[list[PlainData], float]] = {}
@@ -84,20 +82,27 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
         cases[DISC] = some, PART
     found = {}
     for name, (some, part) in cases.items():
-        rows = [_residuals(misfit, tables | changed, values) for changed in some]
+        rows = [_residuals(misfit, changes, values) for changes in some]
         if np.isfinite(every := np.array(rows)).all():
             found[name] = (every[1:] - every[0]) / part
     return found
 
 
-def _residuals(misfit: Misfit, tables: PlainData, values: Mapping[str, float]) -> np.ndarray:
+def _residuals(misfit: Misfit, changes: PlainData, values: Mapping[str, float]) -> np.ndarray:
     """Return residuals under changed tables; NaN if these are refused."""
     observation = copy.copy(misfit.observation)
     try:
-        problem: Problem = build.problem(tables)
+        problem = changed(observation.problem, changes)
         observation.own = tuple(name for name in observation.own if name in problem.rules)
         observation.predicted = observation.predictions_of(problem, observation.own)
     except InputError:
         return np.full(misfit.rows, np.nan)
     observation.predicted.refine()
     return misfit.read(observation, [dict(values)], misfit.rows)[0][0]
+
+
+def changed(problem: Problem, tables: PlainData) -> Problem:
+    """Return the scenario with other tables, in the form that suits them. Raises InputError."""
+    every = build.resolved(problem)
+    del every["form"]
+    return build.problem(every | {"run": {"until": problem.until}} | tables)

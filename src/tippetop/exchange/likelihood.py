@@ -64,9 +64,8 @@ class LogLikelihood:
             return values if given.ndim > 1 else float(values[0])
         n, free = many.shape
         steps = STEP * np.where(many == 0, self._units, np.abs(many))
-        sides = many[:, None] + steps[:, :, None] * np.eye(free)[None] * np.array(
-            [[[[1]]], [[[-1]]]]
-        )
+        moves = steps[:, :, None] * np.eye(free)
+        sides = np.concatenate([many[:, None] + moves, many[:, None] - moves])
         every = self._values(np.concatenate([many, sides.reshape(-1, free)]))
         ahead, behind = every[n:].reshape(2, n, free)
         values = every[:n]

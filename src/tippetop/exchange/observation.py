@@ -114,6 +114,11 @@ class Observation:
         self.predicted = self.predictions_of(problem, self.own)
 
     @property
+    def count(self) -> int:
+        """The number of measurements, in as many numbers as noise has directions."""
+        return sum(int(given.sum()) for given in self.given.values())
+
+    @property
     def used(self) -> dict[str, int]:
         """In how many rows each kind of measurement is used."""
         return {
@@ -200,14 +205,13 @@ class Observation:
         if group == "accelerometer":
             return at_chip(read, self.chip)
         names = _names(group)
-        if names in (("axis",), ("orientation",), ("omega",), ("gyroscope",)):
-            return read[group]
-        scalars = [name for name in names if name != "orientation"]
-        model = np.stack([read[name] for name in scalars], axis=-1)
+        if len(names) == 1:
+            (name,) = names
+            return read[name] if read[name].ndim > 2 else read[name][..., None]
+        model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
         if group == "marker":
             axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
-            arm = np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
-            model = model + arm
+            model = model + np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
         return model
 
 

@@ -182,9 +182,8 @@ def widen(misfit: Misfit) -> None:
 def windows(misfit: Misfit) -> list[int]:
     """Return the numbers of rows of the windows."""
     total = misfit.rows
-    free = len(misfit.space.names)
-    measurements = misfit.at(np.zeros((1, free)), total, slopes=False)[0].size
-    rows = [min(total, int(np.ceil(FEWEST * free * total / measurements)))]
+    fewest = FEWEST * len(misfit.space.names)
+    rows = [min(total, int(np.ceil(fewest * total / misfit.observation.count)))]
     while rows[-1] < total:
         rows.append(min(total, int(np.ceil(GROWTH * rows[-1]))))
     return rows
