@@ -3,34 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance, names_of, path_of, whole
+from ..arguments import instance, names_of, takes, whole
 from ..errors import InputError, refuse_without
-from ..exchange import measurements
 from ..exchange.likelihood import LogLikelihood, drawn
-from ..exchange.motion import convention_of, place_of
-from .exchanging import Fitted, _reference, _saved, fit
+from .exchanging import Fitted, _reference, _saved, fit, observed
 
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@takes(observed)
 def log_likelihood(
-    data: str | Path,
-    scenario: Any,
-    free: str | Sequence[str],
-    *,
-    noise: float | str | None = None,
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
+    data: str | Path, scenario: Any, free: str | Sequence[str], **film: Any
 ) -> LogLikelihood:
     """Return the logarithm of the likelihood of a film as a function of some numbers.
 
@@ -60,16 +51,8 @@ def log_likelihood(
     >>> f([0.3, 155.0])
     >>> f([[0.3, 155.0], [0.31, 155.0]])
     """
-    return LogLikelihood(
-        measurements.observation_of(
-            _reference("scenario", scenario),
-            path_of("data", data),
-            names_of("free", free),
-            convention_of(quaternion, up, track, chip),
-            place_of("marker", marker),
-            noise,
-        )
-    )
+    problem = _reference("scenario", scenario)
+    return LogLikelihood(observed(data, problem, names_of("free", free), **film))
 
 
 class Posterior:
@@ -124,18 +107,15 @@ class Posterior:
         return f"<Posterior of {', '.join(self.free)}: {self._effect()}>"
 
 
+@takes(fit)
 def posterior(
     data: str | Path,
     scenario: Any,
     free: str | Sequence[str],
     *,
-    noise: float | str | None = None,
     draws: int = 2000,
     seed: int = 0,
     fitted: Fitted | None = None,
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
     **options: Any,
 ) -> Posterior:
     """Draw numbers of a scenario from their posterior, given a film, by importance sampling.
@@ -145,7 +125,7 @@ def posterior(
 
     Parameters
     ----------
-    data, scenario, free, noise, marker, quaternion, up
+    data, scenario, free
         As for `log_likelihood`.
     draws : int
         Motions that are computed.
@@ -153,8 +133,8 @@ def posterior(
         Of the random numbers.
     fitted : Fitted, optional
         A fit of the same numbers to these data, which otherwise is made first.
-    options
-        Of `fit`.
+    {names}
+        As for `fit`.
 
     Returns
     -------
@@ -170,10 +150,11 @@ def posterior(
     >>> import tippetop as tt
     >>> print(tt.posterior("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
-    how: dict[str, Any] = {"noise": noise, "marker": marker, "quaternion": quaternion, "up": up}
-    function = log_likelihood(data, scenario, free, **how)
+    of_film = signature(observed).parameters
+    film = {name: value for name, value in options.items() if name in of_film}
+    function = log_likelihood(data, scenario, free, **film)
     if fitted is None:
-        fitted = fit(data, scenario, free, **how, **options)
+        fitted = fit(data, scenario, free, **options)
     instance("fitted", fitted, Fitted, "the result of `fit`")
     if tuple(fitted.estimates) != function.free:
         raise InputError(
