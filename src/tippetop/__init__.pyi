@@ -20,7 +20,7 @@ from .errors import StoreError as StoreError
 from .exchange.likelihood import LogLikelihood
 from .library.exchanging import Comparison, Fitted
 from .library.finished_run import Run as Run
-from .library.likelihoods import Posterior
+from .library.likelihoods import posterior as posterior
 from .library.running import open as open
 from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun
@@ -111,27 +111,6 @@ def log_likelihood(
     track: str | None = ...,
     chip: Sequence[float] | str | None = ...,
 ) -> LogLikelihood: ...
-def posterior(
-    data: str | Path,
-    scenario: Any,
-    free: str | Sequence[str],
-    *,
-    draws: int = ...,
-    seed: int = ...,
-    fitted: Fitted | None = ...,
-    loss: str = ...,
-    starts: int = ...,
-    within: float = ...,
-    systematic: bool = ...,
-    laws: Sequence[str | Mapping[str, Any]] | str = ...,
-    progress: Callable[[int, int], None] | bool = ...,
-    marker: Sequence[float] | str | None = ...,
-    noise: float | str | None = ...,
-    quaternion: str | None = ...,
-    up: str = ...,
-    track: str | None = ...,
-    chip: Sequence[float] | str | None = ...,
-) -> Posterior: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -107,15 +106,18 @@ class Posterior:
         return f"<Posterior of {', '.join(self.free)}: {self._effect()}>"
 
 
-@takes(fit)
 def posterior(
     data: str | Path,
     scenario: Any,
     free: str | Sequence[str],
     *,
+    noise: float | str | None = None,
     draws: int = 2000,
     seed: int = 0,
     fitted: Fitted | None = None,
+    marker: Sequence[float] | str | None = None,
+    quaternion: str | None = None,
+    up: str = "z",
     **options: Any,
 ) -> Posterior:
     """Draw numbers of a scenario from their posterior, given a film, by importance sampling.
@@ -125,7 +127,7 @@ def posterior(
 
     Parameters
     ----------
-    data, scenario, free
+    data, scenario, free, noise, marker, quaternion, up
         As for `log_likelihood`.
     draws : int
         Motions that are computed.
@@ -133,8 +135,8 @@ def posterior(
         Of the random numbers.
     fitted : Fitted, optional
         A fit of the same numbers to these data, which otherwise is made first.
-    {names}
-        As for `fit`.
+    options
+        Of `fit`.
 
     Returns
     -------
@@ -150,11 +152,10 @@ def posterior(
     >>> import tippetop as tt
     >>> print(tt.posterior("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
-    of_film = signature(observed).parameters
-    film = {name: value for name, value in options.items() if name in of_film}
-    function = log_likelihood(data, scenario, free, **film)
+    how: dict[str, Any] = {"noise": noise, "marker": marker, "quaternion": quaternion, "up": up}
+    function = log_likelihood(data, scenario, free, **how)
     if fitted is None:
-        fitted = fit(data, scenario, free, **options)
+        fitted = fit(data, scenario, free, **how, **options)
     instance("fitted", fitted, Fitted, "the result of `fit`")
     if tuple(fitted.estimates) != function.free:
         raise InputError(
