@@ -122,8 +122,8 @@ def _same(value: Any) -> Any:
 class System(metaclass=Described):
     """A mechanical system: its body, equations, columns, events and theory.
 
-    `replace(**changes)` returns a changed copy, in which `forms`, `quantities` and `events` are those
-    of the first phase. docs/how-to/a-system.md explains each field.
+    `replace(**changes)` returns a changed copy, in which `forms`, `quantities` and `events` are
+    those of the first phase. docs/how-to/a-system.md explains each field.
 
     Parameters
     ----------
