@@ -578,7 +578,7 @@ def jellett_of(Lz, L3, b):
     return b.R * Lz - b.c * L3
 
 
-@formula
+@by_body(of_frame=lambda s, b: s.rotation)
 def rotation_energy(s, b):
     """Return half omega.L [J], about the centre of mass."""
     return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2

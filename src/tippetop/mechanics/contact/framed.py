@@ -214,11 +214,6 @@ def roll_rate(s: Any, b: Asymmetric) -> Any:
     return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 
 
-def energy(s: Any, b: Asymmetric) -> Any:
-    """Return the energy E [J]; E' = F.v_A."""
-    return b.m * s.speed2 / 2 + s.rotation + b.m * (b.g * s.height)
-
-
 def of_scalar(name: str) -> Any:
     """Return the formula of a scalar itself."""
     return lambda s, b: getattr(s, name)
@@ -226,7 +221,7 @@ def of_scalar(name: str) -> Any:
 
 SPIN = "angular velocity about the vertical"
 COMMON = (
-    Quantity("energy", "E", JOULE, "energy", energy),
+    Quantity("energy", "E", JOULE, "energy", rows.energy),
     Quantity("normal_force", "g_n", NEWTON, "normal force", of_scalar("force")),
     Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, of_scalar("spin")),
     Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
