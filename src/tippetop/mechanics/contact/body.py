@@ -127,15 +127,6 @@ def size(b: Any) -> Any:
     return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
 
 
-def height_range(b: Any) -> Any:
-    """Return a bound of the difference of two heights of the centre of mass [m]."""
-    if isinstance(b.outline, Ball):
-        return 2 * abs(b.c)
-    if isinstance(b, Asymmetric):
-        return 2 * b.outline.reach
-    return 2 * (shape_of(b).size + abs(getattr(shape_of(b), "c", 0.0)))
-
-
 class Top(Record, abstract=True):
     """A body, by the numbers that the user gives.
 
