@@ -112,6 +112,11 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
     return chosen
 
 
+def as_sphere(b: Touch, **numbers: Any) -> Touch:
+    """Return the touching ball of a body as a sphere, with other numbers."""
+    return Touch._make(b._replace(**numbers))
+
+
 def as_ball(b: Any) -> Any:
     """Return a body in an impact, alone: the ball by which it touches the plane, if it has one."""
     if isinstance(b, Asymmetric):
@@ -506,23 +511,17 @@ def push_u(s, b):
     return swing / b.I1 + drag(s, b) * s.v_u * (1 / b.m + h**2 / b.I1)
 
 
-@formula
-def bias_n_of_sphere(s, b):
-    """Return `bias_n` of a sphere."""
-    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
-    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
-
-
 def bent_bias_n(s, b):
     """Return `bias_n` of a body with an outline."""
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
-    return bias_n_of_sphere(s, b) + b.outline.bend * (s.z_dot * s.s2 * turn)
+    return bias_n(s, as_sphere(b)) + b.outline.bend * (s.z_dot * s.s2 * turn)
 
 
 @by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
     """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
-    return bias_n_of_sphere(s, b)
+    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
+    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula

@@ -94,7 +94,7 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 def ball_of(q, b):
     """Return the ball of a row, or of its scalars."""
-    return contact.Touch._make(b._replace(R=q.radius, c=q.offset))
+    return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
