@@ -88,7 +88,7 @@ def shape_of(b: Touch) -> Any:
     return getattr(b.outline, "shape", b.outline)
 
 
-def by_axis(u: Vector, b: Touch) -> Touch:
+def by_axis(u: Any, b: Touch) -> Touch:
     """Return the touching ball of a body with this axis."""
     return touching_ball(u.z, u.x * u.x + u.y * u.y, b)
 

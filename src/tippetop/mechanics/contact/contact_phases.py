@@ -619,8 +619,8 @@ def phases_under(
     if not law.regions:
         general = law.torque or surrounded or lies is not AXIS
         slip = slip_under(law, lies=lies) if general else SLIP
-        both = {("both",): slide_on_both(law)} if lies is AXIS else {}
-        return {("slip",): slip, ("flight",): flies, **both}
+        known: dict[tuple[str, ...], Phase] = {("slip",): slip, ("flight",): flies}
+        return known | ({("both",): slide_on_both(law)} if lies is AXIS else {})
     return {
         **{("slip", name): slip_under(law, name) for name in law.regions},
         ("flight",): flies,
