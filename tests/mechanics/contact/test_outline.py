@@ -106,7 +106,7 @@ def test_the_ball_changes_by_its_bend(shape: Any) -> None:
     for expected, found in (
         (np.imag(ahead.c) / STEP, b.outline.bend),
         (np.imag(ahead.R) / STEP, Z * b.outline.bend),
-        (np.imag(ahead.outline.bend) / STEP, -at(Z, (1 - Z) * (1 + Z), shape.height).third),
+        (np.imag(ahead.outline.bend) / STEP, -at(Z, (1 - Z) * (1 + Z), shape.height).parts[3]),
     ):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
     assert (b.R > 0).all()

@@ -88,7 +88,7 @@ def shape_of(b: Touch) -> Any:
     return getattr(b.outline, "shape", b.outline)
 
 
-def by_axis(u: Vector, b: Touch) -> Touch:
+def by_axis(u: Any, b: Touch) -> Touch:
     """Return the touching ball of a body with this axis."""
     return touching_ball(u.z, u.x * u.x + u.y * u.y, b)
 
@@ -112,6 +112,11 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
     return chosen
 
 
+def as_sphere(b: Touch, **numbers: Any) -> Touch:
+    """Return the touching ball of a body as a sphere, with other numbers."""
+    return Touch._make(b._replace(**numbers))
+
+
 def as_ball(b: Any) -> Any:
     """Return a body in an impact, alone: the ball by which it touches the plane, if it has one."""
     if isinstance(b, Asymmetric):
@@ -125,15 +130,6 @@ def size(b: Any) -> Any:
     That of a tip is its distance from the centre of mass.
     """
     return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
-
-
-def height_range(b: Any) -> Any:
-    """Return a bound of the difference of two heights of the centre of mass [m]."""
-    if isinstance(b.outline, Ball):
-        return 2 * abs(b.c)
-    if isinstance(b, Asymmetric):
-        return 2 * b.outline.reach
-    return 2 * (shape_of(b).size + abs(getattr(shape_of(b), "c", 0.0)))
 
 
 class Top(Record, abstract=True):
@@ -515,23 +511,17 @@ def push_u(s, b):
     return swing / b.I1 + drag(s, b) * s.v_u * (1 / b.m + h**2 / b.I1)
 
 
-@formula
-def bias_n_of_sphere(s, b):
-    """Return `bias_n` of a sphere."""
-    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
-    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
-
-
 def bent_bias_n(s, b):
     """Return `bias_n` of a body with an outline."""
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
-    return bias_n_of_sphere(s, b) + b.outline.bend * (s.z_dot * s.s2 * turn)
+    return bias_n(s, as_sphere(b)) + b.outline.bend * (s.z_dot * s.s2 * turn)
 
 
 @by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
     """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
-    return bias_n_of_sphere(s, b)
+    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
+    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula
@@ -578,7 +568,7 @@ def jellett_of(Lz, L3, b):
     return b.R * Lz - b.c * L3
 
 
-@formula
+@by_body(of_frame=lambda s, b: s.rotation)
 def rotation_energy(s, b):
     """Return half omega.L [J], about the centre of mass."""
     return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2

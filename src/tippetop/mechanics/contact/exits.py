@@ -34,6 +34,7 @@ from .contact_phases import (
 )
 from .first_slip import first_directions, first_slip
 from .frame import Asymmetric
+from .outline import Ball
 from .response import (
     around_torque,
     bias_vector,
@@ -180,10 +181,13 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
 def longest_flight(x: Moving, b: Touch) -> Any:
     """Return a time before which a ball lands, however the body turns.
 
-    A step that goes far beyond it would find the landing less exactly.
+    A step that goes far beyond it would find the landing less exactly. It is infinite for bodies
+    whose gap controls the step.
     """
+    if not isinstance(b.outline, Ball):
+        return math.inf
     v = x.velocity.z
-    highest = abs(contact.gap(x, b)) + contact.height_range(b)
+    highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
     g = mean_gravity(b)
     if b.around and b.around.shake:
         _, c, s, rate = b.around.shake

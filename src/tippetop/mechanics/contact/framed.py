@@ -14,7 +14,7 @@ from ..form import Form, Phase, Quantity
 from ..friction import Frictionless
 from ..number import Alternative, Number
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
-from ..units import JOULE, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
+from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, VELOCITY, Moving, Turning, filled, state
@@ -107,10 +107,8 @@ def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmet
     return Row(*x.u, *x.L, *x.velocity, *numbers), b
 
 
-Scalars: Any = namedtuple(
-    "Scalars",
-    (*rows.MOTION, *NUMBERS, "friction_force2", "v", "u", "up", "turns", "spin", "rotation"),
-)
+OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
+Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *NUMBERS, *OWN))))
 """As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
 energy of rotation.
 """
@@ -214,29 +212,16 @@ def roll_rate(s: Any, b: Asymmetric) -> Any:
     return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 
 
-def energy(s: Any, b: Asymmetric) -> Any:
-    """Return the energy E [J]; E' = F.v_A."""
-    return b.m * s.speed2 / 2 + s.rotation + b.m * (b.g * s.height)
-
-
-def of_scalar(name: str) -> Any:
-    """Return the formula of a scalar itself."""
-    return lambda s, b: getattr(s, name)
-
-
 SPIN = "angular velocity about the vertical"
 COMMON = (
-    Quantity("energy", "E", JOULE, "energy", energy),
-    Quantity("normal_force", "g_n", NEWTON, "normal force", of_scalar("force")),
-    Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, of_scalar("spin")),
+    rows.ENERGY,
+    rows.NORMAL_FORCE,
+    Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, lambda s, b: s.spin),
     Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
     Quantity("tilt", "", RADIAN, "elevation of half axis a", tilt),
     Quantity("roll", "", RADIAN, "turn about half axis a, in (-pi, pi]", roll),
 )
-QUANTITIES = (
-    *COMMON,
-    Quantity("friction_power", "-E'", WATT, "power dissipated by friction", of_scalar("power")),
-)
+QUANTITIES = (*COMMON, rows.FRICTION_POWER)
 _, HORIZONTAL, NEEDED = rolling.REACTION
 ROLLING_QUANTITIES = (
     *COMMON,
@@ -248,7 +233,7 @@ OF_AXES = (
     Event(
         "spin_reversal",
         "the spin about the vertical changes its sign",
-        of_scalar("spin"),
+        lambda s, b: s.spin,
         kept=(
             Kept("reversed_at", "first", "the spin first changes its sign; NaN: never"),
             Kept("last_reversed_at", "last", "the spin last changes its sign; NaN: never"),
@@ -264,6 +249,6 @@ OF_AXES = (
     gliding.EQUATOR,
     gliding.INVERTED,
 )
-LIFTOFF = replace(gliding.LIFTOFF, formula=of_scalar("force"))
+LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
 ROLLING_EVENTS = (*OF_AXES, LIFTOFF)
 EVENTS = (*ROLLING_EVENTS, gliding.SETTLED)

@@ -27,11 +27,6 @@ class Series(Dual):
         """Return the second derivative."""
         return self.parts[2]
 
-    @property
-    def third(self) -> Any:
-        """Return the third derivative."""
-        return self.parts[3]
-
 
 def root(x: Series) -> Series:
     """Return the square root, for the height of an outline.

@@ -38,6 +38,7 @@ from .body import (
     angular_velocity,
     arm,
     arm2,
+    as_sphere,
     axis_rate,
     by_body,
     gained,
@@ -92,26 +93,20 @@ def inverse_times(u, x, b, less):
     )
 
 
-@formula
-def bias_of_sphere(x, b):
-    """Return `bias_vector` of a sphere."""
-    u_dot = axis_rate(x, b)
-    free = times(b.c / b.I1, cross(x.L, u_dot))
-    spin = b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
-    return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
-
-
 def bent_bias(x, b):
-    """Return `bias_vector` of a body with an outline, with omega x (c' z' (3hat - z zhat))."""
+    """Return `own_bias` of a body with an outline, with omega x (c' z' (3hat - z zhat))."""
     bends = b.outline.bend * axis_rate(x, b).z
     moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
-    return plus(bias_of_sphere(x, b), cross(angular_velocity(x, b), moves))
+    return plus(own_bias(x, as_sphere(b)), cross(angular_velocity(x, b), moves))
 
 
 @by_body(of_outline=bent_bias, of_frame=frame.bias_vector)
 def own_bias(x, b):
     """Return `bias_vector` of a body on a level plane in still air."""
-    return bias_of_sphere(x, b)
+    u_dot = axis_rate(x, b)
+    free = times(b.c / b.I1, cross(x.L, u_dot))
+    spin = b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
+    return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
 
 
 def bias_vector(x, b):

@@ -94,7 +94,7 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 def ball_of(q, b):
     """Return the ball of a row, or of its scalars."""
-    return contact.Touch._make(b._replace(R=q.radius, c=q.offset))
+    return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
@@ -219,19 +219,20 @@ def energy(s, b):
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
+ENERGY, MODIFIED_ENERGY, NORMAL_FORCE, FRICTION_POWER = map(
+    lambda one, formula: replace(one, formula=formula),
+    gliding.QUANTITIES,
+    (energy, of_ball(contact.modified_energy), lambda s, b: s.force, lambda s, b: s.power),
+)
+
+
 def columns(jellett: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """Return the columns of rows.
 
     `jellett`: whether Jellett's integral is conserved on a ball; `routh`: Routh's function of a
     gliding body, if its system has one.
     """
-    formulas = {
-        "energy": energy,
-        "modified_energy": of_ball(contact.modified_energy),
-        "normal_force": lambda s, b: s.force,
-        "friction_power": lambda s, b: s.power,
-    }
-    quantities = [replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES]
+    quantities = [ENERGY, MODIFIED_ENERGY, NORMAL_FORCE, FRICTION_POWER]
     if routh is not None:
         text = "Routh's function of the ball in contact"
         quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))

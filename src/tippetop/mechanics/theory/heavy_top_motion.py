@@ -47,7 +47,7 @@ NEAR = 1e-7
 def heavy_top_motion(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
 ) -> str:
-    """Return the name of the motion of a heavy top with a fixed tip, by what `turning_heights` takes.
+    """Return the name of the motion of a heavy top with a fixed tip; see `turning_heights`.
 
     [T ch. 2]
     """
