@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -44,8 +44,7 @@ start.
 """
 
 
-@dataclass(frozen=True)
-class Kept(metaclass=Described):
+class Kept(NamedTuple):
     """A number that is kept of the passages of an event, of every run and every top of an ensemble.
 
     Parameters

@@ -208,7 +208,7 @@ class Integration:
 
     def _write(self, times: np.ndarray, states: np.ndarray) -> None:
         """Pass rows to the sink: times [s], internal states."""
-        self.sink.rows(times, lambda: states)
+        self.sink.rows(times, states)
         self.filled += len(times)
 
     # --- slices ----------------------------------------------------------------------------------

@@ -60,13 +60,13 @@ class Recorder(Writer, Sink):
         self.committed_at = time.monotonic()
         self.asked = 0.0
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Write rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
         if self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self.later(lambda: self._append("trajectory", self.view.columns(times, states())))
+        self.later(lambda: self._append("trajectory", self.view.columns(times, states)))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Write rows of the event log, and mark rows as significant."""
@@ -145,7 +145,7 @@ class Recorder(Writer, Sink):
 
     def finish(self, attrs: PlainData, ending: PlainData | None) -> PlainData:
         """Write waiting rows, and close the store with its last root attributes; return them."""
-        attrs = finite(attrs) | ({"begun_with": self.begun_with} if self.begun_with else {})
+        attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
             for table in self.growing.values():
@@ -241,7 +241,7 @@ def save(
     ):
         for first in range(0, len(solution.times), ROWS_PER_CHUNK):
             some = slice(first, first + ROWS_PER_CHUNK)
-            recorder.rows(solution.times[some], partial(solution.rows.__getitem__, some))
+            recorder.rows(solution.times[some], solution.rows[some])
         recorder.events(solution.events, [])
         for name, parts in solution.others.items():
             for part in parts:
@@ -260,7 +260,7 @@ def header(integration: Integration, attrs: PlainData | None = None) -> PlainDat
             table = name + LATE if key == SIGNIFICANT else name
             array = zarr3.array(column, {column.dims[0]: (0, chunk)})
             tables.setdefault(table, {})[f"{name}/{key}"] = array
-    attrs = attrs or finite(attributes.attributes(integration.progress()))
+    attrs = attrs or attributes.attributes(integration.progress())
     return ledger.header(attrs, tables)
 
 

@@ -17,11 +17,8 @@ class Sink:
     keeps_rows = False
     """True if rows are wanted."""
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Receive rows: times [s], and a function that returns their internal states.
-
-        The function may be called later, in another thread.
-        """
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Receive rows: times [s] and internal states."""
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Receive rows of the event log, and indices of rows now known to be significant."""
@@ -48,10 +45,10 @@ class Memory(Sink):
         self.marks: list[int] = []
         self.others: dict[str, list[Rows]] = {}
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Keep rows."""
         self.times.append(times)
-        self.states.append(states())
+        self.states.append(states)
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Keep rows of the event log, and marks."""
