@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -44,7 +44,8 @@ start.
 """
 
 
-class Kept(NamedTuple):
+@dataclass(frozen=True)
+class Kept(metaclass=Described):
     """A number that is kept of the passages of an event, of every run and every top of an ensemble.
 
     Parameters
