@@ -70,7 +70,7 @@ def differentiate(
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     ways = (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2
     passed = followed(problem, wrt, every, ways, order, driver)
-    sizes = passed.numbers.sizes[:, None]
+    sizes = passed.sizes[:, None]
     values = passed.read()
     shape = len(i), len(every)
 

@@ -65,63 +65,6 @@ huge numbers there, and six digits would be lost.
 """
 
 
-class Numbers(NamedTuple):
-    """The numbers of a run, in its units, with derivatives by the relative changes of some."""
-
-    scales: Scales
-    first: Any  # the body
-    body: Any  # the body as jumps take it
-    rules: Any
-    state: np.ndarray  # the start
-    sizes: np.ndarray  # [SI] what a relative change of 1 is
-
-
-def numbers_of(
-    problem: Problem, wrt: Sequence[str], of_world: Any, ways: np.ndarray, order: int = 1
-) -> Numbers:
-    """Return the numbers of a run, whose world has the body `of_world`, with derivatives along
-    directions, (numbers, directions).
-    """
-    system = problem.system
-    given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
-    for table, numbers in problem.tables.items():
-        given |= {f"{table}.{name}": value for name, value in numbers.items()}
-    sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
-    for name, size, way in zip(wrt, sizes, ways, strict=True):
-        given[name] = Dual(float(given[name]), size * way, *[0 * way] * (order - 1))
-    tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
-    tables |= by_table(given)
-    friction = problem.friction._replace(**tables["friction"])
-    b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
-    mass, length = system.scales(b)
-    scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
-
-    def internal(value: Any, unit: Any) -> Any:
-        return value / scales.of(unit)
-
-    units = leaves(system.body_units(problem.law.units()))
-    first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
-    body = first
-    rules = problem.contact
-    if rules is not None:
-        rules = rules._replace(**(tables["contact"] | tables["stem"]))
-    if system.assembled is not None:
-        body, _ = system.assembled(first, rules, internal)
-    data = tables["initial"]
-    theta = data.get("theta", 0.0)
-    s = sin(theta)
-    z = cos(theta)
-    angles = system.start(data, s, z, b)
-    variables = problem.variables
-    q, carried = variables.start(data, angles, s, z, b)
-    values = [*map(internal, (*q, *carried), variables.units.values())]
-    start = variables.join(values[: variables.moving], values[variables.moving :])
-    state = rows_of([*start, 0.0], ways.shape[1], order)
-    state[:-1, 0] = problem.start()
-    first = valued(first, leaves(problem.internal_body))
-    return Numbers(scales, first, valued(body, leaves(of_world)), rules, state, sizes)
-
-
 def valued(record: Any, values: Any) -> Any:
     """Return a record with other values, and its derivatives."""
     pairs = zip(leaves(record), values, strict=True)
@@ -391,18 +334,62 @@ class Pass:
         self.driver = driver
         body = driver.world.body if is_hybrid else problem.internal_body
         with noting(self.directions) as least:
-            self.numbers = numbers_of(problem, wrt, body, ways, order)
-        self.scales = _columned(self.numbers.scales)
+            self._numbers_of(wrt, body, ways)
         self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
         if is_hybrid:
             self._follow()
             return
         formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        motion = self._motion(
-            formulas, problem.variables, self.numbers.body, None, problem.tolerance
-        )
+        motion = self._motion(formulas, problem.variables, self.body, None, problem.tolerance)
         which = np.arange(len(times))
-        self.samples.append(Samples(motion, which, motion.flow(times, self.numbers.state)))
+        self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
+
+    def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
+        """Set the numbers of the run, whose world has the body `of_world`, in its units, with
+        derivatives along directions by the relative changes of some.
+        """
+        problem = self.problem
+        system = problem.system
+        given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
+        for table, numbers in problem.tables.items():
+            given |= {f"{table}.{name}": value for name, value in numbers.items()}
+        self.sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
+        for name, size, way in zip(wrt, self.sizes, ways, strict=True):
+            given[name] = Dual(float(given[name]), size * way, *[0 * way] * (self.order - 1))
+        tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
+        tables |= by_table(given)
+        friction = problem.friction._replace(**tables["friction"])
+        b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
+        mass, length = system.scales(b)
+        scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
+        self.scales = _columned(scales)
+
+        def internal(value: Any, unit: Any) -> Any:
+            return value / scales.of(unit)
+
+        units = leaves(system.body_units(problem.law.units()))
+        first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
+        body = first
+        self.e_n = ()
+        rules = problem.contact
+        if rules is not None:
+            rules = rules._replace(**(tables["contact"] | tables["stem"]))
+            self.e_n = (rules.e_n,)
+        if system.assembled is not None:
+            body, _ = system.assembled(first, rules, internal)
+        data = tables["initial"]
+        theta = data.get("theta", 0.0)
+        s = sin(theta)
+        z = cos(theta)
+        angles = system.start(data, s, z, b)
+        variables = problem.variables
+        q, carried = variables.start(data, angles, s, z, b)
+        values = [*map(internal, (*q, *carried), variables.units.values())]
+        start = variables.join(values[: variables.moving], values[variables.moving :])
+        self.start = rows_of([*start, 0.0], self.directions, self.order)
+        self.start[:-1, 0] = problem.start()
+        self.first = _columned(valued(first, leaves(problem.internal_body)))
+        self.body = valued(body, leaves(of_world))
 
     def _plain_run(self) -> HybridDriver:
         """Return the driver of the run, followed to the last time."""
@@ -432,7 +419,7 @@ class Pass:
     def _motion_of(self, solver: PhaseSolver) -> Motion:
         """Return the equations of a phase."""
         if solver.name not in self.motions:
-            b = solver.phase.parameters(self.numbers.body)
+            b = solver.phase.parameters(self.body)
             self.motions[solver.name] = self._motion(
                 solver.formulas, solver.variables, b, solver.phase, EXACT
             )
@@ -441,13 +428,12 @@ class Pass:
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives."""
         system = self.problem.system
-        rules = self.numbers.rules
-        self.given = self.numbers.body, () if rules is None else (rules.e_n,)
+        self.given = self.body, self.e_n
         self.known = rows_of(leaves(self.given), self.directions)
-        self.regions = [*self.driver.impacts.stages] if rules else []
+        self.regions = [*self.driver.impacts.stages] if self.e_n else []
         exit = Exit("start", (), system.begin or begin_in_first)
         phase = completed(system.phase, self.problem.variables)
-        state = self.numbers.state
+        state = self.start
         ended = 0.0
         for number, interval in enumerate(self.driver.intervals):
             name, zeros, lasts, state = self._jumped(phase, exit, state)
@@ -502,7 +488,7 @@ class Pass:
             begun = [*to.variables.join(q, carried), state[-1] + n.delay]
             return [n.lasts, *begun], (n.phase, (*n.zeros,))
 
-        restitution = self.numbers.rules and self.numbers.rules.restitution
+        restitution = world.rules and world.rules.restitution
         key = phase, exit.jump, restitution, kinds(world.body)
         numbers = np.concatenate([self.known, state])
         try:
@@ -620,7 +606,7 @@ class Pass:
         variables = self.problem.variables
         rows = np.full((len(variables.names), 1 + self.directions, len(self.times)), np.nan)
         if self.times[0] == 0:  # a phase may begin later
-            rows[..., 0] = self.numbers.state[:-1]
+            rows[..., 0] = self.start[:-1]
         for motion, which, state in self._together(self.samples):
             split = motion.variables.split
             values = split(state[:, 0])
@@ -642,8 +628,7 @@ class Pass:
         variables = self.problem.variables
         form = variables.form
         form = replace(form, scalars=lru_cache(form.scalars))  # they are most of the work
-        first = _columned(self.numbers.first)
-        given = system, form, *variables.split(duals_of(self.rows(), self.order)), first
+        given = system, form, *variables.split(duals_of(self.rows(), self.order)), self.first
         values = observed(*given)
         if variables.orientation and form.orientation:
             values |= orientation_of(*given)
