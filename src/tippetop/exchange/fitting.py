@@ -454,7 +454,7 @@ def _gain(misfit: Misfit, end: Minimum, changes: Arrays, variance: float) -> flo
     if not changes:
         return 0.0
     root = np.sqrt(misfit.weight(end.residual))
-    by_numbers, _ = np.linalg.qr(end.jacobian * root[:, None])
+    by_numbers, _ = np.linalg.qr(end.jacobian)  # SciPy's, which has the weights of a loss
     left = np.concatenate([*changes.values()]).T * root[:, None]
     left -= by_numbers @ (by_numbers.T @ left)
     slope = left.T @ (root * end.residual)

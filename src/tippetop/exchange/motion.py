@@ -18,8 +18,6 @@ from .motion_table import Table
 
 ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}
 UPS = ("z", "y")
-Rows = np.ndarray | None
-"""One row per time; None for a quantity that a table lacks."""
 UNIT = 0.02  # by which the length of a quaternion or an axis may differ from 1
 
 
@@ -91,39 +89,42 @@ def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # no
         For missing conventions and non-rotations.
     """
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
-    q = _quaternion(table, convention, turn)
-    found: dict[str, Rows] = {n: rows for n, rows in table.columns.items() if n not in KIND}
+    found = {name: rows for name, rows in table.columns.items() if name not in KIND}
     for kind in KINDS.keys() - {"orientation"}:
-        found[kind] = _vector(table, KINDS[kind][0].split(), turn)
-    theta = found.get("theta")
-    phi = found.get("phi")
-    axis = found["axis"]
-    axis = None if axis is None else _unit(table, axis, "axis")
-    axis = _filled(axis, None if q is None else axis_of(q))
-    if theta is not None and phi is not None:
+        names = KINDS[kind][0].split()
+        if any(map(table.has, names)):
+            none = np.full(len(table.t), np.nan)
+            rows = np.stack([table.columns.get(name, none) for name in names], axis=1)
+            found[kind] = rows[:, turn]
+
+    def fill(name: str, rows: np.ndarray) -> None:
+        """Use these values in gaps."""
+        given = found.get(name, rows)
+        found[name] = np.where(np.isnan(given), rows, given)
+
+    if "axis" in found:
+        found["axis"] = _unit(table, found["axis"], "axis")
+    q = _quaternion(table, convention, turn)
+    if q is not None:
+        found["orientation"] = q
+        fill("axis", axis_of(q))
+        if "gyroscope" in found:
+            fill("omega", turned(q, found["gyroscope"]))
+    if {"theta", "phi"} <= found.keys():
+        theta = found["theta"]
+        phi = found["phi"]
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
-        axis = _filled(axis, np.stack(parts, axis=1))
-    omega = found["omega"]
-    own = found["gyroscope"]
-    if own is not None and q is not None:
-        omega = _filled(omega, turned(q, own))
-    if axis is not None:
-        found["theta"] = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
-        spin = None if omega is None else (omega * axis).sum(axis=1)
-        found["omega3"] = _filled(found.get("omega3"), spin)
-    found |= {"axis": axis, "omega": omega, "orientation": q}
-    return {name: rows for name, rows in found.items() if rows is not None}
+        fill("axis", np.stack(parts, axis=1))
+    if "axis" in found:
+        axis = found["axis"]
+        fill("theta", np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+        if "omega" in found:
+            fill("omega3", (found["omega"] * axis).sum(axis=1))
+    return found
 
 
-def _filled(given: Rows, other: Rows) -> Rows:
-    """Return measurements, with the other ones in their gaps; None if both are missing."""
-    if given is None or other is None:
-        return other if given is None else given
-    return np.where(np.isnan(given), other, given)
-
-
-def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> Rows:
-    """Return unit quaternions wxyz, (rows, 4); NaN in gaps."""
+def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
+    """Return unit quaternions wxyz, (rows, 4), NaN in gaps; None if the table has none."""
     order = convention.quaternion
     if order is None and any(table.has(f"q_{i}") for i in range(4)):
         raise InputError(
@@ -158,15 +159,6 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
             "somewhere."
         )
     return rows / size[:, None]
-
-
-def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> Rows:
-    """Return components in our frame, (rows, 3), NaN if not given; None if all are missing."""
-    if not any(table.has(name) for name in names):
-        return None
-    none = np.full(len(table.t), np.nan)
-    rows = np.stack([table.columns.get(name, none) for name in names], axis=1)
-    return rows[:, turn]
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:

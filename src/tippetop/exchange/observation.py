@@ -190,9 +190,7 @@ class Observation:
     def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
         model = self._model(group, read)
         if group in residuals.OF_ATTITUDES:
-            flat = model.reshape(-1, model.shape[-1])
-            off = residuals.OF_ATTITUDES[group](np.tile(seen, (len(model), 1)), flat)
-            return off.reshape(*model.shape[:2], -1)
+            return residuals.OF_ATTITUDES[group](seen, model)
         off = seen - model
         if group == "phi" or CAMERA.fullmatch(group):
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
