@@ -181,13 +181,12 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
 def longest_flight(x: Moving, b: Touch) -> Any:
     """Return a time before which a ball lands, however the body turns.
 
-    A step that goes far beyond it would find the landing less exactly. It is infinite for bodies
-    whose gap controls the step.
+    A step that goes far beyond it would find the landing less exactly.
     """
-    if not isinstance(b.outline, Ball):
-        return math.inf
     v = x.velocity.z
-    highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
+    highest = x.height  # the centre of mass stays above the plane; of a ball, less
+    if isinstance(b.outline, Ball):
+        highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
     g = mean_gravity(b)
     if b.around and b.around.shake:
         _, c, s, rate = b.around.shake
