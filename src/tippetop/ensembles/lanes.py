@@ -16,9 +16,8 @@ from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
 from ..engine.taylor import compiled_when
-from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
-from ..runs.event_log import LogReport
+from ..runs.event_log import settled_since
 from ..scenario.contact import touches
 from .hybrid_tops import faults_of, problem_of
 from .outcomes import SWINGS, Outcomes
@@ -228,10 +227,7 @@ class Lanes:
         problem = problem_of(self.tops, int(self.top_in[slot]))
         view = Observables(problem)
         last = pools.rows_in(np.array([slot]))
-        second = float(problem.scales.of(SECOND))
-        tally = pools.of_tops.lane[slot]
-        log = LogReport(tuple(problem.system.events), second, {}, tally, [])
-        is_settled = log.settled_since(view, last) is not None
+        is_settled = settled_since(view, pools.of_tops.lane[slot], last) is not None
         return is_settled and stays(problem, view.evaluate(last))
 
     def _look(self) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column
+from ..columns import Column, without_rows
 from ..engine.observables import Observables
 from ..errors import Interrupted
 from ..problem import Problem
@@ -75,12 +75,8 @@ class Recorder(Writer, Sink):
         if marks:
             self.later(lambda: self.mark(marks))
 
-    def keyframe(self, row: dict[str, Column]) -> None:
-        """Write a keyframe."""
-        self.later(lambda: self._append("keyframes", row))
-
     def tables(self, new: dict[str, Rows]) -> None:
-        """Write rows of phases and impacts."""
+        """Write rows of phases, impacts and keyframes."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
                 self.later(partial(self.growing[name].append, table))
@@ -274,7 +270,8 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
     for name, columns in phases.joined(problem.system, {}).items():
         yield name, columns, phases.PER_CHUNK
     if problem.output == "keyframes":
-        yield "keyframes", keyframes.empty(problem, integration.driver), keyframes.PER_CHUNK
+        row = keyframes.columns(problem, integration.driver, 0.0, 0)
+        yield "keyframes", without_rows(row), keyframes.PER_CHUNK
 
 
 def here() -> PlainData:

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column
 from .events import EventTable
 from .phases import Rows
 from .reporting import RunProgress
@@ -23,11 +22,8 @@ class Sink:
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Receive rows of the event log, and indices of rows now known to be significant."""
 
-    def keyframe(self, row: dict[str, Column]) -> None:
-        """Receive a keyframe, as a row of its table."""
-
     def tables(self, new: dict[str, Rows]) -> None:
-        """Receive rows of the tables of phases and impacts, SI."""
+        """Receive rows of the tables of phases, impacts and keyframes, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Handle the end of a slice: commit a snapshot, or raise Interrupted to stop."""
@@ -56,7 +52,7 @@ class Memory(Sink):
         self.marks += marks
 
     def tables(self, new: dict[str, Rows]) -> None:
-        """Keep rows of phases and impacts."""
+        """Keep rows of these tables."""
         for name, columns in new.items():
             self.others.setdefault(name, []).append(columns)
 

@@ -172,21 +172,14 @@ def require_still(tables: Mapping[str, Any], what: str, *, tilted: bool = False)
         )
 
 
-WORDS = {
-    "tilt": "falls by {0:.4g} rad towards the azimuth {1:.4g} rad",
-    "vibration": "vibrates with the amplitude {0:.4g} m and {1:.4g} Hz",
-    "turntable": "turns with {0:.4g} rad/s",
-}
-
-
 def moving_axes(numbers: Mapping[str, Any]) -> list[str]:
     """Return a note on a picture in the axes of a plane that is not level, or moves."""
-    words = [
-        text.format(*map(numbers.get, GROUPS[name]))
-        for name, text in WORDS.items()
-        if name in groups_of(numbers)
+    given = [
+        f"{name} = {numbers[key]:.4g} {rule.unit.symbol}"
+        for name, rule in RULES["plane"].items()
+        if (key := f"plane.{name}") in numbers
     ]
-    return [f"The picture is in the axes of the plane, which {' and '.join(words)}."] * bool(words)
+    return [f"The picture is in the axes of the plane: {', '.join(given)}."] * bool(given)
 
 
 # --- the record of a body -----------------------------------------------------------------------
