@@ -12,6 +12,7 @@ from pathlib import Path
 import examples
 import numpy as np
 import pytest
+from limits import assert_below
 from nightly import at_night
 from stores import assert_same
 
@@ -187,7 +188,7 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert run.summary.inversion.inverted_at == pytest.approx(6.943, abs=1e-3)
     with pytest.raises(AttributeError, match="there is no `colour`"):
         _ = run.summary.colour
-    assert max(run.drift.values()) < 1e-13
+    assert_below(1e-13, run.drift)
     assert run.trajectory["theta"].attrs["units"] == "rad"
     assert run.events.sizes["event"] == sum(
         n for k, n in run.summary.event_counts.items() if "signif" not in k
