@@ -23,7 +23,6 @@ from tippetop.scenario import build
 
 TOP = tt.TippeTop(**examples.CANONICAL)
 HEAVY = tt.HeavyTop(**examples.HEAVY)
-CYLINDER = tt.Cylinder(m=0.1, R=0.04, alpha=0.1, I=5e-5, g=9.82)
 START = {"theta": 0.1, "omega3": 155.0}
 D, LAM = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
 NUTATING = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
