@@ -119,10 +119,6 @@ def with_roots(roots: np.ndarray) -> Polynomial:
     return Polynomial.fromroots(roots) if len(roots) else Polynomial([1.0])
 
 
-def signs_of(functions: list[Polynomial]) -> np.ndarray:
-    return np.sign([[function(0.0) for function in functions]])
-
-
 def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(
     rng: np.random.Generator,
 ) -> None:

@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from limits import assert_below
 from nightly import at_night
 from touching import BODY, BOUNCE, DRILLING, TOSSED
 
@@ -96,7 +97,7 @@ def test_tops_that_stand_on_their_stem_begin_there_whatever_their_inclination() 
         assert hybrid_tops.problem_of(tops, top).initial == own.initial
     measured, single = ensemble.measure(tops, threads=1), alone(tops)
     np.testing.assert_allclose(measured.final, single.final, rtol=0, atol=1e-9)
-    assert max(drift.max() for drift in measured.drift.values()) < 1e-12
+    assert_below(1e-12, measured.drift)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -53,7 +53,7 @@ def test_surroundings_that_do_nothing_change_nothing(preset: str, around: Any) -
     one = tt.run(preset, until=0.3).trajectory
     other = tt.run(preset, **around, until=0.3).trajectory
     for name in ("theta", "x", "y", "normal_force"):
-        assert np.allclose(one[name], other[name], rtol=1e-11, atol=1e-13)
+        np.testing.assert_allclose(one[name], other[name], rtol=1e-11, atol=1e-13, err_msg=name)
 
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling"])
@@ -142,6 +142,6 @@ def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
     expected = g * np.array([np.sin(tilt) * np.cos(0.3), np.sin(tilt) * np.sin(0.3), -np.cos(tilt)])
     text = text_of(problem, "mjcf")
     found = text.partition('gravity="')[2].partition('"')[0].split()
-    assert np.allclose([float(part) for part in found], expected, rtol=1e-11)
+    np.testing.assert_allclose([float(part) for part in found], expected, rtol=1e-11)
     with pytest.raises(InputError, match=r"in still air, but has `air\.c1`, which must be removed"):
         text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")

@@ -8,32 +8,13 @@ import numpy as np
 import pytest
 from nightly import at_night
 from scipy.integrate import quad
-from touching import inertia
 
-from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.response import direction, margin
 from tippetop.mechanics.friction import Contensou
 from tippetop.mechanics.operand import Vector
 
 
 Z = np.array([0.0, 0.0, 1.0])
-
-
-def state(seed):
-    """A ball, and its 3hat, L, velocity: numpy vectors, and the tensor of inertia."""
-    rng = np.random.default_rng(seed)
-    low, high = (0.5, 0.5, -1.5, 0.3, 0.3, 0.5), (2, 1.5, 1.5, 0.6, 0.6, 2)
-    ball = Touch(*rng.uniform(low, high), Contensou(0.3, 0.1, 0.0))
-    u = rng.normal(size=3)
-    u /= np.linalg.norm(u)
-    return (
-        ball,
-        u,
-        inertia(u, ball),
-        rng.normal(size=3),
-        rng.normal(size=3),
-        ball.c * u - ball.R * Z,
-    )
 
 
 @cache
