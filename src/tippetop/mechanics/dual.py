@@ -31,6 +31,8 @@ def _sum(a: Sequence, b: Sequence) -> list:
 
 
 def _product(a: Sequence, b: Sequence) -> list:
+    if len(a) == len(b) == 2:  # most products, in a third of the time
+        return [a[0] * b[0], a[1] * b[0] + a[0] * b[1]]
     if len(b) == 1:
         return [one * b[0] for one in a]
     made = []
@@ -91,7 +93,7 @@ RULES: dict[str, Callable] = {
     "power": _power,
 }
 """The derivative of a function of NumPy, of its operands, its result and their derivatives."""
-COMPARISONS = "less", "less_equal", "greater", "greater_equal", "equal", "not_equal"
+COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal"}
 
 
 class Dual(NDArrayOperatorsMixin):
@@ -135,7 +137,10 @@ class Dual(NDArrayOperatorsMixin):
         if name in COMPARISONS:
             COMPARED.get()(np.subtract(*inputs))
             return function(*map(plain, inputs))
-        kind = type(max((one for one in inputs if isinstance(one, Dual)), key=LEVEL))
+        kind = type(self)
+        for one in inputs:
+            if getattr(one, "level", 0) > kind.level:
+                kind = type(one)
         every = [one.parts if type(one) is kind else (one,) for one in inputs]
         if name in ARITHMETIC:
             return kind(*ARITHMETIC[name](*every))
@@ -151,9 +156,6 @@ class Dual(NDArrayOperatorsMixin):
         rest = RULES[name](*heads, r, *tails)
         first, *_ = r.parts if type(r) is kind else (r,)
         return kind(first, *(rest.parts if type(rest) is kind else (rest,)))
-
-
-LEVEL = operator.attrgetter("level")
 
 
 def plain(value: Any) -> Any:
