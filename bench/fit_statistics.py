@@ -21,7 +21,6 @@ import numpy as np
 import tippetop as tt
 from tippetop.exchange.fitting import MET, fit, judged
 from tippetop.exchange.misfit import Misfit
-from tippetop.exchange.motion import Motion
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.scales import Space, scale_of
 from tippetop.exchange.search import Minimum, local_minimum, widen
@@ -45,12 +44,12 @@ CUT_FREE = ("theta", "theta_dot", "phi", "phi_dot", "omega3", "nu_x", "nu_y")
 ERRORS = 6.0  # standard errors within which a fit has ended at the truth
 
 
-def film(axis: np.ndarray, t: np.ndarray, random: np.random.Generator) -> Motion:
+def film(axis: np.ndarray, t: np.ndarray, random: np.random.Generator) -> dict[str, np.ndarray]:
     """What a camera sees of a motion."""
     seen = axis + np.cross(NOISE * random.standard_normal(axis.shape), axis)
     seen /= np.linalg.norm(seen, axis=1)[:, None]
     kept = random.random(len(t)) > MISSING
-    return Motion(t[kept], axis=seen[kept])
+    return {"t": t[kept], "axis": seen[kept]}
 
 
 def best_near(observation: Observation, values: dict[str, float]) -> tuple[Misfit, Minimum]:
@@ -75,7 +74,7 @@ def cut_films(sets: int) -> None:
         seen = axis + NOISE * np.random.default_rng(k).standard_normal(axis.shape)
         seen = (seen / np.linalg.norm(seen, axis=1)[:, None])[CUT:]
         phi = float(np.arctan2(seen[0, 1], seen[0, 0]))
-        film_of = Motion(t[CUT:] - t[CUT], axis=seen)
+        film_of = {"t": t[CUT:] - t[CUT], "axis": seen}
         observation = Observation(tt.load("inverting", [f"initial.phi={phi}"]), list(true), film_of)
         _, best = best_near(observation, true)
         began = time.process_time()
@@ -124,7 +123,8 @@ def main() -> None:
         observation = Observation(problem, list(TRUE), seen)
         if given.intervals:
             misfit, end = best_near(observation, start)
-            found = judged(misfit, [end], MET, MET)
+            end = end._replace(searches=MET)
+            found = judged(misfit, [end], MET, systematic=False, hopeless=False)
         else:
             found = fit(observation, systematic=False)
         seconds.append(time.process_time() - began)
@@ -132,7 +132,7 @@ def main() -> None:
         where = "at the truth" if max(map(abs, errors)) < ERRORS else "elsewhere"
         print(
             f"{k}: {seconds[-1]:.2f} s, ended {where}, trustworthy: {found.trustworthy}. "
-            f"{' '.join(found.reason)}",
+            f"{' '.join(found.reasons)}",
             flush=True,
         )
         if where == "elsewhere":

@@ -50,7 +50,7 @@ class Estimate(NamedTuple):
     sigma: float
     low: float
     high: float
-    systematic: float = 0.0
+    systematic: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +78,6 @@ class Fit:
         Name -> its standard deviation.
     influences
         By how much each number would move, SI, under what the scenario lacks, by its name.
-    likelihood
-        Logarithm of the likelihood of independent noise of these standard deviations, up to a
-        constant of the measurements.
     rows_correlated
         Over how many rows the residuals are correlated; 1: noise.
     """
@@ -94,7 +91,6 @@ class Fit:
     residuals: Arrays
     noise: dict[str, float]
     influences: dict[str, dict[str, float]]
-    likelihood: float
     rows_correlated: float
 
     @property
@@ -335,7 +331,6 @@ def judged(
         parts,
         noise,
         {name: dict(zip(values, shift.tolist(), strict=True)) for name, shift in shifts.items()},
-        _likelihood(parts, noise),
         rows,
     )
 
@@ -345,14 +340,6 @@ def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
     found = misfit.observation.predictions([misfit.space.values(point)])
     parts = {group: off[0] for group, off in found.items()}
     return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
-
-
-def _likelihood(parts: Arrays, noise: dict[str, float]) -> float:
-    """Return the logarithm of the likelihood of residuals, up to a constant of the measurements."""
-    return -sum(
-        float(np.isfinite(off).sum()) * float(np.log(max(noise[group], 1e-300)))
-        for group, off in parts.items()
-    )
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:

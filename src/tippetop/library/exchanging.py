@@ -263,9 +263,7 @@ def fit(
             problem, path_of("data", data), names, convention, place, noise
         )
         with reporting(progress, "windows") as report:
-            result = fitting.fit(
-                observation, loss, starts, within, systematic, hopeless, progress=report
-            )
+            result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)
         return Fitted(**vars(result))
 
     if not laws:
