@@ -193,7 +193,8 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
     if (left == WORST).all():
         raise InputError("the scenario must move over the time of the table, but cannot.")
-    sizes = np.array([np.linalg.norm(some, axis=0) for some in misfit.split(jacobian[0])])
+    ends = np.cumsum([given.sum() for given in observation.given.values()])[:-1]
+    sizes = np.array([np.linalg.norm(some, axis=0) for some in np.split(jacobian[0], ends)])
     seen = np.array([np.sqrt(np.nansum(rows**2)) for rows in observation.groups.values()])
     moves = np.any(sizes > IDLE * seen[:, None], axis=0).tolist()
     idle = [name for name, does in zip(space.names, moves, strict=True) if not does]
