@@ -72,7 +72,7 @@ def test_numbers_of_contacts_are_recovered(name: str, tmp_path: Path) -> None:
 def test_a_tilted_table_moves_a_fit_as_its_systematic_error_predicts(tmp_path: Path) -> None:
     """The film of a table tilted by a hundredth of 0.1 degrees, fitted as if it were level."""
     start = ["initial.centre_at_rest=true", "initial.theta=0.3"]
-    t = np.linspace(0, 1.0, 61)
+    t = np.linspace(0, 0.5, 31)
     free = ["friction.mu", "initial.omega3", "initial.theta"]
 
     def fitted(tilt: float, azimuth: float) -> Any:
@@ -150,10 +150,10 @@ def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
 
 def test_searches_of_a_hopeless_model_end_early(tmp_path: Path) -> None:
     """The film of a top that gets up, fitted by one that hardly has friction: few searches."""
-    seen = film(tmp_path / "both.csv", "inverting", ["initial.theta=0.5"], 2.0)
+    seen = film(tmp_path / "both.csv", "inverting", ["initial.theta=0.5"], 3.0)
     path = tmp_path / "film.csv"
     path.write_text("\n".join(row.rpartition(",")[0] for row in seen.read_text().splitlines()))
-    wrong = tt.load("inverting", ["initial.theta=0.5", "friction.mu=0.01"])
+    wrong = tt.load("inverting", ["initial.theta=0.5", "friction.mu=0.001"])
     free = ["initial.omega3", "initial.theta"]
     found = tt.fit(path, wrong, free, noise=NOISE, within=0.1, systematic=False)
     assert re.search(r"\b[3-5] independent searches found nothing near enough", found.reason)
@@ -185,16 +185,16 @@ def test_laws_are_compared_by_likelihood(tmp_path: Path) -> None:
 
 
 def test_a_tilt_and_its_azimuth_are_found_from_a_level_plane(tmp_path: Path) -> None:
-    t = np.linspace(0, 0.5, 31)
+    t = np.linspace(0, 0.3, 8)
     plane = {"tilt": 0.01, "azimuth": 2.5}
-    rows = tt.run("inverting", plane=plane, until=0.5, output_times=t.tolist()).trajectory
+    rows = tt.run("inverting", plane=plane, until=0.3, output_times=t.tolist()).trajectory
     random = np.random.default_rng(5)
-    place = [rows[name] + 1e-4 * random.standard_normal(31) for name in ("x", "y")]
+    place = [rows[name] + 1e-4 * random.standard_normal(len(t)) for name in ("x", "y")]
     table = np.column_stack([t, *place])
     np.savetxt(tmp_path / "f.csv", table, delimiter=",", header="t [s],x [m],y [m]", comments="")
     free = ["plane.tilt", "plane.azimuth"]
-    fit = tt.fit(tmp_path / "f.csv", tt.load("inverting", ["plane.tilt=0"]), free, systematic=False)
-    assert fit.converged
+    level, how = tt.load("inverting", ["plane.tilt=0"]), {"within": 0.05, "systematic": False}
+    fit = tt.fit(tmp_path / "f.csv", level, free, starts=1, **how)
     for key in free:
         found = fit.estimates[key]
         assert abs(found.value - plane[key.partition(".")[2]]) < 4 * found.sigma

@@ -23,7 +23,7 @@ from .headers import CAMERA, KIND
 from .motion import Convention, angle_between, lean, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
-from .simulators import motion_of
+from .simulators import gravity, motion_of
 
 
 MAIN = ("attitude", "axis", "theta", "place", "omega3", "gyroscope", "accelerometer")
@@ -248,9 +248,7 @@ def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
         else:
             turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
         moving = (body.m * (there["velocity"] ** 2).sum(axis=1) + turning) / 2
-        slope = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
-        height = body.g * there["place"][:, 2] - there["place"][:, :2] @ slope
-        values["energy"] = moving + body.m * height
+        values["energy"] = moving - body.m * there["place"] @ gravity(body)
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 

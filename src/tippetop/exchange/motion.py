@@ -1,5 +1,7 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -45,7 +47,11 @@ Place = str | Sequence[float] | None
 
 
 def convention_of(
-    quaternion: str | None, up: str, track: str | None = None, chip: Place = None
+    *,
+    quaternion: str | None = None,
+    up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
 ) -> Convention:
     """Return the conventions of these arguments. Raises InputError."""
     choice("up", up, UPS)

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, flag, in_python, instance, names_of, path_of, whole
+from ..arguments import finite, flag, in_python, instance, names_of, path_of, takes, whole
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, law_choice, measurements
 from ..exchange.motion import convention_of, place_of
 from ..exchange.motion_table import read
+from ..exchange.observation import Observation
 from ..exchange.scales import FAR
 from ..exchange.verdict import Verdict
 from ..problem import Problem
@@ -50,15 +51,8 @@ class Comparison(Verdict):
         return _saved(comparison(self.motions, self.title), path, overwrite)
 
 
-def compare(
-    others: str | Path | Sequence[str | Path],
-    reference: Any,
-    *,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
-) -> Comparison:
+@takes(convention_of)
+def compare(others: str | Path | Sequence[str | Path], reference: Any, **frames: Any) -> Comparison:
     """Compare another program's motion with the exact one.
 
     Parameters
@@ -99,8 +93,29 @@ def compare(
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference("reference", reference)
-    convention = convention_of(quaternion, up, track, chip)
-    return Comparison(problem, [path_of("others", file) for file in files], convention)
+    paths = [path_of("others", file) for file in files]
+    return Comparison(problem, paths, convention_of(**frames))
+
+
+@takes(convention_of)
+def observed(
+    data: str | Path,
+    problem: Problem,
+    free: Sequence[str],
+    *,
+    marker: Sequence[float] | str | None = None,
+    noise: float | str | None = None,
+    **frames: Any,
+) -> Observation:
+    """Return what a film shows of the motion of a problem. Raises InputError."""
+    return measurements.observation_of(
+        problem,
+        path_of("data", data),
+        free,
+        convention_of(**frames),
+        place_of("marker", marker),
+        noise,
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -175,6 +190,7 @@ class Fitted(fitting.Fit):
         )
 
 
+@takes(observed)
 def fit(
     data: str | Path,
     scenario: Any,
@@ -185,13 +201,8 @@ def fit(
     within: float = FAR,
     systematic: bool = True,
     laws: Sequence[str | Mapping[str, Any]] | str = (),
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
-    noise: float | str | None = None,
     progress: Callable[[int, int], None] | bool = True,
+    **film: Any,
 ) -> Fitted:
     """Fit numbers of a scenario to a measured motion, by least squares.
 
@@ -250,8 +261,6 @@ def fit(
     """
     problem = _reference("scenario", scenario)
     names = names_of("free", free)
-    convention = convention_of(quaternion, up, track, chip)
-    place = place_of("marker", marker)
     starts = whole("starts", starts)
     within = finite("within", within)
     if not 0 < within <= 1:
@@ -259,16 +268,14 @@ def fit(
     flag("systematic", systematic)
 
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
-        observation = measurements.observation_of(
-            problem, path_of("data", data), names, convention, place, noise
-        )
+        observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)
         return Fitted(**vars(result))
 
     if not laws:
         return fitted(problem, names, within, fitting.MET)
-    until = float(read(path_of("data", data), wrapped=False, track=track).t[-1])
+    until = float(read(path_of("data", data), wrapped=False, track=film.get("track")).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
     for law in sorted(every, key=lambda law: law != problem.law.key):

@@ -8,29 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, instance, names_of, path_of, whole
+from ..arguments import dotted_keys, instance, names_of, takes, whole
 from ..errors import InputError, refuse_without
-from ..exchange import measurements
 from ..exchange.likelihood import LogLikelihood, drawn
-from ..exchange.motion import convention_of, place_of
-from .exchanging import Fitted, _reference, _saved, fit
+from .exchanging import Fitted, _reference, _saved, fit, observed
 
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@takes(observed)
 def log_likelihood(
-    data: str | Path,
-    scenario: Any,
-    free: str | Sequence[str],
-    *,
-    noise: float | str | None = None,
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
+    data: str | Path, scenario: Any, free: str | Sequence[str], **film: Any
 ) -> LogLikelihood:
     """Return the logarithm of the likelihood of a film as a function of some numbers.
 
@@ -60,16 +50,8 @@ def log_likelihood(
     >>> f([0.3, 155.0])
     >>> f([[0.3, 155.0], [0.31, 155.0]])
     """
-    return LogLikelihood(
-        measurements.observation_of(
-            _reference("scenario", scenario),
-            path_of("data", data),
-            names_of("free", free),
-            convention_of(quaternion, up, track, chip),
-            place_of("marker", marker),
-            noise,
-        )
-    )
+    problem = _reference("scenario", scenario)
+    return LogLikelihood(observed(data, problem, names_of("free", free), **film))
 
 
 class Posterior:
