@@ -50,7 +50,7 @@ class Estimate(NamedTuple):
     sigma: float
     low: float
     high: float
-    systematic: float = 0.0
+    systematic: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +78,6 @@ class Fit:
         Name -> its standard deviation.
     influences
         By how much each number would move, SI, under what the scenario lacks, by its name.
-    likelihood
-        Logarithm of the likelihood of independent noise of these standard deviations, up to a
-        constant of the measurements.
     rows_correlated
         Over how many rows the residuals are correlated; 1: noise.
     """
@@ -94,7 +91,6 @@ class Fit:
     residuals: Arrays
     noise: dict[str, float]
     influences: dict[str, dict[str, float]]
-    likelihood: float
     rows_correlated: float
 
     @property
@@ -197,7 +193,8 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
     if (left == WORST).all():
         raise InputError("the scenario must move over the time of the table, but cannot.")
-    sizes = np.array([np.linalg.norm(some, axis=0) for some in misfit.split(jacobian[0])])
+    ends = np.cumsum([given.sum() for given in observation.given.values()])[:-1]
+    sizes = np.array([np.linalg.norm(some, axis=0) for some in np.split(jacobian[0], ends)])
     seen = np.array([np.sqrt(np.nansum(rows**2)) for rows in observation.groups.values()])
     moves = np.any(sizes > IDLE * seen[:, None], axis=0).tolist()
     idle = [name for name, does in zip(space.names, moves, strict=True) if not does]
@@ -335,7 +332,6 @@ def judged(
         parts,
         noise,
         {name: dict(zip(values, shift.tolist(), strict=True)) for name, shift in shifts.items()},
-        _likelihood(parts, noise),
         rows,
     )
 
@@ -345,14 +341,6 @@ def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
     found = misfit.observation.predictions([misfit.space.values(point)])
     parts = {group: off[0] for group, off in found.items()}
     return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
-
-
-def _likelihood(parts: Arrays, noise: dict[str, float]) -> float:
-    """Return the logarithm of the likelihood of residuals, up to a constant of the measurements."""
-    return -sum(
-        float(np.isfinite(off).sum()) * float(np.log(max(noise[group], 1e-300)))
-        for group, off in parts.items()
-    )
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:

@@ -1,5 +1,6 @@
 """Fits of one film under several friction laws, and which of them the film decides for."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -61,7 +62,7 @@ def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
 
 def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     """Return the law that explains a film best, and a sentence on the others."""
-    scores = {name: fit.likelihood - len(fit.estimates) for name, fit in fits.items()}
+    scores = {name: _likelihood(fit) - len(fit.estimates) for name, fit in fits.items()}
     best = max(scores, key=lambda name: scores[name])
     behind = {
         name: (scores[best] - score) / fits[best].rows_correlated for name, score in scores.items()
@@ -74,3 +75,14 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     else:
         sentence = f"of these laws the film decides for {best}"
     return best, f"{sentence} (logarithms of the likelihood are less: {worse})."
+
+
+def _likelihood(fit: Fit) -> float:
+    """Return the logarithm of the likelihood of independent noise as large as the residuals.
+
+    It is up to a constant of the measurements.
+    """
+    given = fit.observation.given
+    return -sum(
+        int(given[group].sum()) * math.log(max(size, 1e-300)) for group, size in fit.noise.items()
+    )

@@ -126,11 +126,6 @@ class Misfit:
         worst = [np.full(given[group].sum(), WORST * self.weights[group]) for group in parts]
         return np.concatenate(found, axis=1), np.concatenate(worst)
 
-    def split(self, table: np.ndarray) -> list[np.ndarray]:
-        """Return the rows of a table of all residuals, of each group."""
-        ends = np.cumsum([given.sum() for given in self.observation.given.values()])
-        return np.split(table, ends[:-1])
-
     def refine(self) -> None:
         """Predict with the tolerance of the scenario from now on."""
         self.last = (None,)

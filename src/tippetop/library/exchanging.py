@@ -270,9 +270,7 @@ def fit(
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
-            result = fitting.fit(
-                observation, loss, starts, within, systematic, hopeless, progress=report
-            )
+            result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)
         return Fitted(**vars(result))
 
     if not laws:
