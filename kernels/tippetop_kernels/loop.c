@@ -147,7 +147,6 @@ typedef struct {
     real *row_times, *row_states; /* of each top in turn, as all arrays of rows */
     integer *row_phases, *rows_made;
     integer rows_at_steps, row_count;
-    integer row_phase_count; /* with lanes, `in_lane` is this times the top plus the phase */
 } Loop;
 
 static void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -594,10 +593,9 @@ static bool is_row_before(const Loop *l, integer top, real time) {
 static bool write_rows(const Loop *l, integer lane, bool moved) {
     const Tally *tally = tally_of(l, lane);
     integer count = l->row_count, n = l->lanes, in_lane = l->in_lane[lane];
-    bool has_lanes = l->row_phase_count > 0;
-    if (count == 0 || (has_lanes && (!moved || in_lane < 0)))
+    if (count == 0 || in_lane < 0)
         return false;
-    integer top = has_lanes ? in_lane / l->row_phase_count : 0;
+    integer top = l->slots[lane];
     integer *made = l->rows_made + top, *phases = l->row_phases + top * count, end = *made;
     real *times = l->row_times + top * count, *states = l->row_states + top * count * l->width;
     bool is_good = tally->status != NON_FINITE;
@@ -739,8 +737,8 @@ static bool end_step(const Loop *l) {
     return ended;
 }
 
-/* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows are
-   written, or there is no room. Return their number. */
+/* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows of a
+   single one are written, or there is no room. Return their number. */
 integer loop_drive(const Loop *l, integer most) {
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
     _Alignas(64) volatile bool runs = false;
@@ -749,7 +747,7 @@ integer loop_drive(const Loop *l, integer most) {
     for (integer steps = 0;; steps++) {
         bool stops = !runs || is_full(l) || steps >= most;
         for (integer lane = 0; lane < l->lanes; lane++)
-            stops = (write_rows(l, lane, steps > 0) && l->row_phase_count == 0) || stops;
+            stops = (write_rows(l, lane, steps > 0) && l->lanes == 1) || stops;
         if (stops)
             return steps;
         begin_step(l);
@@ -1138,7 +1136,7 @@ static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
-    integer top = l->in_lane[lane] / p->phases, n = l->lanes;
+    integer top = l->slots[lane], n = l->lanes;
     Top *t = p->tops + top;
     Tally *tally = tally_of(l, lane);
     real *state = p->states + top * p->width;

@@ -57,14 +57,6 @@ class Rows(NamedTuple):
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
     length: int = 0
-    phase_count: int = 0  # with lanes, `in_lane` is this times the top plus the phase
-
-
-def rows_of_tops(times: np.ndarray, width: int, phase_count: int = 1) -> Rows:
-    """Return empty rows of tops in lanes, at internal times (tops, length), from the start on."""
-    states = np.full((*times.shape, width), np.nan)
-    before = (times < 0).sum(axis=1)
-    return Rows(times, states, times.astype(int), before, False, times.shape[1], phase_count)
 
 
 NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)
@@ -125,11 +117,6 @@ def filled(record: Any) -> ctypes.Structure:
     """
     kind: Any = type(record)
     return structure(kind)(*map(_field, record))
-
-
-def address_of(made: Any) -> int:
-    """Return the address of a structure."""
-    return ctypes.addressof(made)
 
 
 def _field(value: Any) -> Any:

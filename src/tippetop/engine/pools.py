@@ -10,6 +10,7 @@ begin in a further phase, the last one, which has no equations and ends at its s
 programs like any other, and only the first few tops start by Python.
 """
 
+import ctypes
 import math
 import threading
 from collections.abc import Sequence
@@ -30,12 +31,10 @@ from .jump_programs import TOP_RECORD, JumpPrograms, Jumps
 from .loop import (
     Loop,
     Rows,
-    address_of,
     count_turnings,
     filled,
     library,
     new_motion,
-    rows_of_tops,
 )
 from .settling import SETTLED_FOR
 from .status import Status
@@ -143,7 +142,10 @@ class Pools:
         self.of_tops.lane["status"] = Status.FINISHED.code
         self.states = np.zeros((room, width))
         self.bodies = np.zeros((room, numbers))
-        self.rows = rows_of_tops(np.zeros((room, row_count)), width, phases)
+        times = np.zeros((room, row_count))
+        states = np.zeros((room, row_count, width))
+        made = np.zeros(room, np.int64)
+        self.rows = Rows(times, states, times.astype(int), made, False, row_count)
         self.called = np.zeros(room, np.int64)
         self.calls = np.zeros(1, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
@@ -165,14 +167,14 @@ class Pools:
             possible=0,
         )
         self.record: Any = filled(self.arrays)
-        self.record_at = address_of(self.record)
+        self.record_at = ctypes.addressof(self.record)
 
     def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
         """Add the pool of a phase, whose parameters are these numbers of a body, by index."""
         loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, len(self.tops)
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
-        self.pools[phase] = address_of(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
+        self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
     def begin_tops(self, slots: np.ndarray, begun: Begun) -> None:
         """Begin tops in free slots, (k,)."""
@@ -322,7 +324,7 @@ class HybridPools(Pools, HybridDriver):
             order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
             mine = leaves(order)[: len(solver.workspace.motion.pars)]
             self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
-            self.programs.loops[solver.at] = address_of(solver.workspace.loop.structure)
+            self.programs.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
         return solver
 
     def set_workspace(self, workspace: Any) -> None:
