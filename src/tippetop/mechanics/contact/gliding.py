@@ -136,6 +136,7 @@ ANGLES = filled(
 """Public variables: the state, phi, and the integrals."""
 
 EulerState = type(EULER_UNITS)
+Angles = type(ANGLES)
 
 
 @formula
