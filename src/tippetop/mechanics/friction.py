@@ -80,8 +80,10 @@ class FrictionLaw(Record, abstract=True):
 
     An instance contains the numbers of the law and is an argument of its formulas.
 
-    A user-defined law has the class attributes `key` and `coefficient`; the others are for laws of
-    the package.
+    A user-defined law has two class attributes: `key`, its name in `[friction] law`, and the
+    formula `coefficient`, k(v2, z, law) [s/m] with v2 = |v_A|^2 and z = cos(theta), which is finite
+    and not negative.
+    The others are for laws of the package. docs/how-to/a-friction-law.md shows one.
     """
 
     table = "friction"

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
 from ..errors import InputError, refuse_unknown, unknown_key
+from .described import Described
 from .event import NUMBERED, Event
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity, all_are
 from .number import Alternative, Number
@@ -118,10 +119,11 @@ def _same(value: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
-class System:
+class System(metaclass=Described):
     """A mechanical system: its body, equations, columns, events and theory.
 
-    `replace` returns a changed copy. docs/how-to/a-system.md explains each field.
+    `replace(**changes)` returns a changed copy, in which `forms`, `quantities` and `events` are
+    those of the first phase. docs/how-to/a-system.md explains each field.
 
     Parameters
     ----------
