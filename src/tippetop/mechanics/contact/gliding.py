@@ -49,6 +49,7 @@ from .body import (
     rolling_velocity,
     slip_scalars,
     state,
+    touching_ball,
     turning,
 )
 from .body_axes import by_angles, carried_along, psi_of_axes
@@ -136,6 +137,7 @@ ANGLES = filled(
 """Public variables: the state, phi, and the integrals."""
 
 EulerState = type(EULER_UNITS)
+Angles = type(ANGLES)
 
 
 @formula
@@ -365,7 +367,7 @@ def start_of(angles: Any) -> Callable:
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
         if data.get("centre_at_rest"):
-            along_e, along_2 = rolling_velocity(e, s, z, b)
+            along_e, along_2 = rolling_velocity(e, s, z, touching_ball(z, s * s, b))
             e = e._replace(nu_x=-along_e, nu_y=-along_2)
         return e
 

@@ -192,12 +192,12 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         The groups of its surroundings; see `surroundings`.
     """
     opening: Any = system.opening
-    torques = law.torque or around
-    angles: Any = PLANAR_ANGLES if opening.planar else DISC_ANGLES if torques else ANGLES
-    form = PLANAR_ROW if opening.planar else DISC_ROW if torques else ROW
-    read = row
-    if opening.framed:
-        angles, form, read = opening.framed
+    rows: tuple = ANGLES, ROW
+    if opening.planar:
+        rows = PLANAR_ANGLES, PLANAR_ROW
+    elif law.torque or around:
+        rows = DISC_ANGLES, DISC_ROW
+    angles, form, read = opening.framed or (*rows, row)
     form = replace(form, domains=opening.domains, integrals=(*form.integrals, *further(around)))
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     jellett = not (opening.planar or opening.outlined or opening.framed)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
-from ..contact.body import Bent, Top, touching_ball
+from ..contact.body import Bent, Top
 from ..contact.outlined import in_scalars, outlined_form
 from ..event import Event
 from ..friction import LAWS
@@ -174,14 +174,13 @@ def systems(
     units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
 
     def fields(of_ball: Any, *quantities: Any) -> dict[str, Any]:
-        start = gliding.start_of(of_ball.ANGLES)
         return {
             "forms": {
                 name: outlined_form(replace(form, domains=(*domains, *form.domains)))
                 for name, form in of_ball.FORMS.items()
             },
             "initial": of_ball.INITIAL,
-            "start": lambda data, s, z, b: start(data, s, z, touching_ball(z, s * s, b)),
+            "start": gliding.start_of(of_ball.ANGLES),
             "angles": of_ball.ANGLES,
             "quantities": tuple(map(in_scalars, (JELLETT, *quantities))),
             "events": tuple(map(in_scalars, (*of_ball.EVENTS, *events))),
