@@ -59,10 +59,9 @@ def extend(place: Path) -> None:
 
 
 def surface(place: Path) -> None:
-    wanted = surfaces.Surface(
-        starting.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
-    )
-    surfaces.write(place, wanted)
+    body = starting.load("inverting").parameters
+    axes = np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5]
+    unless("must not exist yet", lambda: surfaces.write(place, body, *axes, chunk=4))
 
 
 def potential(place: Path) -> None:

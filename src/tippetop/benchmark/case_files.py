@@ -242,9 +242,9 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             "gravity": body.g,
             "slope": gravity(body)[:2].tolist(),
             "balls": {
-                name: {"offset": offset, "radius": radius}
-                for name, (offset, radius) in problem.balls.items()
-                if np.ndim(radius) == 0 and radius
+                name: {"offset": ball.c, "radius": ball.R}
+                for name, ball in problem.balls.items()
+                if isinstance(ball.outline, Ball) and ball.R
             },
             "outline": _outline(problem),
             "fixed_point": body.c if problem.contact is None else None,

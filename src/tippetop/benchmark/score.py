@@ -360,11 +360,9 @@ def _motion(table: Table) -> Truth:
     given = motion(table)
     none = np.full((len(table.t), 3), np.nan)
     place, velocity, omega, force = (
-        none if part is None else part
-        for part in (given.place, given.velocity, given.omega, given.force)
+        given.get(name, none) for name in ("place", "velocity", "omega", "force")
     )
-    assert given.orientation is not None
-    return Truth(given.t, place, given.orientation, velocity, omega, force)
+    return Truth(table.t, place, given["orientation"], velocity, omega, force)
 
 
 def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> None:

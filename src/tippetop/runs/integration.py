@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
-from ..engine.driver import STEPS_PER_SLICE, Extremes, Slice
+from ..engine.driver import STEPS_PER_SLICE, Driver, Extremes, Slice
 from ..engine.integrator import compiling
 from ..engine.observables import Observables
 from ..engine.settling import SETTLED_FOR, stays
@@ -47,6 +47,8 @@ class Integration:
         The run.
     stop
         Raise Interrupted if this is set while the equations are compiled.
+    driver
+        That of the problem, at its start; by default it is made.
 
     Attributes
     ----------
@@ -64,10 +66,12 @@ class Integration:
         The state at the start of the last slice: a longer run continues from there.
     """
 
-    def __init__(self, problem: Problem, stop: threading.Event | None = None):
+    def __init__(
+        self, problem: Problem, stop: threading.Event | None = None, driver: Driver | None = None
+    ):
         clock = time.perf_counter()
         self.problem = problem
-        self.driver = driver_of(problem, stop)
+        self.driver = driver or driver_of(problem, stop)
         self.seconds = {"compile": time.perf_counter() - clock, "integrate": 0.0}
         self.view = Observables(problem)
         self.settled_slice = SETTLED_SLICE_OF_PHASES if problem.system.is_hybrid else SETTLED_SLICE
