@@ -145,3 +145,8 @@ def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
     np.testing.assert_allclose([float(part) for part in found], expected, rtol=1e-11)
     with pytest.raises(InputError, match=r"in still air, but has `air\.c1`, which must be removed"):
         text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")
+
+
+def test_a_page_names_the_plane_in_whose_axes_it_shows_the_body() -> None:
+    page = tt.run("inverting", plane=PLANE, until=0.1).view().text
+    assert "in the axes of the plane: tilt = 0.01745 rad, azimuth = 0.3 rad." in page

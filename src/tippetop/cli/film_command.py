@@ -63,7 +63,7 @@ def film(
 
     from ..errors import InputError
     from ..figures.film import frames
-    from ..mechanics.contact.surroundings import dotted_numbers, moving_axes
+    from ..mechanics.contact.surroundings import moving_axes
     from ..runs.shape import rotation, shape
     from ..store import chunks, files, root
     from ..views import run_page, samples, spacing
@@ -85,7 +85,7 @@ def film(
     run_page.refuse(attrs, str(store))
     pieces = chunks.pieces(store, "trajectory", samples.needed(attrs))
     times, kept, _, notes = run_page.read(pieces, attrs, from_, until)
-    for note in notes + moving_axes(dotted_numbers(attrs)):
+    for note in notes + moving_axes(attrs):
         report(note)
     count = (times[-1] - times[0]) * fps / speed
     if count > MOST_FRAMES:

@@ -103,14 +103,13 @@ def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
     if logs:
         outcomes.events[top] = memory.table()
     end = integration.progress()
-    events = end.events
     values = {
-        "t_end": end.t_end / events.second,
+        "t_end": end.t_end / problem.unit(SECOND),
         "steps": end.steps,
         "normal_force_min": end.force.least,
         "normal_force_max": end.force.most,
-        **{name: events.tally[name] for name in SWINGS},
-        **{kept.name: value for kept, value in events.numbers},
+        **{name: end.tally[name] for name in SWINGS},
+        **{kept.name: value for kept, value in end.numbers},
     }
     for name in outcomes.columns.keys() & values.keys():
         outcomes.columns[name][top] = values[name]

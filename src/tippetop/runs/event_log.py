@@ -8,7 +8,7 @@ ends in noise not at all. Such rows are marked when this is known.
 
 import math
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -23,51 +23,6 @@ from ..errors import owner
 from ..mechanics.event import Event, Kept
 from ..mechanics.units import SECOND
 from .events import EventTable
-
-
-INVERSION = ("first_equator", "last_equator", "inverted_at")
-"""Kept numbers that a report lists under `inversion`."""
-UNREPORTED = (*INVERSION, "equators", "lifted_at", "settled_at")
-"""Kept numbers that a report does not repeat: counts, reason or `inversion` contain them."""
-
-
-class LogReport(NamedTuple):
-    """The events of a run so far: the rows of its log, and the tallies of its driver."""
-
-    events: tuple[Event, ...]  # those of the system
-    second: float  # the internal unit of time [s]
-    counts: dict[str, int]  # rows of the log, by kind
-    tally: Any  # a record of the tallies
-    numbers: list[tuple[Kept, float]]  # what events keep, internal
-
-    def kept(self) -> PlainData:
-        """Return the kept numbers of events by name: counts, and times [s] or None."""
-        return {
-            kept.name: int(value)
-            if kept.what == "count"
-            else None
-            if math.isnan(value)
-            else value * self.second
-            for kept, value in self.numbers
-        }
-
-    def report(self) -> PlainData:
-        """Return counts, inversion, band and the numbers that users' events keep."""
-        tally = self.tally
-        kept = self.kept()
-        counts = {name: n for name, n in self.counts.items() if n}
-        if any(event.sense and event.name in counts for event in self.events):
-            counts["turning_significant"] = int(tally["turnings"])
-        own = {name: value for name, value in kept.items() if name not in UNREPORTED}
-        return {
-            "event_counts": counts,
-            "inversion": {name: kept.get(name) for name in INVERSION},
-            "nutational_band": {
-                name: float(tally[name]) if tally["turnings"] else None
-                for name in ("theta_min", "theta_max")
-            },
-            **({"kept": own} if own else {}),
-        }
 
 
 def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | None:
@@ -204,11 +159,9 @@ class EventLog:
         is_time = [kept in event.kept and kept.what != "count" for kept in self.kept]
         self.tallies.kept[is_time, 0] = 0.0
 
-    def summary(self) -> LogReport:
-        """Return counts, tally and kept numbers of the events so far."""
-        tally = self.tallies.lane[0].copy()
-        numbers = zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True)
-        return LogReport(self.events, self.second, dict(self.counts), tally, list(numbers))
+    def numbers(self) -> list[tuple[Kept, float]]:
+        """Return what events have kept so far, internal."""
+        return list(zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True))
 
     def snapshot(self) -> PlainData:
         """Return the data of a checkpoint, apart from the tallies."""

@@ -253,7 +253,9 @@ class Integration:
             self.last,
             self._worst(),
             self.force,
-            self.log.summary(),
+            dict(self.log.counts),
+            self.driver.tally.copy(),
+            self.log.numbers(),
             self.phases.report() if self.problem.system.tables else None,
             self.driver.sentence,
         )

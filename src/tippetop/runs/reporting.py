@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +14,17 @@ from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
 from ..errors import owner
 from ..mechanics.caching import cached_property
-from ..mechanics.event import Event
+from ..mechanics.event import Event, Kept
 from ..mechanics.systems.tippe_top import is_peg
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
-from .event_log import LogReport, settled_since
+from .event_log import settled_since
+
+
+INVERSION = ("first_equator", "last_equator", "inverted_at")
+"""Kept numbers that a report lists under `inversion`."""
+UNREPORTED = (*INVERSION, "equators", "lifted_at", "settled_at")
+"""Kept numbers that a report does not repeat: counts, reason or `inversion` contain them."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +47,12 @@ class RunProgress:
         The largest relative deviation of each invariant from its start.
     force
         Extremes of the normal force, internal.
-    events
-        Counts and kept numbers.
+    counts
+        Rows of the event log, by kind.
+    tally
+        The record of the tallies of the driver.
+    numbers
+        What events keep, internal.
     phases
         The phases of a contact that may change them.
     sentence
@@ -55,7 +66,9 @@ class RunProgress:
     last: np.ndarray
     drift: dict[str, float]
     force: Extremes
-    events: LogReport
+    counts: dict[str, int]
+    tally: Any
+    numbers: list[tuple[Kept, float]]
     phases: PlainData | None
     sentence: str
 
@@ -67,12 +80,25 @@ class RunProgress:
     @property
     def settled_since(self) -> float | None:
         """Return when sliding ended [s], if it is still over."""
-        return settled_since(self.view, self.events.tally, self.last)
+        return settled_since(self.view, self.tally, self.last)
+
+    @property
+    def kept(self) -> PlainData:
+        """Return the kept numbers of events by name: counts, and times [s] or None."""
+        second = self.problem.unit(SECOND)
+        return {
+            kept.name: int(value)
+            if kept.what == "count"
+            else None
+            if math.isnan(value)
+            else value * second
+            for kept, value in self.numbers
+        }
 
     @property
     def lifted_at(self) -> float | None:
         """Return when the body lifted off [s], if it did."""
-        return self.events.kept().get("lifted_at")
+        return self.kept.get("lifted_at")
 
 
 Progress = Callable[[RunProgress], None]
@@ -81,7 +107,7 @@ Progress = Callable[[RunProgress], None]
 
 def report(progress: RunProgress) -> PlainData:
     """Return the measured part of `info --json`, as far as the run has come."""
-    events = progress.events.report()
+    events = _events(progress)
     if is_peg(progress.problem.parameters):
         events["inversion"]["inverted_at"] = None
     return {
@@ -93,6 +119,25 @@ def report(progress: RunProgress) -> PlainData:
         "theta_end": progress.view.theta(progress.last),
         **({} if progress.phases is None else {"contact_phases": progress.phases}),
         **outcome(progress),
+    }
+
+
+def _events(progress: RunProgress) -> PlainData:
+    """Return counts, inversion, band and the numbers that users' events keep."""
+    tally = progress.tally
+    kept = progress.kept
+    counts = {name: n for name, n in progress.counts.items() if n}
+    if any(event.sense and event.name in counts for event in progress.problem.system.events):
+        counts["turning_significant"] = int(tally["turnings"])
+    own = {name: value for name, value in kept.items() if name not in UNREPORTED}
+    return {
+        "event_counts": counts,
+        "inversion": {name: kept.get(name) for name in INVERSION},
+        "nutational_band": {
+            name: float(tally[name]) if tally["turnings"] else None
+            for name in ("theta_min", "theta_max")
+        },
+        **({"kept": own} if own else {}),
     }
 
 

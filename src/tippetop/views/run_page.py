@@ -9,7 +9,7 @@ import numpy as np
 
 from ..columns import capitalised, flag_words, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
-from ..mechanics.contact.surroundings import dotted_numbers, moving_axes
+from ..mechanics.contact.surroundings import TABLES, moving_axes
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, columns_of, shape
@@ -79,8 +79,7 @@ def page(
         The part that is shown [s]; by default as much from the start as a page can contain.
     """
     times, kept, rough, notes = read(pieces, attrs, start, until)
-    around = dotted_numbers(attrs)
-    notes += moving_axes(around)
+    notes += moving_axes(attrs)
     if rough > TOO_FAR:
         notes.append(
             "The rows are far apart: between two of them the drawn attitude may be off by "
@@ -103,7 +102,7 @@ def page(
         "phases": phases,
     }
     system: Any = find(attrs["system"])
-    scripts = NO_POTENTIAL if around else potential(system, body_of(attrs))
+    scripts = NO_POTENTIAL if attrs.keys() & TABLES else potential(system, body_of(attrs))
     return pages.page(f"{attrs['title']} · tippetop", "page_run.js", data, scripts)
 
 

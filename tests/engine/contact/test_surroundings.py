@@ -222,6 +222,28 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[st
         assert "both" in report["contact_phases"]["counts"]
 
 
+R, r, h, c, I1, I3 = 0.015, 0.005, 0.013, -0.003, 8e-7, 7e-7  # of a peg
+
+
+def peg_on_both(spin: float, around: dict[str, Any], until: float) -> tt.Run:
+    """Run a peg that rolls on both balls with this angular velocity about the line through them."""
+    z = (r - R) / h
+    along = np.sqrt(1 - z * z)
+    return tt.run(
+        {
+            "system": "tippe-top",
+            "parameters": dict(m=0.006, R=R, alpha=c / R, I1=I1, I3=I3, g=9.81),
+            "friction": {"law": "contensou", "mu": 0.5, "patch": 5e-4, "mu_r": 0.0},
+            "stem": {"r": r, "h": h},
+            "contact": {"e_n": 0.0},
+            "initial": dict(theta=np.arccos(z), phi_dot=-spin * z / along, omega3=spin * along),
+            "run": {"until": until, "output_step": 1e-3},
+            **around,
+        },
+        **QUIET,
+    )
+
+
 @pytest.mark.parametrize(
     ("around", "spin"),
     [
@@ -234,22 +256,7 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[st
 def test_a_peg_that_rolls_on_both_balls_slips_at_neither_contact(
     around: dict[str, Any], spin: float
 ) -> None:
-    R, r, h, c, I1, I3 = 0.015, 0.005, 0.013, -0.003, 8e-7, 7e-7
-    z = (r - R) / h
-    along = np.sqrt(1 - z * z)
-    run = tt.run(
-        {
-            "system": "tippe-top",
-            "parameters": dict(m=0.006, R=R, alpha=c / R, I1=I1, I3=I3, g=9.81),
-            "friction": {"law": "contensou", "mu": 0.5, "patch": 5e-4, "mu_r": 0.0},
-            "stem": {"r": r, "h": h},
-            "contact": {"e_n": 0.0},
-            "initial": dict(theta=np.arccos(z), phi_dot=-spin * z / along, omega3=spin * along),
-            "run": {"until": 0.1, "output_step": 1e-3},
-            **around,
-        },
-        **QUIET,
-    )
+    run = peg_on_both(spin, around, until=0.1)
     rows = run.trajectory
     assert run.attributes["report"]["contact_phases"]["counts"].keys() == {"both"}
     assert run.drift["energy_balance"] < 1e-13
@@ -264,3 +271,17 @@ def test_a_peg_that_rolls_on_both_balls_slips_at_neither_contact(
         slips = velocity + np.cross(omega, centre * u - radius * np.eye(3)[2])
         assert abs(slips[5:-5]).max() < 1e-9 * speed
     assert abs(np.cross(omega, h * u - (r - R) * np.eye(3)[2])).max() < 1e-14
+
+
+@pytest.mark.parametrize("around", [{}, MOVING["tilted"]], ids=["level", "tilted"])
+def test_a_ball_that_would_pull_the_plane_leaves_it_for_good(around: dict[str, Any]) -> None:
+    run = peg_on_both(10.0, around, until=0.01)
+    assert run.summary.status == "finished"
+    assert run.phases.phase.values.tolist() == [3, 3, 4]  # both, and at rest on the sphere
+    assert run.drift["energy_balance"] < 1e-13
+    assert (np.diff(run.trajectory.gap_stem) > 0).all()
+
+
+def test_a_ball_that_leaves_and_comes_back_at_once_ends_the_run_in_a_sentence() -> None:
+    run = peg_on_both(0.0, {"plane": {"omega": 8.0, "x": 0.05, "y": 0.02}}, until=1e-6)
+    assert "the model has no solution" in run.summary.reason

@@ -268,21 +268,22 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
             return Next(name, x, cause)
     for ball in (0, 1):
         n = on_plane(x, world, ball, cause, 2)
-        if not n.ends and (world.phases[n.phase].label == "flight" or opens(n, world)):
+        if not n.ends and opening(n, world) > 0:
             return n
     return ended(x, 0, cause, "ended", BOTH if law.set_valued else NO_WAY)
 
 
-def opens(n: Next, world: Any) -> bool:
-    """Return whether the other ball, which touches too, leaves the plane in a phase that begins.
-
-    The second derivative of its gap decides.
+def opening(n: Next, world: Any) -> Any:
+    """Return the second derivative of the gap of the other ball, which touches too, in a phase that
+    begins; infinite in flight.
     """
     phase = world.phases[n.phase]
+    if phase.label == "flight":
+        return math.inf
     x = n.x
     b = world.body[phase.ball]
     rate = contact.turning(phase.form.rates(phase.enter(x, b), b))
-    return bool(b.lever * plus(cross(rate.L, x.u), cross(x.L, rate.u)).z > 0)
+    return b.lever * plus(cross(rate.L, x.u), cross(x.L, rate.u)).z
 
 
 # --- impacts ------------------------------------------------------------------------------------
@@ -501,8 +502,18 @@ def land(x: Moving, world: Any) -> Next:
 
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
-    """Return the phase after one of two balls leaves the plane and this one stays."""
-    return first_touch(on_plane(x, world, ball, "other-leaves", 3), world)
+    """Return the phase after one of two balls leaves the plane and this one stays.
+
+    Its gap has a triple root where its load passes zero, and a double one where that is negative
+    as the phase begins.
+    """
+    n = on_plane(x, world, ball, "other-leaves", 2)
+    rises = opening(n, world)
+    if rises < -CLOSES_AT:
+        return ended(x, ball, "other-leaves", "ended", NO_WAY)
+    if rises < CLOSES_AT:
+        n.zeros = {**n.zeros, "touch": 3}
+    return first_touch(n, world)
 
 
 def stick(x: Moving, world: Any) -> Next:

@@ -172,12 +172,11 @@ def require_still(tables: Mapping[str, Any], what: str, *, tilted: bool = False)
         )
 
 
-def moving_axes(numbers: Mapping[str, Any]) -> list[str]:
+def moving_axes(tables: Mapping[str, Any]) -> list[str]:
     """Return a note on a picture in the axes of a plane that is not level, or moves."""
     given = [
-        f"{name} = {numbers[key]:.4g} {rule.unit.symbol}"
-        for name, rule in RULES["plane"].items()
-        if (key := f"plane.{name}") in numbers
+        f"{name} = {value:.4g} {RULES['plane'][name].unit.symbol}"
+        for name, value in tables.get("plane", {}).items()
     ]
     return [f"The picture is in the axes of the plane: {', '.join(given)}."] * bool(given)
 
