@@ -97,6 +97,37 @@ def test_a_tilted_table_moves_a_fit_as_its_systematic_error_predicts(tmp_path: P
     assert not still.trustworthy
 
 
+@pytest.mark.parametrize(
+    ("seed", "words"),
+    [
+        (2, "the residuals are like those of the drag of still air"),
+        pytest.param(
+            0,
+            "other numbers fit nearly as well, if the scenario lacks something",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_film_of_a_top_in_air_is_not_explained_without_it(
+    seed: int, words: str, tmp_path: Path
+) -> None:
+    """Drag that shifts the nutation by a period: the best numbers without it are in another one."""
+    start = ["initial.centre_at_rest=true", "initial.theta=0.35", "friction.mu=0.205"]
+    t = np.arange(0, 3, 1 / 30)
+    blown = ["air.c1=3.8e-8", "air.c2=0", "initial.theta=0.353", "friction.mu=0.204"]
+    run = tt.load("inverting", [*start[:1], *blown, f"run.output_times={t.tolist()}"], t[-1])
+    noise = np.deg2rad(1)
+    theta = tt.run(run).trajectory.theta + noise * np.random.default_rng(seed).standard_normal(90)
+    path = tmp_path / "film.csv"
+    table = np.column_stack([t, theta])
+    np.savetxt(path, table, delimiter=",", header="t [s],theta [rad]", comments="")
+    free = ["friction.mu", "initial.omega3", "initial.theta", "parameters.I1"]
+    found = tt.fit(path, tt.load("inverting", start), free, noise=noise, within=0.1)
+    assert found.converged
+    assert not found.trustworthy
+    assert words in found.reason
+
+
 def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
     tmp_path: Path,
 ) -> None:

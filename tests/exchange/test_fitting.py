@@ -14,7 +14,7 @@ from typed import typed
 
 import tippetop as tt
 from tippetop.exchange.misfit import Misfit
-from tippetop.exchange.motion import Motion, turned
+from tippetop.exchange.motion import turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.search import Minimum, merge
 from tippetop.library.exchanging import Fitted
@@ -124,6 +124,18 @@ def test_searches_with_the_same_end_are_counted_together() -> None:
     assert [(e.point.round(2).item(), e.searches) for e in ends] == [(0.0, 3), (1.0, 2)]
 
 
+def test_three_rows_of_noise_do_not_end_a_search(tmp_path: Path) -> None:
+    """Two of the first three residuals are larger than twice the stated noise."""
+    t = np.arange(0, 1, 1 / 60)
+    seen = tt.run("inverting", start={"theta": 0.5}, until=t[-1], output_times=t).trajectory
+    noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal((len(t), 3))
+    noise[:3] = np.deg2rad(1.0)
+    axis = seen.axis.values + np.cross(noise, seen.axis.values)
+    path = write(tmp_path / "film.csv", t, axis / np.linalg.norm(axis, axis=1)[:, None])
+    found = fitted(path, ["initial.theta=0.5"], ["friction.mu"], starts=3, noise="0.3 deg")
+    assert found.converged
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [3, 8])
 def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_path: Path) -> None:
@@ -168,7 +180,7 @@ def test_jacobians_are_the_exact_derivatives() -> None:
     """By numbers of the body, the law, the start and the clock, against variational equations."""
     names = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3"]
     t = np.array([0.01, 0.05, 0.11])
-    seen = Motion(t, theta=np.full(3, 0.2), omega3=np.zeros(3), place=np.zeros((3, 3)))
+    seen = {"t": t, "theta": np.full(3, 0.2), "omega3": np.zeros(3), "place": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
     observation.predicted.refine()
     space = observation.space()
@@ -192,7 +204,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     """Its height too, which depends on numbers of the body that are free."""
     t, arm = np.array([0.02, 0.05, 0.11]), (0.01, 0.0, 0.005)
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
-    motion = Motion(t, marker=np.zeros((3, 3)))
+    motion = {"t": t, "marker": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
     (off,) = observation.predictions([free])["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}

@@ -8,6 +8,7 @@ import pydoc
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 import examples
 import numpy as np
@@ -75,11 +76,19 @@ def test_signatures_are_readable() -> None:
         assert not re.search(r"(tippetop|numpy|xarray|typing|pathlib|collections)\.", text), text
 
 
-def test_help_on_the_friction_laws_lists_their_numbers_only() -> None:
-    text = pydoc.plain(pydoc.render_doc(tt.friction))
-    assert len(text.splitlines()) < 250
-    assert "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)" in text
+@pytest.mark.parametrize(
+    ("face", "lines", "signature"),
+    [
+        (tt.friction, 250, "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)"),
+        (tt.extending, 550, "Exit(event: 'str', to: 'tuple[str, ...]', jump: 'Callable'"),
+    ],
+)
+def test_help_on_records_lists_their_fields_only(face: Any, lines: int, signature: str) -> None:
+    text = pydoc.plain(pydoc.render_doc(face))
+    assert len(text.splitlines()) < lines
+    assert signature in text
     assert "__getnewargs__" not in text
+    assert "__dataclass_fields__" not in text
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

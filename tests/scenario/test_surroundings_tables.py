@@ -143,5 +143,5 @@ def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
     text = text_of(problem, "mjcf")
     found = text.partition('gravity="')[2].partition('"')[0].split()
     np.testing.assert_allclose([float(part) for part in found], expected, rtol=1e-11)
-    with pytest.raises(InputError, match=r"torque of air, but has `air\.c1`: remove"):
+    with pytest.raises(InputError, match=r"in still air, but has `air\.c1`, which must be removed"):
         text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")

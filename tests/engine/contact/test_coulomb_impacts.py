@@ -16,7 +16,7 @@ from tippetop.mechanics.friction import SetValued
 
 BALL = Touch(1.0, 1.0, 0.3, 131 / 350, 0.4, 1.0, SetValued(0.3))
 STEM = Touch(1.0, 1 / 3, 16 / 15, 0.6, 0.5, 1.0, SetValued(0.3))
-BOUNDS = {ball: painleve_bound(ball.m, ball.I1, ball.c, ball.R) for ball in (BALL, STEM)}
+BOUNDS = {ball: painleve_bound(ball) for ball in (BALL, STEM)}
 
 every_law = pytest.mark.parametrize("law", RESTITUTIONS)
 

@@ -9,6 +9,8 @@ import pytest
 import tilted
 from limits import assert_below
 from nightly import at_night
+from scipy.interpolate import make_interp_spline
+from scipy.spatial.transform import Rotation
 
 import tippetop as tt
 
@@ -218,3 +220,47 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[st
     assert report["drift"]["energy_balance"] < 1e-12  # as without: impacts
     if law != "coulomb":
         assert "both" in report["contact_phases"]["counts"]
+
+
+@pytest.mark.parametrize(
+    ("around", "spin"),
+    [
+        (AROUND, 1.0),
+        (MOVING["vibrating"], 2.0),
+        ({"plane": {"omega": 5.0, "x": 0.05, "y": -0.02}}, 0.0),
+    ],
+    ids=["tilted", "vibrating", "turning"],
+)
+def test_a_peg_that_rolls_on_both_balls_slips_at_neither_contact(
+    around: dict[str, Any], spin: float
+) -> None:
+    R, r, h, c, I1, I3 = 0.015, 0.005, 0.013, -0.003, 8e-7, 7e-7
+    z = (r - R) / h
+    along = np.sqrt(1 - z * z)
+    run = tt.run(
+        {
+            "system": "tippe-top",
+            "parameters": dict(m=0.006, R=R, alpha=c / R, I1=I1, I3=I3, g=9.81),
+            "friction": {"law": "contensou", "mu": 0.5, "patch": 5e-4, "mu_r": 0.0},
+            "stem": {"r": r, "h": h},
+            "contact": {"e_n": 0.0},
+            "initial": dict(theta=np.arccos(z), phi_dot=-spin * z / along, omega3=spin * along),
+            "run": {"until": 0.1, "output_step": 1e-3},
+            **around,
+        },
+        **QUIET,
+    )
+    rows = run.trajectory
+    assert run.attributes["report"]["contact_phases"]["counts"].keys() == {"both"}
+    assert run.drift["energy_balance"] < 1e-13
+    Q = Rotation.from_quat(np.roll(rows.orientation.values, -1, axis=1)).as_matrix()
+    u = Q[:, :, 2]
+    omega = np.einsum("nij,j,nkj,nk->ni", Q, 1 / np.array([I1, I1, I3]), Q, rows.L.values)
+    velocity = make_interp_spline(rows.time, np.stack([rows.x, rows.y, 0 * rows.x], axis=1), 5)
+    velocity = velocity.derivative()(rows.time)
+    speed = abs(velocity).max()
+    assert speed > 0.01
+    for centre, radius in ((c, R), (c + h, r)):
+        slips = velocity + np.cross(omega, centre * u - radius * np.eye(3)[2])
+        assert abs(slips[5:-5]).max() < 1e-9 * speed
+    assert abs(np.cross(omega, h * u - (r - R) * np.eye(3)[2])).max() < 1e-14

@@ -64,21 +64,22 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
     wrt = list(case["derivatives"])
     problem = problem_of(name, until=case["until"])
     made = Pass(problem, wrt, np.array([problem.until / problem.unit(SECOND)]))
-    assert len(made.driver.intervals) >= case["phases"]
-    row = made.rows()[:9, ..., -1]
-    units = [*problem.variables.units.values()][:9]
+    intervals = made.driver.intervals
+    assert len(intervals) >= case["phases"]
+    units = [*problem.variables.units.values()]
     state = [
-        made.in_units(np.array(part)[:, None], unit)[1, 0] * problem.unit(unit)
-        for part, unit in zip(row, units, strict=True)
+        (Dual(row[0], row[1:]) * made.scales.of(unit)).first[:, 0]
+        for row, unit in zip(made.rows()[:9, :, -1:], units, strict=False)
     ]
-    times = np.array(made.shifts)[case["legs"]] * problem.unit(SECOND)
+    ends = np.array([intervals[k].ended for k in case["legs"]])
+    times = made.times_of([""] * len(ends), ends).T * problem.unit(SECOND)
     for k, (key, expected) in enumerate(case["derivatives"].items()):
-        found = [one[k] / made.numbers.sizes[k] for one in state]
+        found = [one[k] / made.sizes[k] for one in state]
         for part in (slice(0, 3), slice(3, 6), slice(6, 9)):
             known = np.array(expected["state"][part])
             np.testing.assert_allclose(found[part], known, rtol=0, atol=1e-9 * np.abs(known).max())
         known = np.array(expected["times"])
-        mine = times[:, k] / made.numbers.sizes[k]
+        mine = times[:, k] / made.sizes[k]
         np.testing.assert_allclose(
             mine, known, rtol=0, atol=1e-9 * np.abs(known).max(), err_msg=key
         )
