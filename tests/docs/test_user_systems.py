@@ -1,29 +1,15 @@
 """The body of the how-to, against Newton and Euler."""
 
-import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import tilted
+from pages import names_of
 
 import tippetop as tt
 from tippetop.mechanics.systems import SYSTEMS
-
-
-HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
-
-
-def names_of(page: str) -> dict[str, Any]:
-    """What the Python of a how-to defines."""
-    names: dict[str, Any] = {}
-    for block in re.findall(
-        r"```python\n(.*?)```", (HOW_TO / page).read_text(encoding="utf-8"), flags=re.S
-    ):
-        exec(compile(block, page, "exec"), names)
-    return names
 
 
 @pytest.fixture(scope="module", autouse=True)

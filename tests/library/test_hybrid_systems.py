@@ -11,6 +11,7 @@ from unittest import mock
 import numpy as np
 import pytest
 from limits import assert_below
+from pages import names_of
 from test_contact_runs import times
 
 import tippetop as tt
@@ -24,20 +25,14 @@ class Candle(NamedTuple):
     h: Any
 
 
-PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
-
-
 POINT = {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
 
 
 @pytest.fixture(scope="module", autouse=True)
 def page() -> Iterator[dict[str, Any]]:
     """What the Python of the page defines; its systems are registered in this module."""
-    names: dict[str, Any] = {}
     with mock.patch.dict(SYSTEMS):
-        for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
-            exec(block, names)
-        yield names
+        yield names_of("a-hybrid-system.md")
 
 
 def bounces(until: float = 3.0, **run: Any) -> Any:
