@@ -20,6 +20,7 @@ EXECUTED = [
     *sorted((ROOT / "docs" / "how-to").glob("*.md")),
 ]
 EXPENSIVE = ["film-a-top.md", "fit-a-film.md", "gallery.md", "posteriors.md", "related-bodies.md"]
+EXPENSIVE += ["sensitivities.md"]
 SAMPLERS = (
     "emcee",
     "pymc",

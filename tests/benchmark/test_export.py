@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
+from nightly import at_night
 from scipy.spatial.transform import Rotation
 from stores import assert_same, files
 from typed import typed
@@ -234,7 +235,7 @@ def test_parquet_and_csv_are_equal(exported, name):
     pd.testing.assert_frame_equal(csv, parquet, check_dtype=False, check_exact=True)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", [*CASES, *map(at_night, OUTLINED)])
 def test_last_bits_do_not_change_the_digits(exported, name):
     """No number lies near the threshold of its rounding; digits are those of the motion."""
     each = benchmark.case(name)

@@ -19,7 +19,6 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("run inverting --until 1 --until 2", 2, "--until specified multiple times."),
     ("run inverting --figur x.png", 2, "Unknown option: --figur. Did you mean --figure?"),
     (f"info {LONG}", 5, "File name too long"),
-    ("check RUN.zarr", 2, "but is a folder: `tippetop info` describes a store."),
     (f"check {LONG}", 2, "...` is neither a TOML file nor a preset."),
     # run
     ("run invertin", 2, "neither a TOML file nor a preset. Did you mean `inverting`?"),
@@ -59,7 +58,6 @@ COMMANDS: list[tuple[str, int, str]] = [
         2,
         "must not end before they begin, but are from 2 to 1 s",
     ),
-    ("replay KEPT.zarr --from 1 --until 2 --step 0 --out a", 2, "must be at least"),
     (
         "replay KEPT.zarr --from 1 --until 1.00000000000001 --step 1e-15 --out a",
         2,
@@ -67,11 +65,6 @@ COMMANDS: list[tuple[str, int, str]] = [
     ),
     # figures
     ("plot RUN.zarr", 2, "--out must be given, with a value."),
-    (
-        "plot RUN.zarr --out f.jpg",
-        2,
-        "`f.jpg` must end with the format of a figure: .png",
-    ),
     ("plot RUN.zarr spere --out f.png", 2, "Did you mean `sphere`?"),
     ("plot RUN.zarr --size 0x5 --out f.png", 2, "`size` must be between"),
     ("plot BAR.zarr sphere --out f.png", 2, "for tops only; this is `rolling-cylinder`."),

@@ -185,12 +185,10 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.derivatives.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
     # ensembles
     (lambda: tt.ensemble("inverting", {"spin": [1.0]}), "`spin` must be one of"),
-    (lambda: tt.ensemble("inverting", [1.0]), "must be a mapping"),
     (
         lambda: tt.ensemble("inverting", SPINS | {"initial.omega3": [155.0, 150.0]}),
         r"`initial\.omega3` must be given once, but is given as `omega3` and",
     ),
-    (lambda: tt.ensemble("inverting", {"omega3": [100, [1]]}), "`omega3` must be a number or an"),
     (lambda: tt.ensemble("inverting", SPINS, threads="x"), "`threads` must be a whole number"),
     (lambda: tt.ensemble("inverting", SPINS, orientation=[1]), "`orientation` must be True or"),
     *(

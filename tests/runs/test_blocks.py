@@ -23,7 +23,7 @@ class Largest(Memory):
     most = count = 0
 
     def rows(self, times, states) -> None:
-        self.most, self.count = max(self.most, len(times)), self.count + len(states())
+        self.most, self.count = max(self.most, len(times)), self.count + len(states)
 
 
 def test_memory_does_not_grow_with_the_rows_of_a_slice() -> None:

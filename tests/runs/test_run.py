@@ -30,15 +30,15 @@ def test_time_of_compilation_is_not_that_of_integration(monkeypatch: pytest.Monk
 
     @functools.cache
     def slowly(*key: Any) -> Any:
-        time.sleep(0.2)
+        time.sleep(0.3)
         return compiled_from(*key)
 
     monkeypatch.setattr(taylor, "compiled_from", slowly)
     run = tt.run("cohen-coulomb", until=0.03)
     assert len(run.phases.start) == 2
     seconds = run.solution.seconds
-    assert seconds["compile"] > 0.4
-    assert seconds["integrate"] < 0.2
+    assert seconds["compile"] > 0.6
+    assert seconds["integrate"] < 0.3
 
 
 def test_neither_rows_nor_events_change_the_run() -> None:

@@ -161,9 +161,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             {"axis": [OMEGA], "kep": []},
             "unknown key `kep`; did you mean `keep`? The keys are scenario, set, axis",
         ),
-        ({"axis": [OMEGA, {"of": "friction.mu"}]}, "`axis.2` must have one of values, linspace"),
         ({"axis": [{**OMEGA, "linspace": [1, 2]}]}, "but has values and linspace"),
-        ({"axis": [{"of": "friction.mu", "linspace": [1, 2]}]}, "`axis.1.n` must be given"),
         ({"axis": [{**OMEGA, "n": 3}]}, "`axis.1.n` must be given"),
         ({"axis": [{**DRAWN, "between": [2, 1]}]}, "`axis.1.between` must ascend"),
         ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 9, "seed": 1}}, "power of two"),
@@ -179,10 +177,6 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         (
             {"axis": [{"of": "lambda", "values": [1]}], "scenario": "gliding-heavy-top"},
             "must be an axis of tippe-top",
-        ),
-        (
-            {"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}},
-            "`frict`; did you mean `friction`?",
         ),
         (
             {"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}},

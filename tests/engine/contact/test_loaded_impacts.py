@@ -207,7 +207,7 @@ def test_a_slide_that_stops_during_an_impact_rests_or_turns_back(
 ) -> None:
     """In space, and in a plane, where it may turn back."""
     friction, modes = law_of("coulomb", (0.0, 0.0)), set()
-    for u, L, v in bodies(8, 0.3, seed=3):
+    for u, L, v in bodies(5, 0.3, seed=3):
         flat = Vector(np.hypot(u.x, u.y), 0.0, u.z), Vector(0.0, L.y, 0.0), Vector(v.x, 0.0, v.z)
         for body in ((u, L, v), flat):
             b, _, impact, after = hit(*body, friction, 0.5, restitution, ball)

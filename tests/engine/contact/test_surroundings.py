@@ -194,7 +194,7 @@ def test_an_upright_spin_decays_in_air_by_its_closed_form() -> None:
     ("law", "around"),
     [
         ("viscous", AROUND),
-        ("coulomb", AROUND),
+        at_night("coulomb", AROUND),
         ("contensou", {"plane": {"omega": 1.0}}),
         at_night("contensou", MOVING["vibrating"]),
     ],
