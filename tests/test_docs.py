@@ -19,7 +19,7 @@ EXECUTED = [
     ROOT / "docs" / "related-bodies.md",
     *sorted((ROOT / "docs" / "how-to").glob("*.md")),
 ]
-EXPENSIVE = ["fit-a-film.md", "gallery.md", "posteriors.md", "related-bodies.md"]
+EXPENSIVE = ["film-a-top.md", "fit-a-film.md", "gallery.md", "posteriors.md", "related-bodies.md"]
 SAMPLERS = (
     "emcee",
     "pymc",

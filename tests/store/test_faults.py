@@ -65,6 +65,13 @@ def surface(place: Path) -> None:
     unless("must not exist yet", lambda: surfaces.write(place, body, *axes, chunk=4))
 
 
+def potential(place: Path) -> None:
+    """Write a potential, unless it is there: what is there is compared with a whole one."""
+    V = tt.landscapes.potential("inverting", z=np.linspace(-0.9, 0.9, 9), D=0.0, lam=1e-6)
+    attrs = {"title": "effective potential"}
+    unless("must not exist yet", lambda: surfaces.write_potential(place, V, attrs))
+
+
 def sweep(place: Path) -> None:
     (place.parents[1] / "PLAN.toml").write_text(PLAN)
     tt.sweep(place.parents[1] / "PLAN.toml", place, workers=1)
@@ -97,6 +104,7 @@ TARGETS = {
     ),
     "sweep": Target(sweep, sweep),
     "surface": Target(surface, surface),
+    "potential": Target(potential, potential),
     "replay": Target(replayed, replayed),
 }
 

@@ -7,65 +7,50 @@ each in a SIMD lane.
 
 from collections.abc import Sequence
 from functools import lru_cache
-from itertools import count
+from itertools import count, islice
 from typing import Any
 
 import heyoka as hy
 import numpy as np
 
 from ..mechanics.dual import Dual, parts_of
-from ..mechanics.operand import Vector, leaves
-from ..mechanics.rotation import outer
-from ..mechanics.system import System
 from ..mechanics.variables import Variables
 from .code_cache import compiled_once
-from .expressions import AXES, Formulas, observed, orientation_of
+from .expressions import Formulas
 from .opt_level import opt_level
 
 
-TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
-"""Entries of 4 q q^t of the orientation q."""
+EXACT = 1e-14
+"""Tolerance of a step in a phase that takes few. Below it steps are summed in double length, which
+costs a quarter more.
+"""
 
 
 @lru_cache(maxsize=128)
 def compiled_flow(
-    formulas: Formulas,
-    variables: Variables,
-    lanes: int,
-    order: int,
-    tolerance: float,
-    careful: bool,
+    formulas: Formulas, variables: Variables, lanes: int, order: int, tolerance: float
 ) -> Any:
     """Return heyoka's integrator of formulas with derivatives along one direction for each lane.
 
-    Its parameters are the numbers of the body, each before its derivatives up to an order.
-    `careful`: whether steps are summed in double length, a quarter of the cost. LLVM compiles it at
-    level 1 at most: in little more than half the time of level 3, and the code is as fast.
+    Its variables and parameters are those of the equations, and numbers of the body; each is before
+    its derivatives up to an order. LLVM compiles it at level 1 at most: in little more than half
+    the time of level 3, and the code is as fast.
     """
-    every = range(order + 1)
-    body = formulas.body(Dual(*(hy.par[len(every) * i + k] for k in every)) for i in count())
-    state = [Dual(*(hy.expression("d_" * k + name) for k in every)) for name in variables.names]
-    rates = [parts_of(one, order) for one in variables.rates(*variables.split(state), body)]
-    pairs = [*zip(state, rates, strict=True)]
-    equations = [(one.parts[k], hy.expression(0.0) + rate[k]) for k in every for one, rate in pairs]
-    options: Any = {"tol": tolerance, "high_accuracy": careful, "compact_mode": True}
+    pars = (hy.par[k] for k in count())
+    body = formulas.body(Dual(*islice(pars, order + 1)) for _ in count())
+    symbols = [
+        [hy.expression("d_" * k + name) for k in range(order + 1)] for name in variables.names
+    ]
+    rates = variables.rates(*variables.split([Dual(*one) for one in symbols]), body)
+    equations = [
+        (symbol, hy.expression(0.0) + part)
+        for one, rate in zip(symbols, rates, strict=True)
+        for symbol, part in zip(one, parts_of(rate, order), strict=True)
+    ]
+    options: Any = {"tol": tolerance, "high_accuracy": tolerance < EXACT, "compact_mode": True}
     options["opt_level"] = min(opt_level(), 1)
     zero = np.zeros((len(equations), lanes))
     return compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
-
-
-def expressions_of(
-    system: System, variables: Variables, state: Sequence[Any], body: Any
-) -> dict[str, Any]:
-    """Return columns and axes of the body, as functions of the state."""
-    form = variables.form
-    q, carried = variables.split(state)
-    values = observed(system, form, q, carried, body)
-    if variables.orientation and form.orientation:
-        values |= orientation_of(system, form, q, carried, body)
-        first, third = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
-        values |= zip(TURN, leaves(outer(first, third)), strict=True)
-    return values
 
 
 class Moving(Dual):
@@ -80,9 +65,9 @@ class Moving(Dual):
         return Moving(*self.parts[1:])
 
 
-def in_motion(variables: Variables, state: Sequence[Any], body: Any, order: int) -> list[Moving]:
+def in_motion(variables: Variables, state: Sequence[Any], body: Any, order: int) -> list[Any]:
     """Return variables with their derivatives by time, up to an order."""
-    moving = [Moving(one) for one in state]
+    moving: list[Any] = [*state]
     for _ in range(order):
         rates = variables.rates(*variables.split(moving), body)
         moving = [

@@ -112,6 +112,7 @@ def sensitivities(
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
     from ..engine.derivatives.sensitivities import differentiate
+    from ..engine.taylor import driver_of
     from ..problem import refuse
     from ..runs.run import solve
 
@@ -125,19 +126,21 @@ def sensitivities(
     refuse(problem, wrt)
     if order == 2 and problem.system.is_hybrid:
         raise InputError("`order` must be 1 where the contact may change, but is 2.")
-    solution = solve(problem)
+    driver: Any = driver_of(problem)
+    driver.intervals = []
+    solution = solve(problem, driver=driver)
     run = Run(solution)
     moments = {}
     if problem.system.tables:
-        moments["interval"] = run.phases.start.values
+        moments["phases"] = run.phases.start
     if problem.contact is not None:
-        moments["impact"] = run.impacts.time.values
-    derived = differentiate(problem, wrt, solution.times, solution.events, order, moments)
-    columns = derived.trajectory, derived.events, derived.second
-    others = (derived.moments.get(by, {}) for by in ("interval", "impact"))
-    tables: Any = [_table(problem, wrt, table, run) for table in (*columns, *others)]
-    tables.append(tuple(derived.sentences))
-    return Sensitivities(run, *tables)
+        moments["impacts"] = run.impacts.time
+    derived, sentences = differentiate(
+        problem, wrt, solution.times, solution.events, order, moments, driver
+    )
+    names = "trajectory", "events", "second", "phases", "impacts"
+    tables = {name: _table(problem, wrt, derived.get(name, {}), run) for name in names}
+    return Sensitivities(run, **tables, sentences=tuple(sentences))
 
 
 def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:

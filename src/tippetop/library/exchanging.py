@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -117,7 +118,8 @@ def observed(
     )
 
 
-class Fitted:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fitted(fitting.Fit):
     """Numbers of a scenario that fit a measured motion. `tippetop.fit` makes it; it prints itself.
 
     Attributes
@@ -144,37 +146,25 @@ class Fitted:
         axis two parts, across it.
     """
 
-    def __init__(
-        self,
-        before: Problem,
-        observation: Any,
-        result: Any,
-        laws: Mapping[str, Fitted] | None = None,
-    ):
-        self._before = before
-        self._observation = observation
-        self._fit = result
-        self.estimates = result.estimates
-        self.correlations = result.correlations
-        self.converged = result.converged
-        self.trustworthy = result.trustworthy
-        self.reason = " ".join(result.reason)
-        self.residuals = result.residuals
-        self.influences = result.influences
-        self.laws = dict(laws or {})
+    laws: dict[str, Fitted] = field(default_factory=dict)
+
+    @property
+    def reason(self) -> str:
+        """Return the warnings of the report, in sentences."""
+        return " ".join(self.reasons)
 
     @property
     def problem(self) -> Problem:
         """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return build.problem(fit_text.tables(self._before, self._fit))
+        return build.problem(fit_text.tables(self))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
-        return fit_text.plain(self._fit, self._observation)
+        return fit_text.plain(self)
 
     def to_toml(self) -> str:
         """Return a scenario that runs."""
-        return fit_text.toml(self._before, self._fit)
+        return fit_text.toml(self)
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
         """Draw it as a figure, and save that where a path is given."""
@@ -182,16 +172,16 @@ class Fitted:
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(
-            self._observation.t,
-            self._observation.dots(),
-            self._observation.curves({name: e.value for name, e in self.estimates.items()}),
+            self.observation.t,
+            self.observation.dots(),
+            self.observation.curves({name: e.value for name, e in self.estimates.items()}),
             self.residuals,
-            str(self).split("\n"),
+            fit_text.lines(self),
         )
         return _saved(figure, path, overwrite)
 
     def __str__(self) -> str:
-        return "\n".join(fit_text.lines(self._fit, self._observation))
+        return "\n".join(fit_text.lines(self))
 
     def __repr__(self) -> str:
         return (
@@ -283,7 +273,7 @@ def fit(
             result = fitting.fit(
                 observation, loss, starts, within, systematic, hopeless, progress=report
             )
-        return Fitted(problem, observation, result)
+        return Fitted(**vars(result))
 
     if not laws:
         return fitted(problem, names, within, fitting.MET)
@@ -293,17 +283,16 @@ def fit(
     for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
         lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
-        explained = any(other._fit.is_noise for other in fits.values())
+        explained = any(other.is_noise for other in fits.values())
         hopeless = law_choice.HOPELESS if explained else fitting.MET
         found = fitted(one, [n for n in names if n not in lacking], within, hopeless)
         if not fits:  # the others begin where this one ended
             problem = found.problem
             within = min(within, law_choice.NEAR)
         fits[one.law.key] = found
-    best, sentence = law_choice.verdict({name: one._fit for name, one in fits.items()})
+    best, sentence = law_choice.verdict(fits)
     chosen = fits[best]
-    result = chosen._fit._replace(reason=[*chosen._fit.reason, sentence])
-    return Fitted(chosen._before, chosen._observation, result, fits)
+    return replace(chosen, reasons=[*chosen.reasons, sentence], laws=fits)
 
 
 def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:

@@ -70,7 +70,7 @@ ARITHMETIC: dict[str, Callable] = {
     "divide": _quotient,
     "sqrt": _root,
     "negative": lambda a: [-one for one in a],
-    "absolute": lambda a: [np.sign(a[0]) * one for one in a],
+    "absolute": lambda a: [np.sign(plain(a[0])) * one for one in a],
 }
 """Functions of NumPy, of the parts of their operands; a constant has one part."""
 
@@ -160,7 +160,7 @@ def plain(value: Any) -> Any:
     """Return the value of a number or an expression with derivatives, or of all in a record."""
     if isinstance(value, tuple):
         return refill(value, map(plain, leaves(value)))
-    return value.value if isinstance(value, Dual) else value
+    return plain(value.value) if isinstance(value, Dual) else value
 
 
 def has_derivatives(record: tuple) -> bool:
@@ -169,8 +169,9 @@ def has_derivatives(record: tuple) -> bool:
 
 
 def parts_of(value: Any, order: int) -> tuple:
-    """Return a value and its derivatives; those of a constant are 0."""
-    return value.parts if isinstance(value, Dual) else (value, *(0.0,) * order)
+    """Return a value and its derivatives up to an order; those of a constant are 0."""
+    known = value.parts if isinstance(value, Dual) else (value,)
+    return (*known, *(0.0,) * order)[: order + 1]
 
 
 def implicit(root: Any, residual: Callable, given: Any) -> Any:

@@ -52,18 +52,15 @@ def drilling_part(omega, law):
     return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
 
 
-@formula
 def torque_of_parts(drag, omega, law):
     """Return the torque of rolling resistance and drilling per normal force, (3,) [m]."""
-    resisting = rolling(omega, law)
-    return Vector(resisting.x, resisting.y, drilling_part(omega, law))
+    return rolling(omega, law)._replace(z=drilling_part(omega, law))
 
 
-@formula
 def torque_of_disc_and_part(drag, omega, law):
     """Return the torque of a disc and the drilling torque, per normal force, (3,) [m]."""
     of_disc = torque(drag, omega, law)
-    return Vector(of_disc.x, of_disc.y, of_disc.z + drilling_part(omega, law))
+    return of_disc._replace(z=of_disc.z + drilling_part(omega, law))
 
 
 def has_parts(law: Any) -> bool:

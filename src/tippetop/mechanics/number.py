@@ -2,7 +2,6 @@
 
 import contextlib
 import inspect
-import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
@@ -112,10 +111,6 @@ class Number(metaclass=Described):
         bool or array of bool
             True where the value is not allowed.
         """
-        if type(values) is float:  # soon decided
-            return not math.isfinite(values) or any(
-                breaks(values, limit) for _, limit, breaks in self._bounds
-            )
         broken = ~np.isfinite(values)
         for _, limit, breaks in self._bounds:
             broken = broken | breaks(values, limit)

@@ -61,7 +61,7 @@ class Landscape:
     momenta: tuple[Momentum, Momentum]
     # coefficients(body) -> PotentialCoefficients, in the numbers of the body
     coefficients: Callable
-    # two_wells(body) < 0 iff V can have two minima; None: it never has
+    # two_wells(body): whether V can have two minima; None: it never has
     two_wells: Callable | None = None
     # the column of a run that is compared with V
     energy: str = "modified_energy"

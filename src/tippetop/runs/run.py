@@ -95,7 +95,9 @@ def refuse_more_than_memory(problem: Problem) -> None:
         )
 
 
-def solve(problem: Problem, progress: Progress | None = None, *, keep: bool = True) -> Solution:
+def solve(
+    problem: Problem, progress: Progress | None = None, *, keep: bool = True, driver: Any = None
+) -> Solution:
     """Integrate a problem to its end, gathering rows and events in memory.
 
     Parameters
@@ -107,6 +109,8 @@ def solve(problem: Problem, progress: Progress | None = None, *, keep: bool = Tr
     keep
         Whether rows and events are kept. If not, the orientation of the body is not integrated:
         it has no effect on the motion, but costs 1.0 to 1.24 times its equations.
+    driver
+        That of the problem, at its start.
 
     Returns
     -------
@@ -117,7 +121,7 @@ def solve(problem: Problem, progress: Progress | None = None, *, keep: bool = Tr
         refuse_more_than_memory(problem)
     else:
         problem = replace(problem, orientation=False)
-    integration = Integration(problem)
+    integration = Integration(problem, driver=driver)
     memory = Memory()
     integration.run(memory if keep else Sink(), progress)
     return Solution(

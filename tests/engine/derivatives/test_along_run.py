@@ -105,7 +105,7 @@ def assert_as_differences(problem: Problem, precision: str = "double") -> None:
         },
     }
     made = solve(problem)
-    derived = differentiate(problem, list(numbers), made.times, made.events)
+    derived, _ = differentiate(problem, list(numbers), made.times, made.events)
     runs = dataclasses.replace(problem, precision=precision)
     plain, events = columns(runs)
     for i, (name, value) in enumerate(numbers.items()):
@@ -113,11 +113,12 @@ def assert_as_differences(problem: Problem, precision: str = "double") -> None:
         expected, by_time, by_theta = difference(runs, name, step)
         expected |= {"event time": by_time, "event theta": by_theta}
         found = {
-            column: c.values[:, i] for column, c in derived.trajectory.items() if column != "time"
+            column: c.values[:, i]
+            for column, c in derived["trajectory"].items()
+            if column != "time"
         }
-        found |= {
-            f"event {column}": derived.events[column].values[:, i] for column in ("time", "theta")
-        }
+        of_events = derived["events"]
+        found |= {f"event {c}": of_events[c].values[:, i] for c in ("time", "theta")}
         sizes = {
             **{column: np.abs(values).max() for column, values in plain.items()},
             "event time": 1,

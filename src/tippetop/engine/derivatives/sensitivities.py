@@ -1,16 +1,15 @@
 """Derivatives of every column, and of the times and angles of events, along a run."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ...columns import Column, column, flag_attributes
+from ...mechanics.dual import parts_of
 from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..observables import sources
-from ..orientation import quaternion
-from ..variational import TURN
 from .through import followed
 
 
@@ -21,38 +20,15 @@ NONE_BELOW = 1e-9
 OF_EVENT = "of the event, as the numbers change"
 
 
-class Derivatives(NamedTuple):
-    """The derivatives of a run, as columns by name.
-
-    Parameters
-    ----------
-    trajectory
-        Along time and parameter.
-    events
-        Along event and parameter: of the time of an event, and of theta there.
-    second
-        Along time, parameter and a second parameter; none where they were not asked for.
-    moments
-        Of the times in further tables, by the dimension of each.
-    sentences
-        Why there are no derivatives, where there are none.
-    """
-
-    trajectory: dict[str, Column]
-    events: dict[str, Column]
-    second: dict[str, Column]
-    moments: dict[str, dict[str, Column]]
-    sentences: list[str]
-
-
 def differentiate(
     problem: Problem,
     wrt: Sequence[str],
     times: np.ndarray,
     events: Any,
     order: int = 1,
-    moments: Mapping[str, np.ndarray] = {},
-) -> Derivatives:
+    moments: Mapping[str, Any] = {},
+    driver: Any = None,
+) -> tuple[dict[str, dict[str, Column]], list[str]]:
     """Return the derivatives of the columns and events of a run by some of its numbers.
 
     Parameters
@@ -68,12 +44,18 @@ def differentiate(
     order
         1, or 2 for second derivatives of the columns too.
     moments
-        Times at which phases change [s], by the dimension of their table.
+        Columns of times at which phases change [s], by the name of their table.
+    driver
+        That of the run, if its contact may change, with its `intervals`.
 
     Returns
     -------
-    Derivatives
-        SI units per SI unit.
+    tables
+        SI units per SI unit: `trajectory`, along time and parameter; `events`, of the time of an
+        event, and of theta there; `second`, along a second parameter too, empty for order 1; and
+        those of the moments.
+    sentences
+        Why there are no derivatives, where there are none.
 
     Raises
     ------
@@ -86,110 +68,111 @@ def differentiate(
         i, j = np.tril_indices(n)  # second derivatives along means of two directions too
     own = i == j
     every = np.unique(np.concatenate([[0.0], times, events.time]))
-    passed = followed(problem, wrt, every, (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2, order)
-    sizes = passed.numbers.sizes
+    ways = (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2
+    passed = followed(problem, wrt, every, ways, order, driver)
+    sizes = passed.sizes[:, None]
     values = passed.read()
+    shape = len(i), len(every)
 
     rows = np.searchsorted(every, times)
     time = column(times, SECOND, "time")
-    found = Derivatives({"time": time}, {}, {"time": time} if order == 2 else {}, {}, [])
+    trajectory = {"time": time}
+    second = {"time": time} if order == 2 else {}
     for name, source in sources(problem).items():
         if source.flags:
             continue
-        if name == "orientation":
-            whole = _quaternions(values)
-        else:
-            whole = np.array([values[part] for part in source.parts])
-        whole = np.array([passed.in_units(part, source.unit) for part in whole[:, :, rows]])
-        whole = whole * problem.unit(source.unit)
+        scale = passed.scales.of(source.unit)
+        parts = [parts_of(values[part] * scale, order) for part in source.parts]
+        first, *others = (
+            np.array([np.broadcast_to(part[k], shape) for part in parts])[..., rows]
+            for k in range(1, order + 1)
+        )
         symbol = source.unit.symbol
-        first = whole[:, 1][..., own] / sizes
-        found.trajectory[name] = _column(first, symbol, name, ("time", PARAMETER), source.dims)
-        if order == 2:
-            mixed = _mixed(whole[:, 2], i, j) / np.outer(sizes, sizes)
-            by = "time", PARAMETER, OTHER
-            found.second[name] = _column(mixed, symbol, name, by, source.dims)
+        by = "time", PARAMETER
+        trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)
+        for other in others:
+            mixed = _mixed(other, i, j) / (sizes * sizes.T)[..., None]
+            second[name] = _column(mixed, symbol, name, (*by, OTHER), source.dims)
 
     at = np.searchsorted(every, events.time)
-    names = [events.kinds[kind] for kind in events.kind]
-    second = problem.unit(SECOND)
-    shift = passed.times_of(names, events.time / second)[:, own] * second
-    pace = values["theta_dot"][0][:, own] / second
-    by_time = shift / sizes
-    by_theta = (values["theta"][1][at][:, own] + pace[at] * shift) / sizes
-    found.events.update(
-        kind=Column(("event",), events.kind, flag_attributes(events.kinds, "kind of event")),
-        time=_column(by_time[None], "s", f"the time {OF_EVENT}", ("event", PARAMETER)),
-        theta=_column(by_theta[None], "rad", f"theta {OF_EVENT}", ("event", PARAMETER)),
-    )
-    if problem.system.is_hybrid:
-        for name, some in moments.items():
-            shift = passed.times_of([""] * len(some), some / second) * second / sizes
-            moved = _column(shift[None], "s", "the time, as the numbers change", (name, PARAMETER))
-            found.moments[name] = {"time": moved}
-        _limit(
-            found, passed.margins(), wrt, second, {"time": times, "event": events.time, **moments}
-        )
-    return found
+    unit = problem.unit(SECOND)
+
+    def moved(names: Sequence[str], when: np.ndarray) -> np.ndarray:
+        return passed.times_of(names, when / unit)[own] * unit / sizes
+
+    by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
+    pace = parts_of(values["theta_dot"], 0)[0] + np.zeros(len(every))
+    theta = np.broadcast_to(parts_of(values["theta"], 1)[1], shape)
+    by_theta = theta[own][:, at] / sizes + pace[at] / unit * by_time
+    by = "event", PARAMETER
+    tables = {
+        "trajectory": trajectory,
+        "second": second,
+        "events": {
+            "kind": Column(by[:1], events.kind, flag_attributes(events.kinds, "kind of event")),
+            "time": _column(by_time[None], "s", f"the time {OF_EVENT}", by),
+            "theta": _column(by_theta[None], "rad", f"theta {OF_EVENT}", by),
+        },
+    }
+    if not problem.system.is_hybrid:
+        return tables, []
+    whens = {"trajectory": times, "events": events.time}
+    for name, moment in moments.items():
+        whens[name] = moment.values
+        by_time = moved([""] * len(moment), moment.values)
+        by = *moment.dims, PARAMETER
+        tables[name] = {"time": _column(by_time[None], "s", "the time, as the numbers change", by)}
+    return tables, _limit(tables, passed.margins(), wrt, unit, whens)
 
 
 def _limit(
-    found: Derivatives, notes: Sequence[Any], wrt: Sequence[str], second: float, times: Any
-) -> None:
-    """Add `valid_within` to the tables of first derivatives, and remove undefined derivatives."""
+    tables: dict[str, dict[str, Column]],
+    notes: Sequence[Any],
+    wrt: Sequence[str],
+    unit: float,
+    whens: Mapping[str, np.ndarray],
+) -> list[str]:
+    """Add `valid_within` to tables, and remove undefined derivatives; return why they are so."""
     least = np.fmin.accumulate([np.full(len(wrt), np.inf), *(note.least for note in notes)])
-    starts = np.array([note.time for note in notes]) * second
-    every = {"time": found.trajectory, "event": found.events, **found.moments}
-    for by, table in every.items():
-        within = least[np.searchsorted(starts, times[by], side="right")]
+    starts = np.array([note.time for note in notes]) * unit
+    for name, when in whens.items():
+        within = least[np.searchsorted(starts, when, side="right")]
+        table = tables[name]
         for one in table.values():
             if one.dims[1:2] == (PARAMETER,):
                 one.values[within < NONE_BELOW] = np.nan
         text = "relative change of the number up to which the phases follow each other as they do"
-        table["valid_within"] = Column((by, PARAMETER), within, {"units": "1", "long_name": text})
+        by = *table["time"].dims[:1], PARAMETER
+        table["valid_within"] = Column(by, within, {"units": "1", "long_name": text})
+    sentences = []
     for name, course in zip(wrt, least[1:].T, strict=True):
         none = np.flatnonzero(course < NONE_BELOW)
         if len(none):
             note = notes[none[0]]
-            found.sentences.append(
-                f"from t = {note.time * second:.6g} s on there are no derivatives by {name}: "
+            sentences.append(
+                f"from t = {note.time * unit:.6g} s on there are no derivatives by {name}: "
                 f"{note.what} turns out otherwise at a relative change of {course[none[0]]:.1g}"
             )
+    return sentences
 
 
 def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return second derivatives by n numbers, (..., n, n).
-
-    `along` are those along the means of the directions i and j, (..., lanes).
+    """Return second derivatives by n numbers, (parts, n, n, times), of those along the means of the
+    directions i and j, (parts, directions, times).
     """
     n = i[-1] + 1
-    means = np.empty((*along.shape[:-1], n, n))
-    means[..., i, j] = means[..., j, i] = along
-    own = along[..., i == j]
-    return 2 * means - (own[..., None] + own[..., None, :]) / 2
+    means = np.empty((len(along), n, n, along.shape[-1]))
+    means[:, i, j] = means[:, j, i] = along
+    own = along[:, i == j]
+    return 2 * means - (own[:, :, None] + own[:, None]) / 2
 
 
 def _column(
     values: np.ndarray, units: str, subject: str, by: tuple[str, ...], dims: tuple[str, ...] = ()
 ) -> Column:
-    """Return a column of derivatives (parts, ...), SI per SI, along `by` and then `dims`."""
+    """Return a column of derivatives (parts, numbers, times), SI per SI, along `by` and `dims`."""
     attributes = {
         "units": f"{units} per unit of the parameter",
         "long_name": f"derivative of {subject}",
     }
-    return Column((*by, *dims), np.moveaxis(values, 0, -1) if dims else values[0], attributes)
-
-
-def _quaternions(values: dict[str, np.ndarray]) -> np.ndarray:
-    """Return unit quaternions with their derivatives along the line, (4, derivatives, rows, lanes).
-
-    The entries of P = 4 q q^t are known: P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
-    """
-    products = np.array([values[name] for name in TURN])
-    products = products.reshape(4, 4, *products.shape[1:])
-    q = quaternion(products[:, :, 0])
-    turns = np.einsum("ijk...,j...->ik...", products, q) / 4
-    turns[:, 0] = q
-    if turns.shape[1] > 2:
-        turns[:, 2] += q * (turns[:, 1] ** 2).sum(axis=0)
-    return turns
+    return Column((*by, *dims), (values if dims else values[0]).T, attributes)

@@ -4,7 +4,7 @@ A formula or a jump takes milliseconds in numbers with derivatives, and its reco
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,17 +20,17 @@ assert OPERATIONS[EXP] == "exp"
 assert OPERATIONS[RESULT] == "result"
 
 
-def _executed(lines, k, values, moves, least):
+def _executed(lines, k, registers, least):
     """Execute lines from the k-th on; return the number of the next MOTION, or of the end.
 
-    Return -1 if a comparison turns out otherwise. `least` gets the smallest change along each
-    direction at which one would.
+    Return -1 if a comparison turns out otherwise. `registers` are values and, behind them, their
+    derivatives; `least` gets the smallest change along each direction at which a comparison would.
     """
-    first = len(values) - len(lines)
+    first = len(registers) - len(lines)
     while k < len(lines):
         what, a, b = lines[k]
-        x = values[a]
-        y = values[b]
+        x = registers[a, 0]
+        y = registers[b, 0]
         p = 0.0
         q = 0.0
         r = 0.0
@@ -84,12 +84,12 @@ def _executed(lines, k, values, moves, least):
         else:
             r = x < y if what == LESS else x <= y if what == LESS_EQUAL else x == y
             for j in range(len(least)):
-                change = abs(moves[a, j] - moves[b, j])
+                change = abs(registers[a, j + 1] - registers[b, j + 1])
                 if abs(x - y) < least[j] * change:
                     least[j] = abs(x - y) / change
-        values[first + k] = r
-        for j in range(moves.shape[1]):
-            moves[first + k, j] = p * moves[a, j] + q * moves[b, j]
+        registers[first + k, 0] = r
+        for j in range(1, registers.shape[1]):
+            registers[first + k, j] = p * registers[a, j] + q * registers[b, j]
         k += 1
     return k
 
@@ -98,58 +98,47 @@ _execute = Entry(_executed)
 
 
 class Tape:
-    """The recorded operations of function(*inputs) -> numbers, on one branch of its comparisons.
+    """The recorded operations of a function of numbers, on one branch of its comparisons.
 
     Parameters
     ----------
     function
-        function(program, *inputs), of records of numbers.
+        function(call, inputs) -> numbers, and what they depend on: see `evaluated`.
     inputs
-        The records.
+        Numbers.
     """
 
-    def __init__(self, function: Callable, *inputs: tuple):
+    def __init__(self, function: Callable, inputs: Sequence):
         program = Program(*inputs)
-        results, self.about = function(program.call, *program.inputs)
-        self.length = len(results)
+        results, self.about = function(program.call, program.inputs)
         program.joined(results)
+        self.results = slice(-len(results), None)
         self.lines = program.code()
-        self.count = program.count
-        constants = [*program.constants.values()]
-        self.size = self.count + len(constants) + len(self.lines)
-        self.constants = np.array(constants)
+        self.constants = [*program.constants.values()]
 
-    def __call__(
-        self, values: np.ndarray, moves: np.ndarray, follow: Any = None
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    def __call__(self, numbers: np.ndarray, follow: Any = None) -> tuple | None:
         """Repeat the function for other inputs; return None if a comparison turns out otherwise.
 
-        Return the results, their derivatives, and the least change along each direction at which a
-        comparison would.
+        Return the results with their derivatives, and the least change along each direction at
+        which a comparison would.
 
         Parameters
         ----------
-        values, moves
-            The inputs, and their derivatives (inputs, lanes).
+        numbers
+            The inputs and their derivatives, (inputs, 1 + directions).
         follow
-            follow(place, values, moves) of the motion that a place stands for.
+            follow(place, numbers) of the motion that a place stands for.
         """
-        registers = np.zeros(self.size)
-        tangents = np.zeros((self.size, moves.shape[1]))
-        n = self.count
-        registers[:n] = values
-        registers[n : n + len(self.constants)] = self.constants
-        tangents[:n] = moves
-        first = self.size - len(self.lines)
-        least = np.full(moves.shape[1], np.inf)
-        k = _execute(self.lines, 0, registers, tangents, least)
+        count = len(numbers)
+        first = count + len(self.constants)
+        registers = np.zeros((first + len(self.lines), numbers.shape[1]))
+        registers[:count] = numbers
+        registers[count:first, 0] = self.constants
+        least = np.full(numbers.shape[1] - 1, np.inf)
+        k = _execute(self.lines, 0, registers, least)
         while 0 <= k < len(self.lines):
             _, a, place = self.lines[k]
-            given = slice(a, first + k)
-            made, by = follow(int(registers[place]), registers[given], tangents[given])
-            results = slice(first + k, first + k + len(made))
-            registers[results] = made
-            tangents[results] = by
-            k = _execute(self.lines, k + 1, registers, tangents, least)
-        results = slice(-self.length, None)
-        return None if k < 0 else (registers[results], tangents[results], least)
+            made = follow(int(registers[place, 0]), registers[a : first + k])
+            registers[first + k : first + k + len(made)] = made
+            k = _execute(self.lines, k + 1, registers, least)
+        return None if k < 0 else (registers[self.results], least)

@@ -5,14 +5,17 @@ each by its variational equations, one number in each lane; the start, times of 
 columns by dual numbers, which the formulas take like any numbers. The end of a phase so moves with
 the numbers, which is the saltation matrix of the textbooks, and no jump needs written derivatives.
 Whole steps in dual numbers would need step control and events a second time.
+
+Between formulas, numbers are the rows of an array: the value, then its derivatives along each
+direction. The time is the last row of a state, so that it moves with the end of a phase too.
 """
 
+import operator
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import lru_cache, partial
-from operator import attrgetter
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,33 +25,33 @@ from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.contact.surroundings import by_table, dotted_numbers
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
-from ...mechanics.form import CLOCK, Exit, Phase
-from ...mechanics.operand import cos, kinds, leaves, refill, sin
-from ...mechanics.units import SECOND, Scales, Unit
+from ...mechanics.form import Exit, Phase
+from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin
+from ...mechanics.rotation import outer
+from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
 from ..driver import STEPS_PER_SLICE
-from ..expressions import Formulas, formulas_of
+from ..expressions import AXES, Formulas, formulas_of, observed, orientation_of
 from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
-from ..variational import compiled_flow, expressions_of, in_motion
+from ..observables import QUATERNION
+from ..orientation import quaternion
+from ..variational import EXACT, compiled_flow, in_motion
 from .tape import Tape
 
 
 MOST_LANES = 8
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
-EXACT = 1e-14  # tolerance of a step, of a phase that takes few
-COARSE = 1e-12  # tolerance of an integrator from which on rounding is no part of its error
 BRANCHES = 32
-AHEAD = 1e-6
 PER_INTERVAL, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
 BRIEF_PHASE = 1e-4
 """Duration of a phase, such as one of the last hops of a ball, whose event function is zero where
 it begins. The derivatives of this function are integrated: those of the state have lost digits.
 """
-BOOLE = np.array([7, 32, 12, 32, 7]) / 90
+SIMPSON = np.array([1, 4, 1]) / 6
 BRIEF = 1e-9
 """Time of a jump in which the state stays; there are no derivatives in a longer one."""
 NOISE = 1e-12
@@ -62,67 +65,6 @@ huge numbers there, and six digits would be lost.
 """
 
 
-class Numbers(NamedTuple):
-    """The numbers of a run, in its units, with derivatives by the relative changes of some."""
-
-    scales: Scales
-    first: Any  # the body
-    body: Any  # the body as jumps take it
-    rules: Any
-    state: tuple  # the start
-    sizes: np.ndarray  # [SI] what a relative change of 1 is
-
-
-def numbers_of(
-    problem: Problem, wrt: Sequence[str], of_world: Any, ways: np.ndarray, order: int = 1
-) -> Numbers:
-    """Return the numbers of a run, whose world has the body `of_world`, with derivatives along
-    directions, (numbers, directions).
-    """
-    system = problem.system
-    given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
-    for table, numbers in problem.tables.items():
-        given |= {f"{table}.{name}": value for name, value in numbers.items()}
-    sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
-    for name, size, way in zip(wrt, sizes, ways, strict=True):
-        given[name] = Dual(float(given[name]), size * way, *[0 * way] * (order - 1))
-    tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
-    tables |= by_table(given)
-    friction = problem.friction._replace(**tables["friction"])
-    b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
-    mass, length = system.scales(b)
-    scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
-
-    def internal(value: Any, unit: Any) -> Any:
-        return value / scales.of(unit)
-
-    units = leaves(system.body_units(problem.law.units()))
-    first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
-    body = first
-    rules = problem.contact
-    if rules is not None:
-        rules = rules._replace(**(tables["contact"] | tables["stem"]))
-    if system.assembled is not None:
-        body, _ = system.assembled(first, rules, internal)
-    data = tables["initial"]
-    theta = data.get("theta", 0.0)
-    s = sin(theta)
-    z = cos(theta)
-    angles = system.start(data, s, z, b)
-    variables = problem.variables
-    q, carried = variables.start(data, angles, s, z, b)
-    values = [*map(internal, (*q, *carried), variables.units.values())]
-    state = variables.join(values[: variables.moving], values[variables.moving :])
-    return Numbers(
-        scales,
-        valued(first, leaves(problem.internal_body)),
-        valued(body, leaves(of_world)),
-        rules,
-        valued(tuple(state), problem.start()),
-        sizes,
-    )
-
-
 def valued(record: Any, values: Any) -> Any:
     """Return a record with other values, and its derivatives."""
     pairs = zip(leaves(record), values, strict=True)
@@ -133,16 +75,19 @@ def valued(record: Any, values: Any) -> Any:
     return refill(record, made)
 
 
-def joined(values: Any, moves: np.ndarray) -> list[Dual]:
-    """Return dual numbers of these values (n, ...) and derivatives (n, directions, ...)."""
-    return [Dual(*pair) for pair in zip(values, moves, strict=True)]
+def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
+    """Return numbers as rows: values and derivatives, (n, 1 + order * directions)."""
+    rows = np.zeros((len(numbers), 1 + order * directions))
+    for row, one in zip(rows, numbers, strict=True):
+        row[0], *moves = parts_of(one, order)
+        for part, by in zip(row[1:].reshape(order, -1), moves, strict=True):
+            part[:] = by
+    return rows
 
 
-def parted(numbers: Sequence, directions: int, order: int = 1) -> Any:
-    """Return the values (n,) and derivatives (n, directions) of numbers."""
-    values, *moves = zip(*(parts_of(one, order) for one in numbers), strict=True)
-    none = np.zeros(directions)
-    return np.array(values, float), *(np.array([by + none for by in move]) for move in moves)
+def duals_of(rows: np.ndarray, order: int = 1) -> list[Dual]:
+    """Return the numbers of rows (n, 1 + order * directions, ...)."""
+    return [Dual(row[0], *np.split(row[1:], order)) for row in rows]
 
 
 class Motion(NamedTuple):
@@ -150,120 +95,107 @@ class Motion(NamedTuple):
 
     formulas: Formulas
     variables: Variables
-    pars: np.ndarray
-    moves: np.ndarray
-    bends: tuple[np.ndarray, ...] = ()  # their second derivatives
+    pars: np.ndarray  # as rows
+    body: Any = None  # for states of several times
+    phase: Phase | None = None
+    order: int = 1
     tolerance: float = EXACT
-    careful: bool = False
 
-    def flow(
-        self, times: np.ndarray, values: np.ndarray, *moves: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        """Return the state after each of these times, ascending, with its derivatives.
-
-        They are (n, times) and (n, directions, times).
-        """
-        order = len(moves)
-        directions = moves[0].shape[1]
+    def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
+        """Return the state after each of these times, (..., times)."""
+        size = len(self.variables.names)
+        order = self.order
+        directions = (state.shape[1] - 1) // order
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes, order, self.tolerance, self.careful
+        key = self.formulas, self.variables, lanes, order, self.tolerance
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
-        sizes = np.abs(moves[0]).max(axis=0).clip(min=1.0)  # the largest decide the errors
+        # the largest decide the errors
+        sizes = np.abs(state[:size, 1 : directions + 1]).max(axis=0).clip(min=1.0)
+        scales = np.array([sizes**k for k in range(order + 1)])
 
-        def scaled(values: np.ndarray, *moves: np.ndarray) -> np.ndarray:
-            each = (move / sizes**k for k, move in enumerate(moves, 1))
-            return np.array([np.repeat(values[:, None], directions, axis=1), *each])
+        def in_lanes(rows: np.ndarray) -> np.ndarray:
+            moves = rows[:, 1:].reshape(len(rows), order, directions)
+            values = np.repeat(rows[:, :1, None], directions, axis=2)
+            return (np.hstack([values, moves]) / scales).reshape(-1, directions)
 
-        known = scaled(self.pars, self.moves, *self.bends).swapaxes(0, 1).reshape(-1, directions)
-        state = scaled(values, *moves).reshape(-1, directions)
-        found = np.empty((*state.shape, len(times)))
-        grid = times if times[0] == 0 else np.append(0.0, times)
+        start = in_lanes(state[:size])
+        known = in_lanes(self.pars)
+        grid, back = np.unique(np.append(0.0, times), return_inverse=True)
+        after = np.repeat(state[..., None], len(grid), axis=2)
         for first in range(0, directions, lanes):
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             with _one_at_a_time:
                 ta.set_time(0.0)
-                ta.state[:] = state[:, some]
+                ta.state[:] = start[:, some]
                 ta.pars[:] = known[: len(ta.pars), some]
                 _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
-            found[:, some] = np.moveaxis(rows[-len(times) :], 0, -1)
-        parts = found.reshape(order + 1, -1, directions, len(times))
-        moved = (part * sizes[:, None] ** k for k, part in enumerate(parts[1:], 1))
-        return parts[0, :, 0], *moved
+            parts = rows.T.reshape(lanes, size, order + 1, len(grid))
+            after[:size, 0] = parts[0, :, 0]
+            for k in range(1, order + 1):
+                moved = parts[:, :, k] * scales[k, some, None, None]
+                after[:size, some + (k - 1) * directions + 1] = moved.swapaxes(0, 1)
+        return after[..., back[1:]]
 
-    def rates(self, values: np.ndarray, moves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rates of the variables and of their derivatives."""
+    def rates(self, state: np.ndarray) -> np.ndarray:
+        """Return the rates of a state."""
 
-        def rates(_: Any, pars: tuple, state: tuple) -> tuple:
-            q, carried = self.variables.split(state)
-            return self.variables.rates(q, carried, self.formulas.body(iter(pars))), None
+        def rates(b: Any, state: tuple) -> list:
+            return [*self.variables.rates(*self.variables.split(state), b), 1.0]
 
-        return self._evaluated(None, rates, values, self.moves[:, : moves.shape[1]], moves)
+        return self._evaluated(None, rates, state[:, :1])[: len(state), 0]
 
-    def slopes(
-        self, event: Any, values: np.ndarray, moves: np.ndarray, rates: np.ndarray, order: int = 0
-    ) -> np.ndarray:
-        """Return the derivatives of an event function, and last that by time; of order 1, those of
-        its rate.
+    def slopes(self, event: Any, state: np.ndarray, order: int = 0) -> tuple:
+        """Return the rates of a state, and the derivatives of an event function along each
+        direction, and last by time; of order 1, those of its rate too.
         """
         events = self.formulas.events
 
-        def function(_: Any, pars: tuple, state: tuple) -> tuple:
-            b = self.formulas.body(iter(pars))
-            now = in_motion(self.variables, state, b, order) if order else state
-            q, carried = self.variables.split(now)
+        def function(b: Any, state: tuple) -> Sequence:
+            q, carried = self.variables.split(in_motion(self.variables, state, b, order))
             if event in events:
                 h = self.formulas.functions(q, carried, b)[events.index(event)]
             else:
                 h = event.formula(self.formulas.form.scalars(q, b), b)
-            return [parts_of(h, 1)[1] if order else h], None
+            return parts_of(h, order) if order else [h]
 
-        ways = np.concatenate([moves, rates[:, None]], axis=1)
-        of_pars = np.concatenate([self.moves, 0 * self.pars[:, None]], axis=1)
-        return self._evaluated((event, order), function, values, of_pars, ways)[1][0]
+        rates = self.rates(state)
+        ways = np.column_stack([state, rates])
+        return rates, *self._evaluated((event, order), function, ways)[:, 1:]
 
-    def gains(self, event: Any, states: Any, time: float) -> np.ndarray:
-        """Return by how much the derivatives of an event function change along five states, which
-        are evenly spaced in a time.
-        """
-        paces = [
-            self.slopes(event, values, moves, self.rates(values, moves[:, :0])[0], 1)[:-1]
-            for values, moves in states
-        ]
-        return time * (BOOLE @ np.array(paces))
+    def _evaluated(self, what: Any, function: Callable, state: np.ndarray) -> np.ndarray:
+        """Return the numbers function(body, state) as rows."""
 
-    def _evaluated(self, what: Any, function: Callable, values: np.ndarray, *moves: Any) -> tuple:
-        """Return numbers that are function(_, numbers of the body, state), and derivatives."""
-        records = tuple(self.pars), tuple(values)
-        key = self.formulas, self.variables, what
-        given = np.concatenate([self.pars, values]), np.concatenate(moves)
-        return evaluated(key, function, records, *given)[:2]
+        def of_numbers(_: Any, numbers: tuple) -> tuple:
+            return function(self.formulas.body(iter(numbers)), numbers[count:]), None
 
-    def happens(
-        self, event: Any, values: np.ndarray, moves: np.ndarray, known: Any = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the derivative of the time at which an event happens, and the state there.
+        count, columns = self.pars.shape
+        size = len(self.variables.names)
+        numbers = np.zeros((count + size, state.shape[1]))
+        numbers[:count, :columns] = self.pars[:, : state.shape[1]]
+        numbers[count:] = state[:size]
+        return evaluated((self.formulas, self.variables, what), of_numbers, numbers)[0]
+
+    def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
+        """Return the state as it moves with an event.
 
         `known`: the derivatives of its function, where they are known better than from the state.
         """
-        rates, _ = self.rates(values, moves[:, :0])
-        *by, pace = self.slopes(event, values, moves, rates)
-        shift = -np.array(by if known is None else known) / pace
-        return shift, moves + np.outer(rates, shift)
+        rates, (*by, pace) = self.slopes(event, state)
+        moved = state.copy()
+        moved[:, 1:] -= np.outer(rates, by if known is None else known) / pace
+        return moved
 
-    def lost(self, event: Any, values: np.ndarray, moves: np.ndarray) -> np.ndarray:
+    def lost(self, event: Any, state: np.ndarray) -> np.ndarray:
         """Return the change along each direction at which an event no longer happens.
 
         There the next extreme of its function comes to zero.
         """
-        rates, turns = self.rates(values, moves)
-        now = self.slopes(event, values, moves, rates)
-        ahead = values + AHEAD * rates
-        later = self.slopes(event, ahead, moves + AHEAD * turns, self.rates(ahead, moves[:, :0])[0])
-        *turns, bend = (later - now) / AHEAD
-        *by, pace = now
+        _, (*by, pace), (*turns, bend) = self.slopes(event, state, 1)
         extreme = pace**2 / (2 * abs(bend))
         least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
-        return least if extreme > NOISE else np.inf * least
+        # a disc gives way where the function falls like a square root: it has no extreme there
+        counts = extreme > NOISE and abs(pace / bend) > BRIEF
+        return least if counts else np.full_like(least, np.inf)
 
 
 @contextmanager
@@ -289,47 +221,43 @@ def tapes_of(key: tuple) -> list[Tape]:
 
 
 def evaluated(
-    key: tuple,
-    function: Callable,
-    records: tuple,
-    values: np.ndarray,
-    moves: np.ndarray,
-    follow: Any = None,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, Any]:
+    key: tuple, function: Callable, numbers: np.ndarray, follow: Any = None
+) -> tuple[np.ndarray, np.ndarray, Any]:
     """Call a function with derivatives, by a tape of it if possible.
 
-    Return its numbers, their derivatives, the least change along each direction at which a
-    comparison turns out otherwise, and its second result.
+    Return its numbers as rows, the least change along each direction at which a comparison turns
+    out otherwise, and its second result.
 
     Parameters
     ----------
     key
         Identifies the function.
     function
-        function(call, *records) -> numbers, and what they depend on; call(place, function, *inputs)
+        function(call, numbers) -> numbers, and what they depend on; call(place, function, *inputs)
         follows a motion.
-    records, values, moves
-        The inputs: as records, their values, and derivatives (inputs, directions).
+    numbers
+        The inputs, as rows.
     follow
-        follow(place, values, moves) of a motion.
+        follow(place, numbers) of a motion.
     """
     tapes = tapes_of(key)
     for tape in tapes:
-        if made := tape(values, moves, follow):
+        if made := tape(numbers, follow):
             return *made, tape.about
     if len(tapes) < BRANCHES:
         with suppress(Exception):  # whatever it does that is no line of a tape
-            tape = Tape(function, *records)
-            if made := tape(values, moves, follow):
+            tape = Tape(function, numbers[:, 0].tolist())
+            if made := tape(numbers, follow):
                 tapes.append(tape)
                 return *made, tape.about
+    directions = numbers.shape[1] - 1
 
     def call(place: int, _: Any, *given: Any) -> list:
-        return joined(*follow(place, *parted(leaves(given), moves.shape[1])))
+        return duals_of(follow(place, rows_of(leaves(given), directions)))
 
-    with noting(moves.shape[1]) as least:
-        results, about = function(call, *refill(records, iter(joined(values, moves))))
-    return *parted(results, moves.shape[1]), np.fmin.reduce(least), about
+    with noting(directions) as least:
+        results, about = function(call, duals_of(numbers))
+    return rows_of(results, directions), np.fmin.reduce(least), about
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -344,16 +272,11 @@ class Note(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """States in a phase at some times since it began.
+    """States of a motion at several times."""
 
-    `shift` is the derivative of these times, as the beginning moves.
-    """
-
-    solver: PhaseSolver
-    shift: np.ndarray
-    which: np.ndarray  # of the times, or the number of the phase for each of them
-    values: np.ndarray  # (n, times)
-    moves: np.ndarray  # (n, directions, times)
+    motion: Motion
+    which: np.ndarray  # the numbers of the times, or that of the phase for each of them
+    state: np.ndarray  # rows, (n, ..., times)
 
 
 class Pass:
@@ -371,11 +294,13 @@ class Pass:
         Directions, (numbers, directions); by default one number each.
     order
         1, or 2 for second derivatives of a smooth run.
+    driver
+        A `HybridDriver` at the end of the run, with its `intervals`.
 
     Attributes
     ----------
-    intervals, shifts
-        The phases that end in this time, and the derivatives of the times at which they do.
+    shifts
+        The derivatives of the times at which the run starts, and at which phases end.
     samples
         States with derivatives at the times.
     notes
@@ -383,7 +308,6 @@ class Pass:
     """
 
     steps = False
-    states: np.ndarray | None = None  # of a smooth run, as rows
 
     @QUIET
     def __init__(
@@ -393,6 +317,7 @@ class Pass:
         times: np.ndarray,
         ways: np.ndarray | None = None,
         order: int = 1,
+        driver: Any = None,
     ):
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
@@ -400,49 +325,82 @@ class Pass:
         self.directions = ways.shape[1]
         self.order = order
         self.motions = dict[str, Motion]()
-        self.intervals = list[PhaseInterval]()
-        self.shifts = list[np.ndarray]()
         self.samples = list[Samples]()
-        if not problem.system.is_hybrid:
-            self.numbers = numbers_of(problem, wrt, problem.internal_body, ways, order)
-            self._flow()
-            return
-        self.driver = driver = HybridDriver(problem)
-        self.runs = driver.intervals = list[PhaseInterval]()
-        status = driver.ended
-        while status is None and driver.clock[0] <= times[-1]:
-            status = driver.advance(self, STEPS_PER_SLICE).status
-        if not self.runs or (self.runs[-1].jump is not None and status is None):
-            driver.last_rows()
-        with noting(self.directions) as least:
-            self.numbers = numbers_of(problem, wrt, driver.world.body, ways)
-        rules = self.numbers.rules
-        given = self.numbers.body, () if rules is None else (rules.e_n,)
-        self.plain = plain(given)
-        self.known = parted(leaves(given), self.directions)
-        self.regions = [*driver.impacts.stages] if rules else []
-        self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
         self.between = list[Samples]()  # states in each phase, for what nearly happened
-        self._follow()
-
-    def _flow(self) -> None:
-        """Follow a smooth run."""
-        problem = self.problem
-        numbers = self.numbers
+        self.shifts = {0.0: np.zeros(self.directions)}
+        is_hybrid = problem.system.is_hybrid
+        if is_hybrid and driver is None:
+            driver = self._plain_run()
+        self.driver = driver
+        body = driver.world.body if is_hybrid else problem.internal_body
+        with noting(self.directions) as least:
+            self._numbers_of(wrt, body, ways)
+        self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
+        if is_hybrid:
+            self._follow()
+            return
         formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        pars, moves, *bends = parted(leaves(numbers.body), self.directions, self.order)
-        careful = problem.tolerance < COARSE
-        motion = Motion(
-            formulas, problem.variables, pars, moves, tuple(bends), problem.tolerance, careful
-        )
-        self.motions[""] = motion
-        start = parted(numbers.state, self.directions, self.order)
-        values, *every = motion.flow(self.times, *start)
-        solver: Any = SimpleNamespace(name="")
-        which = np.arange(len(self.times))
-        self.samples = [Samples(solver, np.zeros(self.directions), which, values, every[0])]
-        whole = np.broadcast_to(values[:, None], every[0].shape)
-        self.states = np.stack([whole, *every], axis=1)
+        motion = self._motion(formulas, problem.variables, self.body, None, problem.tolerance)
+        which = np.arange(len(times))
+        self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
+
+    def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
+        """Set the numbers of the run, whose world has the body `of_world`, in its units, with
+        derivatives along directions by the relative changes of some.
+        """
+        problem = self.problem
+        system = problem.system
+        given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
+        for table, numbers in problem.tables.items():
+            given |= {f"{table}.{name}": value for name, value in numbers.items()}
+        self.sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
+        for name, size, way in zip(wrt, self.sizes, ways, strict=True):
+            given[name] = Dual(float(given[name]), size * way, *[0 * way] * (self.order - 1))
+        tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
+        tables |= by_table(given)
+        friction = problem.friction._replace(**tables["friction"])
+        b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
+        mass, length = system.scales(b)
+        scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
+        self.scales = _columned(scales)
+
+        def internal(value: Any, unit: Any) -> Any:
+            return value / scales.of(unit)
+
+        units = leaves(system.body_units(problem.law.units()))
+        first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
+        body = first
+        self.e_n = ()
+        rules = problem.contact
+        if rules is not None:
+            rules = rules._replace(**(tables["contact"] | tables["stem"]))
+            self.e_n = (rules.e_n,)
+        if system.assembled is not None:
+            body, _ = system.assembled(first, rules, internal)
+        data = tables["initial"]
+        theta = data.get("theta", 0.0)
+        s = sin(theta)
+        z = cos(theta)
+        angles = system.start(data, s, z, b)
+        variables = problem.variables
+        q, carried = variables.start(data, angles, s, z, b)
+        values = [*map(internal, (*q, *carried), variables.units.values())]
+        start = variables.join(values[: variables.moving], values[variables.moving :])
+        self.start = rows_of([*start, 0.0], self.directions, self.order)
+        self.start[:-1, 0] = problem.start()
+        self.first = _columned(valued(first, leaves(problem.internal_body)))
+        self.body = valued(body, leaves(of_world))
+
+    def _plain_run(self) -> HybridDriver:
+        """Return the driver of the run, followed to the last time."""
+        driver = HybridDriver(self.problem)
+        driver.intervals = list[PhaseInterval]()
+        status = driver.ended
+        while status is None and driver.clock[0] <= self.times[-1]:
+            status = driver.advance(self, STEPS_PER_SLICE).status
+        if status is None or not driver.intervals:
+            driver.last_rows()
+        return driver
 
     def next_times(self) -> np.ndarray:
         """Request no rows of the plain run."""
@@ -451,50 +409,69 @@ class Pass:
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Ignore rows of the plain run."""
 
-    @QUIET
+    def _motion(
+        self, formulas: Formulas, variables: Variables, body: Any, phase: Any, tolerance: float
+    ) -> Motion:
+        """Return equations with the numbers of a body."""
+        pars = rows_of(leaves(body), self.directions, self.order)
+        return Motion(formulas, variables, pars, _columned(body), phase, self.order, tolerance)
+
+    def _motion_of(self, solver: PhaseSolver) -> Motion:
+        """Return the equations of a phase."""
+        if solver.name not in self.motions:
+            b = solver.phase.parameters(self.body)
+            self.motions[solver.name] = self._motion(
+                solver.formulas, solver.variables, b, solver.phase, EXACT
+            )
+        return self.motions[solver.name]
+
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives."""
-        begin = Exit("start", (), self.problem.system.begin or begin_in_first)
-        phase = completed(self.problem.system.phase, self.problem.variables)
-        now = Dual(0.0, np.zeros(self.directions))
-        state = parted(self.numbers.state, self.directions)
-        (name, _), delay, lasts, state = self._jumped(phase, begin, state, now)
-        zeros: Any = ()  # of events that a number of the start may move
-        for interval in self.runs:
+        system = self.problem.system
+        self.given = self.body, self.e_n
+        self.known = rows_of(leaves(self.given), self.directions)
+        self.regions = [*self.driver.impacts.stages] if self.e_n else []
+        exit = Exit("start", (), system.begin or begin_in_first)
+        phase = completed(system.phase, self.problem.variables)
+        state = self.start
+        ended = 0.0
+        for number, interval in enumerate(self.driver.intervals):
+            name, zeros, lasts, state = self._jumped(phase, exit, state)
             if name != interval.solver.name:
-                self.notes.append(Note(now.value, "what follows", 0 * now.first))
+                self.notes.append(Note(ended, f"what follows `{exit.event}`", 0 * lasts))
                 return
-            began = now + delay
-            which = self._within(now.value, interval.began)
-            if interval.began - now.value < BRIEF:
-                rows = (np.repeat(one[..., None], len(which), axis=-1) for one in state)
-                self.samples.append(Samples(interval.solver, began.first, which, *rows))
-            state, now = self._ended(interval, state, began, lasts, zeros)
+            motion = self._motion_of(interval.solver)
+            which = self._within(ended, interval.began)
+            if interval.began - ended < BRIEF:
+                stays = np.repeat(state[..., None], len(which), axis=-1)
+                self.samples.append(Samples(motion, which, stays))
+            state = self._ended(number, interval, motion, state, lasts, zeros)
             if interval.jump is None or not interval.ended <= self.times[-1]:
                 return
-            self.intervals.append(interval)
-            self.shifts.append(now.first)
-            made = self._jumped(interval.solver.phase, interval.jump.exit, state, now)
-            (name, zeros), delay, lasts, state = made
-            if not name:
-                return
+            ended = interval.ended
+            self.shifts.setdefault(ended, state[-1, 1:])
+            phase = interval.solver.phase
+            exit = interval.jump.exit
 
-    def _jumped(self, phase: Phase, exit: Exit, state: tuple, now: Dual) -> tuple:
+    def _jumped(self, phase: Phase, exit: Exit, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
-        Return the next phase, the time until it begins, the longest time that it lasts, and its
-        variables.
+        Return the next phase, the events whose functions are zero where it begins, the derivatives
+        of the longest time that it lasts, and the state there.
         """
         driver = self.driver
         world = driver.world._replace(phase=phase)
         impacts: Any = getattr(driver, "impacts", None)
 
-        def jumped(call: Callable, body: Any, rules: tuple, left: tuple, state: tuple) -> tuple:
+        def jumped(call: Callable, numbers: Sequence) -> tuple:
+            body, rules = refill(self.given, iter(numbers))
+            state = numbers[len(self.known) :]
+
             def piece(region: str, *given: Any) -> list:
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 
-            now = world._replace(body=body, left=left[0])
+            now = world._replace(body=body, left=float(driver.end) - state[-1])
             if rules:
                 e_n = world.rules._replace(e_n=rules[0])
                 now = now._replace(rules=e_n, struck=partial(impacts.struck, piece=piece))
@@ -504,41 +481,29 @@ class Pass:
                 x = x._replace(carried=carried)
             n = exit.jump(x, now)
             if n.ends:
-                return [n.delay, 0.0], ("", ())
+                return [n.delay], ("", ())
             to = driver.solver_of(n.phase)
             carried = getattr(n.x, "carried", carried)
             q = to.phase.enter(n.x, to.phase.parameters(body))
-            return [n.delay, n.lasts, *to.variables.join(q, carried)], (n.phase, (*n.zeros,))
+            begun = [*to.variables.join(q, carried), state[-1] + n.delay]
+            return [n.lasts, *begun], (n.phase, (*n.zeros,))
 
-        left = float(driver.end) - now
-        of_left = np.array([left.value]), left.first[None]
-        inputs = [*map(np.concatenate, zip(self.known, of_left, state, strict=True))]
-        records = *self.plain, tuple(of_left[0]), tuple(state[0])
-        restitution = self.numbers.rules and self.numbers.rules.restitution
+        restitution = world.rules and world.rules.restitution
         key = phase, exit.jump, restitution, kinds(world.body)
+        numbers = np.concatenate([self.known, state])
         try:
-            made = evaluated(key, jumped, records, inputs[0], inputs[1], self._motion)
-        except ArithmeticError as error:
-            self.notes.append(Note(now.value, f"what follows `{exit.event}`", 0 * now.first))
-            return (str(error), ()), now, now, state
+            (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
+        except ArithmeticError:
+            return "", (), state[-1, 1:], state
         except (TypeError, AttributeError, ValueError) as error:
             raise InputError(
                 f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
                 "with derivatives: use operators and NumPy's functions, not `math` or `float`, but "
                 f"{type(error).__name__}: {error}"
             ) from error
-        values, moves, least, name = made
         if not exit.smooth:
-            self.notes.append(Note(now.value, f"what follows `{exit.event}`", least))
-        return name, *joined(values[:2], moves[:2]), (values[2:], moves[2:])
-
-    def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the equations of a phase."""
-        if solver.name not in self.motions:
-            b = solver.phase.parameters(self.numbers.body)
-            known = parted(leaves(b), self.directions)
-            self.motions[solver.name] = Motion(solver.formulas, solver.variables, *known)
-        return self.motions[solver.name]
+            self.notes.append(Note(numbers[-1, 0], f"what follows `{exit.event}`", least))
+        return *about, lasts[1:], np.array(begun)
 
     def _within(self, began: float, ended: float) -> np.ndarray:
         """Return which of the times lie after one time, or at the start, and not after another."""
@@ -546,210 +511,177 @@ class Pass:
         return np.arange(first, np.searchsorted(self.times, ended, side="right"))
 
     def _ended(
-        self, interval: PhaseInterval, state: tuple, began: Dual, lasts: Any, zeros: Any
-    ) -> tuple[Any, Dual]:
-        """Return the state where a phase ends, and the time, of the state where it begins.
+        self,
+        number: int,
+        interval: PhaseInterval,
+        motion: Motion,
+        state: np.ndarray,
+        lasts: np.ndarray,
+        zeros: Any,
+    ) -> np.ndarray:
+        """Return the state where a phase ends, of that where it begins.
 
         `zeros`: the events whose functions are zero there.
         """
-        solver = interval.solver
-        motion = self._motion_of(solver)
-        values, moves = state
-        more = np.zeros(self.directions)
+        start = state
         done = interval.began
         end = min(interval.ended, self.times[-1])
-        exit = interval.jump and interval.jump.exit
-        last = np.array(interval.last)
+        is_whole = end == interval.ended
+        last = np.append(interval.last, interval.ended)
+        exit: Any = interval.jump.exit if interval.jump and is_whole else None
+        events = [one for one in interval.solver.phase.events if exit and one.name == exit.event]
+        event = next(iter(events), None)
         stops = []
-        if exit and exit.event == STICK.name:
-            w = motion.variables.names.index("w")
-            pace = motion.rates(last, moves[:, :0])[0][w]
-            stops = [interval.ended + speed / pace for speed in PROJECTED_AT]
+        if event and event.name == STICK.name:
+            _, (pace,) = motion.slopes(event, last[:, None])
+            stops = [end + speed / pace for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
             count = PER_INTERVAL + int(PER_TIME * (stop - done))
             apart = np.linspace(done, stop, count + 2)[1:]
-            every = np.concatenate([self.times[which], apart])
-            times, back = np.unique(every, return_inverse=True)
-            values, moves = motion.flow(times - done, values, moves)
-            for found, some, of, shift in (
-                (self.samples, back[: len(which)], which, began.first + more),
-                (
-                    self.between,
-                    back[len(which) : -1],
-                    np.full(count, len(self.intervals)),
-                    0 * more,
-                ),
-            ):
-                found.append(Samples(solver, shift, of, values[:, some], moves[..., some]))
-            values = values[:, -1]
-            moves = moves[..., -1]
+            after = motion.flow(np.append(self.times[which], apart) - done, state)
+            inside = after[..., len(which) : -1]
+            self.samples.append(Samples(motion, which, after[..., : len(which)]))
+            self.between.append(Samples(motion, np.full(count, number), inside))
+            state = after[..., -1].copy()
             done = stop
             if stop < end:
-                rates, _ = motion.rates(values, moves[:, :0])
-                by = -moves[w] / rates[w]
-                moves = moves + np.outer(rates, by)
-                more = more + by
-        by = 0 * more
-        if exit and end == interval.ended:
-            if exit.event == CLOCK:
-                by = lasts.first - more
-                moves = moves + np.outer(motion.rates(last, moves[:, :0])[0], by)
-            else:
-                ending = next(one for one in solver.phase.events if one.name == exit.event)
-                if not exit.smooth:
-                    least = motion.lost(ending, last, moves)
-                    self.notes.append(Note(interval.ended, f"`{exit.event}`", least))
-                known = None
-                if exit.event in zeros and end - interval.began < BRIEF_PHASE:
-                    *_, within = self.between
-                    three = zip(*(np.moveaxis(one, -1, 0) for one in within[-2:]), strict=True)
-                    known = motion.gains(
-                        ending, (state, *three, (last, moves)), end - interval.began
-                    )
-                by, moves = motion.happens(ending, last, moves, known)
-        of = np.full(1, len(self.intervals))
-        self.between.append(Samples(solver, 0 * by, of, last[:, None], moves[..., None]))
-        return (last, moves), Dual(interval.ended, began.first + more + by)
+                state = motion.happens(event, state)
+        if is_whole:
+            state[:, 0] = last
+        if event:
+            known = None
+            if event.name in zeros and end - interval.began < BRIEF_PHASE:
+                three = start, inside[..., PER_INTERVAL // 2], state
+                paces = [motion.slopes(event, one, 1)[-1][:-1] for one in three]
+                known = (end - interval.began) * (SIMPSON @ paces)
+            if not exit.smooth:
+                self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
+            state = motion.happens(event, state, known)
+        elif exit:  # by the clock
+            state[:, 1:] += np.outer(motion.rates(state), start[-1, 1:] + lasts - state[-1, 1:])
+        self.between.append(Samples(motion, np.array([number]), state[..., None]))
+        return state
 
-    def _motion(self, place: int, values: np.ndarray, moves: np.ndarray) -> tuple:
+    def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
         """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`."""
         impacts = self.driver.impacts
         region = self.regions[place]
+        driver = impacts.driver(region)
         formulas = formulas_of_impact(impacts.law, region, *impacts.pattern)
         variables = variables_of(formulas.form, False)
         count = len(formulas.events)
-        size = len(variables.names)
-        end, most = values[:2]
-        signs, zeros, state, pars = np.split(
-            values[2:], [count, 2 * count, 2 * count + impacts.driver(region).width]
-        )
-        given: Any = signs, zeros, state, pars
-        made = impacts.piece(region, end, int(most), *given)
-        results = np.zeros((len(made), self.directions))
-        at = 2 + 2 * count
-        motion = Motion(formulas, variables, pars, moves[-len(pars) :])
-        elapsed = float(impacts.driver(region).reached()[0])
-        _, after = motion.flow(np.array([elapsed]), state[:size], moves[at : at + size])
-        after = after[..., 0]
+        (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
+        made = impacts.piece(region, end[0], int(most[0]), *(rows[:, 0] for rows in given))
+        *_, state, pars = given
+        motion = Motion(formulas, variables, pars)
+        elapsed = np.array([float(driver.reached()[0])])
+        state = motion.flow(elapsed, state[: len(variables.names)])[..., 0]
+        results = np.zeros((len(made), numbers.shape[1]))
+        results[:, 0] = made
+        after = results[3 : 3 + len(state)]
         if made[2] >= 0:
-            last = np.array(made[3 : 3 + size])
-            _, after = motion.happens(formulas.events[int(made[2])], last, after)
-        results[3 : 3 + size] = after
-        return np.array(made, float), results
+            state[:, 0] = after[:, 0]
+            state = motion.happens(formulas.events[int(made[2])], state)
+        after[:, 1:] = state[:, 1:]
+        return results
 
     # --- what was found ---------------------------------------------------------------------------
 
-    def _together(self, samples: list[Samples]) -> Iterator[tuple]:
-        """Yield each phase, the body in it, and all samples there as state and numbers."""
-        for solver in self.driver.solvers.values():
-            if mine := [one for one in samples if one.solver is solver]:
-                which, values, moves = (
-                    np.concatenate([one[k] for one in mine], axis=-1) for k in (2, 3, 4)
-                )
-                split = solver.variables.split
-                rates = np.array(
-                    [
-                        rate + 0 * values[0]
-                        for rate in solver.variables.rates(*split(values), solver.b)
-                    ]
-                )
-                shifts = [np.repeat(one.shift[:, None], len(one.which), axis=1) for one in mine]
-                moves = moves - rates[:, None] * np.concatenate(shifts, axis=-1)
-                b = _columned(solver.phase.parameters(self.numbers.body))
-                yield solver, b, split(joined(values, moves)), which
+    def _together(self, samples: list[Samples]) -> Iterator[Samples]:
+        """Yield all samples of each motion."""
+        for motion in {id(one.motion): one.motion for one in samples}.values():
+            mine = [one for one in samples if one.motion is motion]
+            which, state = (np.concatenate([one[k] for one in mine], axis=-1) for k in (1, 2))
+            yield Samples(motion, which, state)
 
     @QUIET
     def rows(self) -> np.ndarray:
-        """Return the values and derivatives of the variables of the run at all times.
-
-        The array is (variables, order + 1, directions, times), in internal units.
+        """Return the variables of the run at all times with derivatives, in internal units, as
+        rows (variables, ..., times).
         """
-        if self.states is not None:
-            return self.states
+        if not self.problem.system.is_hybrid:
+            return self.samples[0].state[:-1]
         variables = self.problem.variables
-        shape = self.directions, len(self.times)
-        rows = np.full((len(variables.names), 2, *shape), np.nan)
+        rows = np.full((len(variables.names), 1 + self.directions, len(self.times)), np.nan)
         if self.times[0] == 0:  # a phase may begin later
-            values, moves = parted(self.numbers.state, self.directions)
-            rows[:, 0, :, 0] = values[:, None]
-            rows[:, 1, :, 0] = moves
-        for solver, b, (q, carried), which in self._together(self.samples):
-            read, _ = self.problem.system.read(solver.phase, q, carried, b)
+            rows[..., 0] = self.start[:-1]
+        for motion, which, state in self._together(self.samples):
+            split = motion.variables.split
+            values = split(state[:, 0])
+            for row, rate in zip(
+                state, motion.variables.rates(*values, plain(motion.body)), strict=False
+            ):
+                row[1:] -= rate * state[-1, 1:]
+            q, carried = split(duals_of(state))
+            read, _ = self.problem.system.read(motion.phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
-                for part, values in zip(row, parts_of(one, 1), strict=True):
-                    part[:, which] = values
+                row[0, which], row[1:, which] = parts_of(one, 1)
         return rows
 
     @QUIET
-    def read(self) -> dict[str, np.ndarray]:
-        """Return the columns and other functions of the state at all times, by name.
-
-        Each is (order + 1, times, directions): values and derivatives.
-        """
-        state = [Dual(value[0], *moves) for value, *moves in self.rows()]
-        first = _columned(self.numbers.first)
-        found = expressions_of(self.problem.system, self.problem.variables, state, first)
-        shape = self.directions, len(self.times)
-        return {
-            name: np.array([np.broadcast_to(part, shape).T for part in parts_of(value, self.order)])
-            for name, value in found.items()
-        }
-
-    def in_units(self, table: np.ndarray, unit: Unit) -> np.ndarray:
-        """Return values and derivatives in units that do not change with the numbers."""
-        ratio = self.numbers.scales.of(unit) / self.problem.unit(unit)
-        return np.array((Dual(*table) * ratio).parts)
+    def read(self) -> dict[str, Any]:
+        """Return the columns at all times, by name, in numbers with derivatives."""
+        system = self.problem.system
+        variables = self.problem.variables
+        form = variables.form
+        form = replace(form, scalars=lru_cache(form.scalars))  # they are most of the work
+        given = system, form, *variables.split(duals_of(self.rows(), self.order)), self.first
+        values = observed(*given)
+        if variables.orientation and form.orientation:
+            values |= orientation_of(*given)
+            axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
+            values |= zip(QUATERNION, _quaternion(outer(*axes), self.order), strict=True)
+        return values
 
     @QUIET
     def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the times of events, (events, directions).
+        """Return the derivatives of the times of events, (directions, events).
 
-        A time is that of the end of a phase, or of the zero of an event function.
+        A time is that of the start, of the end of a phase, or of the zero of an event function.
+        There is none in a jump that takes time.
         """
-        shifts = np.zeros((len(times), self.directions))
-        ends = [interval.ended for interval in self.intervals]
-        at = {self.times[k]: (one, c) for one in self.samples for c, k in enumerate(one.which)}
-        for k, (name, time) in enumerate(zip(names, times, strict=True)):
-            interval = np.searchsorted(ends, time)
-            if interval < len(ends) and ends[interval] == time:
-                shifts[k] = self.shifts[interval]
+        shifts = np.full((self.directions, len(times)), np.nan)
+        samples = [one for one in self.samples if len(one.which)]
+        begun = np.array([one.which[0] for one in samples])
+        for shift, name, time in zip(shifts.T, names, times.tolist(), strict=True):
+            if time in self.shifts:
+                shift[:] = self.shifts[time]
                 continue
-            if time not in at:  # in a jump that takes time; the start of a run does not move
-                shifts[k] = np.nan if time > 0 else 0.0
-                continue
-            one, column = at[time]
-            motion = self._motion_of(one.solver)
+            at = np.searchsorted(self.times, time)
+            motion, which, states = samples[np.searchsorted(begun, at, side="right") - 1]
+            column = at - which[0]
             for event in motion.formulas.events:
-                if event.name == name:
-                    state = one.values[:, column], one.moves[..., column]
-                    shifts[k] = one.shift + motion.happens(event, *state)[0]
+                if event.name == name and column < len(which):
+                    state = states[:, : self.directions + 1, column]
+                    _, (*by, pace) = motion.slopes(event, state)
+                    shift[:] = state[-1, 1:] - np.array(by) / pace
         return shifts
 
     @QUIET
     def margins(self) -> list[Note]:
         """Return all notes by time, with those of exits that nearly happened."""
         notes = list(self.notes)
-        ends = self.runs
-        for solver, b, (q, _), which in self._together(self.between):
-            scalars = solver.phase.form.scalars(q, b)
-            exits = {one.event for one in solver.phase.exits if not one.smooth}
-            for event in solver.phase.events:
+        for motion, which, state in self._together(self.between):
+            assert motion.phase is not None
+            q, _ = motion.variables.split(duals_of(state))
+            scalars = motion.phase.form.scalars(q, motion.body)
+            exits = {one.event for one in motion.phase.exits if not one.smooth}
+            for event in motion.phase.events:
                 if event.name not in exits or event.sampled:
                     continue
-                h, by = parts_of(event.formula(scalars, b), 1)
+                h, by = parts_of(event.formula(scalars, motion.body), 1)
                 size = np.abs(h)
                 least = size / np.abs(by)
                 for k in _lows(size, which):
-                    if size[k] < NOISE:
-                        continue
-                    interval = ends[which[k]]
+                    interval = self.driver.intervals[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
-                    if not (is_end and interval.jump and interval.jump.exit.event == event.name):
+                    is_exit = interval.jump and interval.jump.exit.event == event.name
+                    if size[k] > NOISE and not (is_end and is_exit):
                         notes.append(Note(interval.began, f"`{event.name}`", least[:, k]))
-        return sorted(notes, key=attrgetter("time"))
+        return sorted(notes, key=operator.attrgetter("time"))
 
 
 def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: Any) -> Pass:
@@ -768,6 +700,22 @@ def _columned(record: Any) -> Any:
         for one in leaves(record)
     )
     return refill(record, numbers)
+
+
+def _quaternion(products: Sequence, order: int) -> list[Dual]:
+    """Return unit quaternions with their derivatives, of 4 q q^t.
+
+    The derivatives of P = 4 q q^t are P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
+    """
+    q = quaternion([np.broadcast_arrays(*map(plain, row)) for row in products])
+    turns = []
+    for k in range(1, order + 1):
+        moves = [[parts_of(one, order)[k] for one in row] for row in products]
+        turns.append([sum(map(operator.mul, row, q)) / 4 for row in moves])
+    if order > 1:
+        square = sum(one**2 for one in turns[0])
+        turns[1] = [turn + one * square for turn, one in zip(turns[1], q, strict=True)]
+    return [Dual(*one) for one in zip(q, *turns, strict=True)]
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
