@@ -13,7 +13,6 @@ from . import (
     case_startup,
     case_storing,
     case_surface,
-    case_sweep,
 )
 from .case_precision import Comparison
 from .measure import machine
@@ -35,7 +34,6 @@ CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
         for name, comparison in COMPARISONS.items()
     },
     "ensemble": case_ensemble.compare,
-    "sweep": case_sweep.compare,
     "surface": case_surface.compare,
     "storing": case_storing.compare,
     "startup": case_startup.compare,

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels
-from tippetop.landscape import marked_lines, surface
+from tippetop.landscape import landscape_body, marked_lines, surface
 from tippetop.library.finished_run import Run
 from tippetop.runs import starting
 from tippetop.runs.run import solve
@@ -177,8 +177,9 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     from tippetop.figures import landscape_figures
 
     D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(0, 7e-6, 31)
-    grid = surface.minimal_surface(PARAMETERS, D, lam)
-    axes = landscape_figures.surface(grid, marked_lines.marked_lines(PARAMETERS, lam))
+    top = landscape_body.top(PARAMETERS)
+    grid = surface.minimal_surface(top, D, lam)
+    axes = landscape_figures.surface(grid, marked_lines.marked_lines(top, lam))
     shown = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     assert {str(line.get_label()) for line in shown} >= {"spinning, θ = 0", "spinning, θ = π"}
     assert axes.get_zlim() == pytest.approx((float(grid.F.min()), float(grid.F.max())))

@@ -12,6 +12,7 @@ from stores import tiny_chunks
 from typed import typed
 
 import tippetop as tt
+from tippetop.landscape import landscape_body
 from tippetop.landscape import surface_recording as surfaces
 from tippetop.runs import recording, starting
 
@@ -43,7 +44,7 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
         plan.write_text(PLAN)
         tt.sweep(plan, store, workers=1, progress=progress or False)
     elif kind == "surface":
-        body = starting.load("inverting").parameters
+        body = landscape_body.top(starting.load("inverting").parameters)
         axes = np.linspace(-1e-4, 1e-4, 12), np.linspace(0.0, 1e-5, 8)
         surfaces.write(store, body, *axes, chunk=4)
     else:

@@ -8,10 +8,13 @@ import xarray as xr
 from examples import CANONICAL, HEAVY
 
 from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.landscape.landscape_body import top
 from tippetop.mechanics.theory import spinning
 from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
 
+
+TOP, HEAVY_TOP = top(CANONICAL), top(HEAVY, "heavy-top")
 
 # --- the potential ------------------------------------------------------------------------------
 
@@ -28,7 +31,7 @@ def test_potential_keeps_its_digits(z, line):
     b, lam = oracle.body(oracle.FIGURE), 4e-6
     for away in (0.0, 1e-13, 1e-7, 0.3):
         D = 2.2e-4 if line == 0 else float(spinning.slope(line, b)) * lam * (1 + away)
-        found = potential.potential(oracle.FIGURE, z, D, lam)
+        found = potential.potential(top(oracle.FIGURE), z, D, lam)
         exact = potential_of(D, lam, b)(mp.mpf(z))
         assert oracle.ulps(found.V.item(), exact) <= 6
         slope = mp.diff(potential_of(D, lam, b), mp.mpf(z), h=mp.mpf(10) ** -25)
@@ -42,10 +45,10 @@ def test_potential_keeps_its_digits(z, line):
 def test_surface_does_not_know_the_grid():
     """A point has the same F, to the bit, alone, in a row and on two threads."""
     D, lam = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
-    one, two = (surface.minimal_surface(CANONICAL, D, lam, threads=n) for n in (1, 2))
+    one, two = (surface.minimal_surface(TOP, D, lam, threads=n) for n in (1, 2))
     xr.testing.assert_identical(one, two)
     for i, j in ((0, 0), (17, 30), (36, 52)):
-        alone = surface.minimal_surface(CANONICAL, D[i], lam[j])
+        alone = surface.minimal_surface(TOP, D[i], lam[j])
         assert alone.F.item() == one.F[i, j].item()
         assert alone.z.item() == one.z[i, j].item()
 
@@ -53,9 +56,9 @@ def test_surface_does_not_know_the_grid():
 def test_upright_line_lies_on_the_surface():
     """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda. [section 5]"""
     lam = np.linspace(-8e-6, 8e-6, 41)
-    lines = marked_lines.marked_lines(CANONICAL, lam)
+    lines = marked_lines.marked_lines(TOP, lam)
     for i, value in enumerate(lam):
-        found = surface.minimal_surface(CANONICAL, lines.D[0, i].item(), value)
+        found = surface.minimal_surface(TOP, lines.D[0, i].item(), value)
         assert found.status.item() == Status.AT_LOWER_END
         assert found.theta.item() == 0
         assert found.z.item() == 1
@@ -64,13 +67,13 @@ def test_upright_line_lies_on_the_surface():
 
 def test_inverted_line_lies_on_the_surface_from_lambda_pi():
     """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is strictly lower. (5.1)"""
-    lam_pi = marked_lines.marked_lines(CANONICAL, 0.0).lambda_pi
+    lam_pi = marked_lines.marked_lines(TOP, 0.0).lambda_pi
     assert lam_pi == pytest.approx(1.70683e-6, rel=1e-5)  # section 14
     lam = lam_pi * np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
-    lines = marked_lines.marked_lines(CANONICAL, lam)
+    lines = marked_lines.marked_lines(TOP, lam)
     for i, value in enumerate(lam):
         found, E = (
-            surface.minimal_surface(CANONICAL, lines.D[1, i].item(), value),
+            surface.minimal_surface(TOP, lines.D[1, i].item(), value),
             lines.E[1, i].item(),
         )
         if value < lam_pi:
@@ -86,7 +89,7 @@ def test_inverted_line_lies_on_the_surface_from_lambda_pi():
 
 def test_nothing_moves_at_rest():
     """D = lambda = 0: the infimum m g R (1 - alpha) is approached at theta = 0."""
-    found = surface.minimal_surface(CANONICAL, [-1e-300, 0.0, 1e-30], [-1e-30, 0.0, 1e-300])
+    found = surface.minimal_surface(TOP, [-1e-300, 0.0, 1e-30], [-1e-30, 0.0, 1e-300])
     weight = CANONICAL["m"] * CANONICAL["g"] * CANONICAL["R"] * 0.7
     np.testing.assert_allclose(found.F, weight, rtol=3e-16)
     assert found.status[1, 1] == Status.AT_LOWER_END
@@ -94,7 +97,7 @@ def test_nothing_moves_at_rest():
 
 
 def test_what_is_not_finite_is_undefined():
-    found = surface.minimal_surface(CANONICAL, [1e-4, np.nan, np.inf], [0.0, 1e-6, np.nan])
+    found = surface.minimal_surface(TOP, [1e-4, np.nan, np.inf], [0.0, 1e-6, np.nan])
     undefined = found.status == Status.UNDEFINED
     np.testing.assert_array_equal(undefined, [[False, False, True], [True] * 3, [True] * 3])
     for name in ("F", "z", "theta", "F_D", "F_lambda"):
@@ -107,7 +110,7 @@ def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
         4 * HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * (HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2)
     )
     for factor, status in ((0.9, Status.ATTAINED), (1.1, Status.AT_UPPER_END)):
-        found = surface.minimal_surface(HEAVY, factor * threshold, factor * threshold, "heavy-top")
+        found = surface.minimal_surface(HEAVY_TOP, factor * threshold, factor * threshold)
         assert found.status.item() == status
         assert (found.theta.item() == 0) == (factor > 1)
 
@@ -118,7 +121,7 @@ def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
 def test_rolling_top_swings_as_its_reference_run():
     """Reproduce reference case 6: a rolling tippe top integrated with 200 bits (section 14)."""
     found = turning.turning_angles(
-        CANONICAL,
+        TOP,
         3.176113719312522795797e-4,
         1.770830502934459498575855e-6,
         1.810356427261974764621e-2,
@@ -133,7 +136,7 @@ def test_heavy_top_swings_as_its_closed_form():
     """Reference case 7: 2 K(k)/W; cuspidal start at theta = 0.6, L3 = 0.01 (sections 8, 14)."""
     L3, z0 = 0.01, np.cos(0.6)
     E = L3**2 / 2 / HEAVY["I3"] + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * z0
-    found = turning.turning_angles(HEAVY, L3, L3 * z0, E, "heavy-top")
+    found = turning.turning_angles(HEAVY_TOP, L3, L3 * z0, E)
     assert found.theta_min.item() == pytest.approx(0.6, rel=1e-12)
     assert found.theta_max.item() == pytest.approx(0.7376469624934865, rel=1e-12)
     assert found.period.item() == pytest.approx(0.1786029610277087905, rel=1e-11)
@@ -141,8 +144,8 @@ def test_heavy_top_swings_as_its_closed_form():
 
 def test_small_nutations_have_the_period_of_the_second_derivative():
     D, lam = 3e-4, 4e-6
-    F = surface.minimal_surface(CANONICAL, D, lam).F.item()
-    found = turning.turning_angles(CANONICAL, D, lam, F * (1 + np.array([1e-3, 1e-4, 1e-5])))
+    F = surface.minimal_surface(TOP, D, lam).F.item()
+    found = turning.turning_angles(TOP, D, lam, F * (1 + np.array([1e-3, 1e-4, 1e-5])))
     away = np.abs(found.period / found.small_period - 1).values
     assert away[2] < 1e-5
     np.testing.assert_allclose(away[:-1] / away[1:], 10, rtol=0.05)  # the square of the amplitude
@@ -151,11 +154,9 @@ def test_small_nutations_have_the_period_of_the_second_derivative():
 def test_turning_angles_are_where_the_potential_takes_the_energy():
     rng, b = np.random.default_rng(7), oracle.body(CANONICAL)
     D, lam = rng.uniform(-5e-4, 5e-4, 15), rng.uniform(1e-7, 7e-6, 15)
-    F = np.array(
-        [surface.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)]
-    )
+    F = np.array([surface.minimal_surface(TOP, x, y).F.item() for x, y in zip(D, lam, strict=True)])
     E = F * (1 + 10 ** rng.uniform(-10, 1, 15))
-    found = turning.turning_angles(CANONICAL, D, lam, E)
+    found = turning.turning_angles(TOP, D, lam, E)
     assert (found.theta_min < found.theta_star).all()
     assert (found.theta_star < found.theta_max).all()
     for i in range(15):
@@ -171,8 +172,8 @@ def test_turning_angles_are_where_the_potential_takes_the_energy():
 
 
 def test_levels_say_how_the_energy_lies():
-    F = surface.minimal_surface(CANONICAL, 3e-4, 4e-6).F.item()
-    found = turning.turning_angles(CANONICAL, 3e-4, 4e-6, [2 * F, F * (1 + 1e-13), 0.5 * F, np.nan])
+    F = surface.minimal_surface(TOP, 3e-4, 4e-6).F.item()
+    found = turning.turning_angles(TOP, 3e-4, 4e-6, [2 * F, F * (1 + 1e-13), 0.5 * F, np.nan])
     assert found.level.values.tolist() == [
         Level.ABOVE,
         Level.TOUCHING,
@@ -221,7 +222,7 @@ def test_band_of_a_rolling_top_stands_still():
         "run": {"until": 0.5, "output_step": 0.001},
     }
     run = tippetop.run(build.problem(tables)).datasets()
-    found = turning.band(CANONICAL, run["trajectory"], "rolling-tippe-top")
+    found = turning.band(top(CANONICAL, "rolling-tippe-top"), run["trajectory"])
     for name in ("theta_min", "theta_max", "period"):
         assert float(np.ptp(found[name].values)) < 1e-10
     turnings = run["events"].theta.values[run["events"].kind.values == 0]

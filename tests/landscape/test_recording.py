@@ -10,11 +10,12 @@ from examples import CANONICAL
 from typed import typed
 
 from tippetop.landscape import surface, surface_recording
+from tippetop.landscape.landscape_body import top
 from tippetop.store import root
 from tippetop_kernels import grid
 
 
-PARAMETERS = {**CANONICAL, "I1": 3.008e-6}
+TOP = top({**CANONICAL, "I1": 3.008e-6})
 D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 
 
@@ -25,8 +26,8 @@ def place(tmp_path):
 
 def test_store_is_the_surface(tmp_path, place):
     seen = []
-    surface_recording.write(place, PARAMETERS, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
-    stored, exact = root.open_group(place, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
+    surface_recording.write(place, TOP, D, LAM, chunk=16, progress=lambda *a: seen.append(a))
+    stored, exact = root.open_group(place, "surface"), surface.minimal_surface(TOP, D, LAM)
     for name in ("F", "z", "status", "D", "lambda"):
         np.testing.assert_array_equal(stored[name], exact[name])
     assert stored.F.dims == ("D", "lambda")
@@ -88,7 +89,7 @@ def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monk
 
 
 def test_an_exported_table_of_a_surface_has_its_axes(place, tmp_path):
-    surface_recording.write(place, PARAMETERS, D, LAM, chunk=16)
+    surface_recording.write(place, TOP, D, LAM, chunk=16)
     out = tmp_path / "F.csv"
     assert typed(f"export {place} --to csv --out {out}") == 0
     table = pandas.read_csv(out)

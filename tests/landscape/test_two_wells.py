@@ -13,6 +13,7 @@ from tippetop_kernels.level_crossings import Level
 
 
 PARAMETERS = oracle.parameters(0.3, 3.0, 4.0)  # gamma above gamma* [section 5, item 4]
+TOP = bodies.top(PARAMETERS)
 
 
 @pytest.fixture(scope="module")
@@ -55,12 +56,12 @@ def test_both_bands_are_given_and_theta_chooses(two_wells):
     energy = max(V[0], V[2]) + 0.5 * (V[1] - max(V[0], V[2]))
     near, far = bands(D, lam, energy)
     for start, here, there in ((theta[0], near, far), (theta[2], far, near)):
-        found = turning.turning_angles(PARAMETERS, D, lam, energy, theta=start)
+        found = turning.turning_angles(TOP, D, lam, energy, theta=start)
         assert edges(found) == pytest.approx(here, abs=1e-5)
         assert edges(found, "other_theta") == pytest.approx(there, abs=1e-5)
         assert found.theta_star.item() == pytest.approx(start, abs=1e-5)
         assert found.F.item() == pytest.approx(V[0] if start == theta[0] else V[2], rel=1e-9)
-    by_depth = turning.turning_angles(PARAMETERS, D, lam, energy)
+    by_depth = turning.turning_angles(TOP, D, lam, energy)
     assert by_depth.theta_star.item() == pytest.approx(
         theta[0] if V[0] < V[2] else theta[2], abs=1e-5
     )
@@ -71,15 +72,13 @@ def test_levels_above_the_barrier_and_in_one_well_only(two_wells):
     over, lower = V[1] + 0.2 * (V[1] - min(V)), min(V) + 0.5 * abs(V[2] - V[0])
     (whole,) = bands(D, lam, over)
     for start in (theta[0], theta[2], np.nan):
-        found = turning.turning_angles(PARAMETERS, D, lam, over, theta=start)
+        found = turning.turning_angles(TOP, D, lam, over, theta=start)
         assert edges(found) == pytest.approx(whole, abs=1e-5)
         assert np.isnan(found.other_theta_min.item())
         assert found.F.item() == pytest.approx(min(V), rel=1e-9)
     (only,) = bands(D, lam, lower)
     deep, shallow = (theta[0], theta[2]) if V[0] < V[2] else (theta[2], theta[0])
-    found = turning.turning_angles(
-        PARAMETERS, D, lam, [lower, lower, np.nan], theta=[deep, shallow, deep]
-    )
+    found = turning.turning_angles(TOP, D, lam, [lower, lower, np.nan], theta=[deep, shallow, deep])
     assert edges(found)[:, 0] == pytest.approx(only, abs=1e-5)
     assert found.level.values.tolist() == [Level.ABOVE, Level.BELOW, Level.UNDEFINED]
     assert np.isnan(found.other_theta_min[0].item())
@@ -90,7 +89,7 @@ def test_the_band_of_a_run_holds_the_run():
     import tippetop
     from tippetop.scenario import build
 
-    b = bodies.top(PARAMETERS).body
+    b = TOP.body
     lam = 1.02 * float(spinning.lambda_pi(b))
     tables = {
         "system": "rolling-tippe-top",
@@ -99,7 +98,7 @@ def test_the_band_of_a_run_holds_the_run():
         "run": {"until": 3.0, "output_step": 0.0005, "on_liftoff": "continue"},
     }
     run = tippetop.run(build.problem(tables)).datasets()["trajectory"]
-    found = turning.band(PARAMETERS, run, "rolling-tippe-top")
+    found = turning.band(bodies.top(PARAMETERS, "rolling-tippe-top"), run)
     theta = run["theta"].values
     assert theta.min() == pytest.approx(
         found.theta_min.values.min(), abs=1e-4

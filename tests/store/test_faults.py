@@ -15,6 +15,7 @@ from stores import files, state_of, tiny_chunks
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
+from tippetop.landscape import landscape_body
 from tippetop.landscape import surface_recording as surfaces
 from tippetop.runs import replay, starting
 from tippetop.sampling import EvenTimes
@@ -59,7 +60,7 @@ def extend(place: Path) -> None:
 
 
 def surface(place: Path) -> None:
-    body = starting.load("inverting").parameters
+    body = landscape_body.top(starting.load("inverting").parameters)
     axes = np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5]
     unless("must not exist yet", lambda: surfaces.write(place, body, *axes, chunk=4))
 

@@ -6,7 +6,7 @@ import math
 import re
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -17,6 +17,10 @@ from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
 from .streams import print_json, visible
 from .values import Jellett, Place, Routh, Whole
+
+
+if TYPE_CHECKING:
+    from ..landscape.landscape_body import Top
 
 
 COMPILING = "the formulas are being compiled"
@@ -65,21 +69,19 @@ def surface(
     from ..store import files
     from .targets import check_picture
 
-    parameters, system = _tippe_top(scenario)
+    top = _tippe_top(scenario)
     if out is None and figure is None:
         raise InputError("nothing to do: give --out F.zarr, --figure F.png, or both.")
     check_picture(figure, overwrite)
     if out is not None:  # now rather than after formulas are compiled
         files.refuse_existing(out, overwrite)
-    lambda_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
+    lambda_pi = marked_lines.marked_lines(top, 0.0).attrs["lambda_pi"]
     default = np.linspace(0, 4.5 * lambda_pi, SHOWN)
     lambdas = _axis("--lambda", lambda_, JELLETT) if lambda_ else default
-    ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
+    ends = marked_lines.marked_lines(top, lambdas)["D"].values
     default = np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), SHOWN)
     Ds = _axis("--D", D, ANGULAR_MOMENTUM) if D else default
-    minimal = partial(
-        surface.minimal_surface, parameters, system=system, gradient=False, threads=threads
-    )
+    minimal = partial(surface.minimal_surface, top, gradient=False, threads=threads)
     if out is not None:
         corners = [axis[[0, -1]] for axis in (Ds, lambdas)]
         if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
@@ -87,10 +89,9 @@ def surface(
         with Bar("chunks") as bar:
             surface_recording.write(
                 out,
-                parameters,
+                top,
                 Ds,
                 lambdas,
-                system,
                 threads=threads,
                 progress=bar.update,
                 overwrite=overwrite,
@@ -98,7 +99,7 @@ def surface(
     if figure is not None:
         few = [axis[spread(axis.size, SHOWN)] for axis in (Ds, lambdas)]
         grid = awaited(lambda: minimal(*few), COMPILING)
-        drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
+        drawing.write(_surface(grid, top), figure, overwrite=overwrite)
     print(
         f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lambda_pi:.6g} kg m^3/s"
     )
@@ -144,13 +145,13 @@ def potential(
     from ..landscape import potential, surface, surface_recording
     from .targets import check_picture
 
-    parameters, system = _tippe_top(scenario)
+    top = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
         raise InputError(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
     check_picture(figure, overwrite)
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
-    V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
-    least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
+    V = awaited(lambda: potential.potential(top, z, D, lambda_), COMPILING)
+    least = awaited(lambda: surface.minimal_surface(top, D, lambda_), COMPILING)
     minimum = {name: least[name].item() for name in ("F", "theta", "F_D", "F_lambda")}
     minimum["status"] = flag_words(least["status"]).item()
     if not math.isfinite(minimum["F"]):
@@ -158,10 +159,15 @@ def potential(
             f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
         )
     if out is not None:
-        attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
-        surface_recording.write_potential(
-            out, V, attrs | {"D": D, "lambda": lambda_, "minimum": minimum}, overwrite=overwrite
-        )
+        attrs = {
+            "title": "effective potential V(z)",
+            "system": top.system.name,
+            "parameters": top.parameters,
+            "D": D,
+            "lambda": lambda_,
+            "minimum": minimum,
+        }
+        surface_recording.write_potential(out, V, attrs, overwrite=overwrite)
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
@@ -175,16 +181,17 @@ def potential(
 
 def picture(store: Path, attrs: PlainData, look: Look) -> Any:
     """Draw the store of `surface` or `potential`."""
-    from ..landscape import surface
+    from ..landscape import landscape_body, surface
     from ..sampling import spread
     from ..store import root
 
     group = root.open_group(store, attrs["content"])
+    top = landscape_body.top(attrs["parameters"], attrs["system"])
     if attrs["content"] == "potential":
-        given = [attrs[name] for name in ("parameters", "D", "lambda", "system")]
-        return _potential(root.loaded(group, store), surface.minimal_surface(*given), look)
+        least = surface.minimal_surface(top, attrs["D"], attrs["lambda"])
+        return _potential(root.loaded(group, store), least, look)
     some = {dim: spread(group.sizes[dim], SHOWN) for dim in group["F"].dims}
-    return _surface(root.loaded(group.isel(some), store), attrs["parameters"], look)
+    return _surface(root.loaded(group.isel(some), store), top, look)
 
 
 def describe(attrs: PlainData, as_json: bool) -> int:
@@ -199,12 +206,12 @@ def describe(attrs: PlainData, as_json: bool) -> int:
     return 0
 
 
-def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any:
+def _surface(grid: Any, top: Top, look: Look = PLAIN) -> Any:
     """Draw a surface with the lines of both spinning states."""
     from ..figures import drawing, landscape_figures
     from ..landscape import marked_lines
 
-    lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
+    lines = marked_lines.marked_lines(top, grid["lambda"].values)
     return drawing.drawn(lambda: landscape_figures.surface(grid, lines), look)
 
 
@@ -222,16 +229,17 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     return drawing.drawn(lambda: well.potential([("", V, at)], title), look)
 
 
-def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
-    """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
-    from ..landscape.run_landscape import spinning_system
+def _tippe_top(scenario: str) -> Top:
+    """Return the body of a scenario. Raises InputError if it has no (D, lambda)."""
+    from ..landscape.landscape_body import top
     from ..mechanics.contact.surroundings import require_still
     from ..runs.starting import load
 
     problem = load(scenario)
     require_still(problem.tables, "a top in a landscape")
-    spinning_system(problem.system.name)  # the sphere on the plane, whatever its contact does
-    return dict(problem.parameters), problem.system.name
+    body = top(problem.parameters, problem.system)  # of the sphere, whatever its contact does
+    body.require_spinning()
+    return body
 
 
 def _axis(name: str, text: str, unit: Unit) -> Any:

@@ -115,12 +115,13 @@ def _states(scenario: str, look: Look) -> Any:
     from ..figures.stability import states
     from ..figures.style import literal
     from ..landscape import run_landscape
+    from ..landscape.landscape_body import top
     from ..runs import forecast
     from ..runs.starting import load
 
     problem = load(scenario)
     run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
-    branches, marks = run_landscape.diagram(problem.system.name, problem.parameters, lam)
+    branches, marks = run_landscape.diagram(top(problem.parameters, problem.system), lam)
     marks["|λ| of the start"] = abs(lam)
     return drawing.drawn(lambda: states(branches, marks, literal(scenario)), look)

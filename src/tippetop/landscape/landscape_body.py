@@ -13,6 +13,7 @@ from ..mechanics.system import Landscape, System
 from ..mechanics.systems import SYSTEMS, find
 
 
+SPINNING = ("D", "lambda")  # the momenta over which spinning states are lines
 DIGITS = 50  # of the constants before they are rounded: the marked lines cancel
 
 
@@ -32,24 +33,17 @@ class Top:
         """The symbols of the two momenta."""
         return self.landscape.symbols
 
+    def require_spinning(self) -> None:
+        """Raise InputError for a body whose spinning states are no lines: it has no D, lambda."""
+        if self.momenta != SPINNING:
+            raise InputError(
+                f"D and lambda belong to tippe tops only; this is `{self.system.name}`."
+            )
+
     @property
     def upright(self) -> int:
         """z = cos(theta) at q = 0, where the centre of mass is lowest."""
         return 1 if self.body.c > 0 else -1
-
-
-def landscape_of(system: str | System) -> tuple[System, Landscape]:
-    """Return a system and its landscape. Raises InputError for a system without one."""
-    record = find(system) if isinstance(system, str) else system
-    if record is not None and record.contact is not None:  # that of the body in contact
-        record = find(record.name)
-    if record is None or record.landscape is None:
-        known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
-        name = system if isinstance(system, str) else system.name
-        raise InputError(
-            f"the system must be one of {known}, which have a landscape, but is {name}."
-        )
-    return record, record.landscape
 
 
 def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> Top:
@@ -67,7 +61,16 @@ def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> 
     InputError
         For a system without landscape, and for parameters that its record does not allow.
     """
-    record, landscape = landscape_of(system)
+    record = find(system) if isinstance(system, str) else system
+    if record is not None and record.contact is not None:  # that of the body in contact
+        record = find(record.name)
+    if record is None or record.landscape is None:
+        known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
+        name = system if isinstance(system, str) else system.name
+        raise InputError(
+            f"the system must be one of {known}, which have a landscape, but is {name}."
+        )
+    landscape = record.landscape
     given = {name: float(value) for name, value in parameters.items()}
     if faults := record.faults(given):
         raise InputError(faults)

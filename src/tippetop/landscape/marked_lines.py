@@ -1,6 +1,5 @@
 """The two spinning states of a tippe top as lines on the minimal surface."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,17 +7,17 @@ import xarray as xr
 
 from ..mechanics.theory import spinning
 from ..mechanics.theory.thresholds import spin
-from .landscape_body import top
+from .landscape_body import Top
 from .landscape_labels import attributes, axis, labelled, momenta
 
 
-def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
+def marked_lines(t: Top, lam: Any) -> xr.Dataset:
     """Compute the lines of the spinning states theta = 0, pi on the minimal surface. [T 4.23-4.28]
 
     Parameters
     ----------
-    parameters
-        m, R, alpha, I1, I3, g of a tippe top, SI.
+    t
+        A tippe top.
     lam
         Jellett's integral lambda [kg m^3/s], a number or ascending numbers, (n,).
 
@@ -33,10 +32,9 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
     Raises
     ------
     InputError
-        For a parameter that is missing, not finite or outside its interval, and numbers that do not
-        ascend.
+        For another body, and numbers that do not ascend.
     """
-    t = top(parameters)
+    t.require_spinning()
     lam = axis("lambda", lam)
     dims = ("end", "lambda")
     lam_pi = float(spinning.lambda_pi(t.body))

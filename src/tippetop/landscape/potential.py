@@ -1,37 +1,27 @@
 """The effective potential V over a grid."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ..mechanics.system import System
 from .formulas import at_momenta, slopes, value
-from .landscape_body import top
+from .landscape_body import Top
 from .landscape_labels import axis, grid, labelled, momenta
 
 
-def potential(
-    parameters: Mapping[str, float],
-    z: Any,
-    first: Any,
-    second: Any,
-    system: str | System = "tippe-top",
-) -> xr.Dataset:
+def potential(t: Top, z: Any, first: Any, second: Any) -> xr.Dataset:
     """Compute V of a top and its derivatives by z over a grid. [T 4.12, 2.38, 5.26]
 
     Parameters
     ----------
-    parameters
-        The numbers of the system, SI, by name.
+    t
+        The body.
     z
         cos(theta) in (-1, 1), a number or ascending numbers.
     first, second
         The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe
         top, L3 and Lz [kg m^2/s] of a heavy top.
-    system
-        A system that has a landscape, or its name.
 
     Returns
     -------
@@ -44,10 +34,8 @@ def potential(
     Raises
     ------
     InputError
-        For a system without landscape, a parameter that is missing, not finite or outside its
-        interval, and axes that are empty or do not ascend.
+        For axes that are empty or do not ascend.
     """
-    t = top(parameters, system)
     given = z, first, second
     z, x, y = map(axis, ("z", *t.momenta), given)
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))

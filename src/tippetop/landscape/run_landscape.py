@@ -11,10 +11,9 @@ from ..columns import capitalised, on_sphere, significant_turnings
 from ..errors import InputError
 from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import PARTS, Frictionless
-from ..mechanics.system import System
 from ..mechanics.systems.tippe_top import is_peg
 from ..mechanics.theory import thresholds, tumbling
-from .landscape_body import landscape_of
+from .landscape_body import Top, top
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
 from .surface import minimal_surface
@@ -24,7 +23,6 @@ from .turning import turning_angles
 
 TIMES = 6  # panels of the potential
 KEPT = 1e-9  # relative change of a quantity that is constant
-SPINNING = ("D", "lambda")  # the momenta over which spinning states are lines
 
 
 def band(
@@ -38,9 +36,8 @@ def band(
     """
     from scipy.interpolate import CubicSpline
 
-    require_still(attrs, "a run in a landscape")
-    parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
-    angles = band_along(parameters, trajectory, system)
+    t = _body_of(attrs)
+    angles = band_along(t, trajectory)
     turning = significant_turnings(events)
     times = trajectory["time"].values
     turning &= times.size >= 4
@@ -48,9 +45,9 @@ def band(
     theta = events["theta"].values[turning]
     x, y, E = (
         CubicSpline(times, trajectory[name].values)(when) if when.size else when
-        for name in landscape.columns
+        for name in t.landscape.columns
     )
-    edges = turning_angles(parameters, x, y, E, system, theta=theta)
+    edges = turning_angles(t, x, y, E, theta=theta)
     low = edges["theta_min"].values
     high = edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
@@ -64,17 +61,16 @@ def band(
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tuple[Any, ...]:
     """Return the surface around a run, the marked lines, the run on its sphere, and a title."""
-    require_still(attrs, "a run in a landscape")
+    t = _body_of(attrs)
     refuse_parts(attrs.get("friction", {}))
-    parameters = attrs["parameters"]
     lam = float(trajectory["jellett"][0])
     if lam == 0:
         raise InputError("the surface is drawn around a run with lambda other than 0, but it is 0.")
     lambdas = np.sort(np.linspace(0, 1.25 * lam, 201))
-    lines = marked_lines(parameters, lambdas)
+    lines = marked_lines(t, lambdas)
     seen = _on_sphere(trajectory)
     ends = np.append(lines["D"].values, seen["routh"].values)
-    grid = minimal_surface(parameters, np.linspace(np.nanmin(ends), np.nanmax(ends), 201), lambdas)
+    grid = minimal_surface(t, np.linspace(np.nanmin(ends), np.nanmax(ends), 201), lambdas)
     return grid, lines, seen, capitalised(attrs["title"])
 
 
@@ -84,8 +80,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> t
     The times are evenly spread in theta, hence all through an inversion.
     Where D, lambda and E~ are constant, there is one time.
     """
-    require_still(attrs, "a run in a landscape")
-    parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
+    t = _body_of(attrs)
     trajectory = trajectory.isel(time=on_sphere(trajectory))
     theta = trajectory["theta"].values
     if not theta.size:
@@ -93,20 +88,20 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> t
             "the potential is that of a top on its sphere, and this one is on its stem or "
             "in the air."
         )
-    risen = -theta if is_peg(parameters) else theta
+    risen = -theta if is_peg(t.parameters) else theta
     reached = np.maximum.accumulate(risen)
     picks = np.unique(np.searchsorted(reached, np.linspace(risen[0], reached[-1], TIMES)))
     if picks.size < TIMES:  # the top does not rise: evenly spread in time
         picks = np.unique(np.linspace(0, theta.size - 1, TIMES).round().astype(int))
-    states = [trajectory[name].values for name in landscape.columns]
+    states = [trajectory[name].values for name in t.landscape.columns]
     constant = all(np.ptp(v) <= KEPT * np.abs(v).max() for v in states)
     z = np.cos(np.linspace(np.pi, 0, 4003)[1:-1])
     curves = []
     for i in picks[:1] if constant else picks:
         x, y, E = (values[i] for values in states)
-        at = turning_angles(parameters, x, y, E, system, theta=float(theta[i])).assign(energy=E)
+        at = turning_angles(t, x, y, E, theta=float(theta[i])).assign(energy=E)
         words = "at all times" if constant else f"t = {float(trajectory['time'][i]):.4g} s"
-        curves.append((words, potential_over(parameters, z, x, y, system), at))
+        curves.append((words, potential_over(t, z, x, y), at))
     return curves, f"{capitalised(attrs['title'])}: effective potential V(z)"
 
 
@@ -117,30 +112,27 @@ def states(
 
     Further a title, and the run as cos(theta) with its lambda [kg m^3/s] while it is on its sphere.
     """
-    require_still(attrs, "a run in a landscape")
+    t = _body_of(attrs)
     refuse_parts(attrs.get("friction", {}))
     seen = _on_sphere(trajectory)
     lam = seen["jellett"].values
-    branches, marks = diagram(attrs["system"], attrs["parameters"], float(np.nanmax(np.abs(lam))))
+    branches, marks = diagram(t, float(np.nanmax(np.abs(lam))))
     return branches, marks, capitalised(attrs["title"]), (np.cos(seen["theta"].values), lam)
 
 
-def spinning_system(name: str) -> System:
-    """Return a system of tippe tops. Raises InputError for another."""
-    system, landscape = landscape_of(name)
-    if landscape.symbols != SPINNING:
-        raise InputError(f"D and lambda belong to tippe tops only; this is `{name}`.")
-    return system
+def _body_of(attrs: PlainData) -> Top:
+    """Return the body of a run. Raises InputError if it has no landscape."""
+    require_still(attrs, "a run in a landscape")
+    return top(attrs["parameters"], attrs["system"])
 
 
-def diagram(
-    system: str, parameters: dict[str, float], lam: float
-) -> tuple[list[tumbling.Branch], dict[str, float]]:
+def diagram(t: Top, lam: float) -> tuple[list[tumbling.Branch], dict[str, float]]:
     """Return the asymptotic states of a body as branches over lambda, and its thresholds.
 
     The branches reach beyond `lam` [kg m^3/s] and the thresholds.
     """
-    body = spinning_system(system).body_of(parameters, Frictionless())
+    t.require_spinning()
+    body = t.system.body_of(t.parameters, Frictionless())
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
     return tumbling.branches(body, 1.25 * max(abs(lam), *marks.values())), marks

@@ -1,13 +1,11 @@
 """The minimal surface F = inf V over a grid."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ..mechanics.system import System
-from .landscape_body import Top, top
+from .landscape_body import Top
 from .landscape_labels import axis, cosine, flags, grid, inclination, labelled, momenta
 
 
@@ -58,10 +56,9 @@ def minima(
 
 
 def minimal_surface(
-    parameters: Mapping[str, float],
+    t: Top,
     first: Any,
     second: Any,
-    system: str | System = "tippe-top",
     *,
     gradient: bool = True,
     threads: int | None = None,
@@ -70,13 +67,11 @@ def minimal_surface(
 
     Parameters
     ----------
-    parameters
-        The numbers of the system, SI, by name.
+    t
+        The body.
     first, second
         The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe
         top, L3 and Lz [kg m^2/s] of a heavy top.
-    system
-        A system that has a landscape, or its name.
     gradient
         Whether dF by both momenta is computed: F_D [1/s] and F_lambda [1/(m s)], F_L3 and F_Lz
         [1/s].
@@ -96,8 +91,7 @@ def minimal_surface(
     Raises
     ------
     InputError
-        For a system without landscape, a parameter that is missing, not finite or outside its
-        interval, and axes that are empty or do not ascend.
+        For axes that are empty or do not ascend.
 
     Notes
     -----
@@ -111,7 +105,6 @@ def minimal_surface(
 
     from . import kernels
 
-    t = top(parameters, system)
     x, y = map(axis, t.momenta, (first, second))
     F, q, status = minima(t, x, y, threads)
     data = variables(t, F, q, status)

@@ -1,7 +1,7 @@
 """Landscapes on disk. Surfaces are computed and written chunk by chunk, also beyond memory."""
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +14,8 @@ from ..store import ledger, zarr3
 from ..store.ledger import Ledger
 from ..store.provenance import provenance
 from ..store.root import new_store
-from . import landscape_body as bodies
 from . import landscape_labels, surface
+from .landscape_body import Top
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
@@ -25,10 +25,9 @@ FILLS = {"F": None, "z": None, "status": -1}
 
 def write(
     path: Path,
-    parameters: Mapping[str, float],
+    top: Top,
     x: Any,
     y: Any,
-    system: str = "tippe-top",
     *,
     chunk: int = CHUNK,
     threads: int | None = None,
@@ -41,7 +40,7 @@ def write(
     ----------
     path
         The store.
-    parameters, x, y, system
+    top, x, y
         As for `minimal_surface`.
     chunk
         Points along each side of a chunk.
@@ -63,7 +62,6 @@ def write(
     -----
     17 bytes a point before compression; memory: some 40 bytes a point of one chunk.
     """
-    top = bodies.top(parameters, system)
     x, y = map(landscape_labels.axis, top.momenta, (x, y))
     axes = landscape_labels.momenta(top, x, y)
     firsts = [range(0, axis.size, chunk) for axis in (x, y)]

@@ -1,6 +1,5 @@
 """Turning angles, the period of nutation, and the band along a run."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,8 +8,7 @@ import xarray as xr
 from ..arguments import numbers
 from ..columns import flagged, require
 from ..errors import InputError
-from ..mechanics.system import System
-from .landscape_body import landscape_of, top
+from .landscape_body import Top
 from .landscape_labels import attributes, cosine, flags, inclination, labelled
 
 
@@ -19,11 +17,10 @@ ALLOWANCE = 1e-12
 
 
 def turning_angles(
-    parameters: Mapping[str, float],
+    t: Top,
     first: Any,
     second: Any,
     energy: Any,
-    system: str | System = "tippe-top",
     *,
     theta: Any = None,
 ) -> xr.Dataset:
@@ -33,16 +30,14 @@ def turning_angles(
 
     Parameters
     ----------
-    parameters
-        The numbers of the system, SI, by name.
+    t
+        The body.
     first, second
         The two momenta: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz [kg m^2/s] of
         a heavy top.
     energy
         Modified energy E~ [J]. The three are broadcast against one another, with any shape;
         DataArrays keep their dimensions and coordinates.
-    system
-        A system that has a landscape, or its name.
     theta
         An angle [rad] of the motion, broadcast too: it selects one of two wells.
         None, NaN: that of the lower minimum.
@@ -57,18 +52,11 @@ def turning_angles(
         separated equation, NaN where it does not settle to 11 digits (nutations of some 1e-5 rad or
         less, and next to a separatrix); `small_period` [s], exact for vanishing amplitude; `level`:
         above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined.
-
-    Raises
-    ------
-    InputError
-        For a system without landscape, and a parameter that is missing, not finite or outside its
-        interval.
     """
     from tippetop_kernels.level_crossings import Level
 
     from . import kernels
 
-    t = top(parameters, system)
     given = {t.momenta[0]: first, t.momenta[1]: second, "energy": energy}
     aligned = _aligned(**given, theta=np.nan if theta is None else theta)
     x, y, E, at = (np.array(a.values, float).ravel() for a in aligned)
@@ -109,20 +97,16 @@ def turning_angles(
     return xr.Dataset(data, aligned[0].coords, attributes(t))
 
 
-def band(
-    parameters: Mapping[str, float], run: xr.Dataset, system: str | System = "tippe-top"
-) -> xr.Dataset:
+def band(t: Top, run: xr.Dataset) -> xr.Dataset:
     """Compute the predicted band along a run, NaN while the body flies. [T 4.21, 5.26]
 
     Parameters
     ----------
-    parameters
-        The numbers of the system, SI, by name.
+    t
+        The body.
     run
         The trajectory of a run: the momenta (routh and jellett, or L3 and Lz) and modified_energy
         [J] along `time`; theta [rad], if it is there, selects one of two wells.
-    system
-        A system that has a landscape, or its name.
 
     Returns
     -------
@@ -130,10 +114,10 @@ def band(
         As `turning_angles`, along the time of the run: theta_min(t), theta_max(t), F(t), periods;
         with the momenta, the energy and theta of the run.
     """
-    names = landscape_of(system)[1].columns
+    names = t.landscape.columns
     require(names, run, "the band along a run")
     first, second, energy = (run[name] for name in names)
-    angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))
+    angles = turning_angles(t, first, second, energy, theta=run.get("theta"))
     if "phase" in run:
         angles = angles.where(~run["phase"].copy(data=flagged(run["phase"], "flight")))
     return angles.assign({name: run[name] for name in (*names, "theta") if name in run})

@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import flag, instance, measured_values, whole, within
 from ..columns import require
 from ..errors import InputError
+from ..landscape import landscape_body, surface, turning
 from ..landscape import marked_lines as lines_of
 from ..landscape import potential as potential_of
-from ..landscape import surface, turning
-from ..landscape.landscape_body import landscape_of
 from ..mechanics.contact.body import Top
 from ..mechanics.contact.surroundings import require_still
-from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS
 from ..mechanics.units import JELLETT, JOULE, ONE, RADIAN
 from ..problem import Problem
 from .finished_run import Run
@@ -68,10 +65,10 @@ def minimal_surface(
     F is good to 4 units of rounding. Rutstam (2010), eq. 4.13. `status`: attained; at_lower_end,
     at_upper_end (an infimum that is approached at a pole); lower_of_two; unsettled; undefined.
     """
-    parameters, system, x, y = _body_and_momenta(top, momenta)
+    t, x, y = _body_and_momenta(top, momenta)
     flag("gradient", gradient)
     threads = None if threads is None else whole("threads", threads)
-    return surface.minimal_surface(parameters, x, y, system, gradient=gradient, threads=threads)
+    return surface.minimal_surface(t, x, y, gradient=gradient, threads=threads)
 
 
 def potential(
@@ -105,10 +102,10 @@ def potential(
     -----
     Rutstam (2010), eqs. 4.12, 2.38, 5.26. No digits are lost near the poles.
     """
-    parameters, system, x, y = _body_and_momenta(top, momenta)
+    t, x, y = _body_and_momenta(top, momenta)
     z = measured_values("z", z, ONE)
     within("z", z, -1, 1, "[-1, 1]")
-    return potential_of.potential(parameters, z, x, y, system)
+    return potential_of.potential(t, z, x, y)
 
 
 def turning_angles(
@@ -149,14 +146,14 @@ def turning_angles(
     -----
     Rutstam (2010), eqs. 4.12 and 4.21.
     """
-    parameters, system, x, y = _body_and_momenta(top, momenta)
+    t, x, y = _body_and_momenta(top, momenta)
     if energy is None:
         raise InputError("`energy` must be given, but is missing.")
     energy = measured_values("energy", energy, JOULE)
     if theta is not None:
         theta = measured_values("theta", theta, RADIAN)
         within("theta", theta, 0, math.pi, "[0, pi]")
-    return turning.turning_angles(parameters, x, y, energy, system, theta=theta)
+    return turning.turning_angles(t, x, y, energy, theta=theta)
 
 
 def band(run: Run) -> xr.Dataset:
@@ -183,11 +180,11 @@ def band(run: Run) -> xr.Dataset:
     Rutstam (2010), eqs. 4.21 and 5.26.
     """
     instance("run", run, Run, "a Run")
-    parameters, system = _body(run)
+    t = _body(run)
     trajectory = run.trajectory
     phase = ("phase",) if "contact" in run.attributes else ()
     require(("theta", *phase), trajectory, "the band along a run")
-    return turning.band(parameters, trajectory, system)
+    return turning.band(t, trajectory)
 
 
 def marked_lines(top: Body, lam: Any) -> xr.Dataset:
@@ -215,28 +212,25 @@ def marked_lines(top: Body, lam: Any) -> xr.Dataset:
     -----
     Rutstam (2010), eqs. 4.23-4.28.
     """
-    return lines_of.marked_lines(_body(top)[0], measured_values("lam", lam, JELLETT))
+    return lines_of.marked_lines(_body(top), measured_values("lam", lam, JELLETT))
 
 
-def _body(top: Body) -> tuple[Mapping[str, float], System]:
-    """Return parameters and system."""
+def _body(top: Body) -> landscape_body.Top:
+    """Return the body. Raises InputError if it has no landscape."""
     if isinstance(top, Top):
-        return top._asdict(), SYSTEMS[top.gliding]
+        return landscape_body.top(top._asdict(), top.gliding)
     problem = problem_behind(top)
     assert problem is not None  # a body was looked for above
     require_still(problem.tables, "a top in a landscape")
-    return problem.parameters, problem.system
+    return landscape_body.top(problem.parameters, problem.system)
 
 
-def _body_and_momenta(
-    top: Body, momenta: Mapping[str, Any]
-) -> tuple[Mapping[str, float], System, Any, Any]:
-    """Return parameters, system and the two momenta in SI units. Raises InputError."""
-    parameters, system = _body(top)
-    record, landscape = landscape_of(system)
-    names = ["lam" if symbol == "lambda" else symbol for symbol in landscape.symbols]
+def _body_and_momenta(top: Body, momenta: Mapping[str, Any]) -> tuple[landscape_body.Top, Any, Any]:
+    """Return the body and the two momenta in SI units. Raises InputError."""
+    t = _body(top)
+    names = ["lam" if symbol == "lambda" else symbol for symbol in t.momenta]
     sentences = [
-        f"`{letter}` is no momentum of {record.name}: it has {' and '.join(names)}."
+        f"`{letter}` is no momentum of {t.system.name}: it has {' and '.join(names)}."
         for letter in momenta
         if letter not in names
     ]
@@ -246,6 +240,6 @@ def _body_and_momenta(
         raise InputError(sentences)
     x, y = (
         measured_values(name, momenta[name], momentum.unit)
-        for name, momentum in zip(names, landscape.momenta, strict=True)
+        for name, momentum in zip(names, t.landscape.momenta, strict=True)
     )
-    return parameters, system, x, y
+    return t, x, y
