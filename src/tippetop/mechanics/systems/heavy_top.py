@@ -187,8 +187,6 @@ def vertical_reaction(q, carried, b):
 ANGLES = contact.filled(**rolling.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEWTON_SECOND)
 """theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
 
-Angles = type(ANGLES)
-
 
 def vector_of_angles(e, s, z, b):
     """Return the state about the fixed tip of the angles. [section 1]"""
