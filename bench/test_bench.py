@@ -21,7 +21,7 @@ from .dop853 import Compiled
 from .drawing import draw
 from .equal import common, ratio, seconds
 from .minimal import COMPILER, Minimal
-from .ours import ENGINE, at, end_of, start_by_hand, tippe_top_by_hand, with_events
+from .ours import end_of, start_by_hand, tippe_top_by_hand, with_events
 from .peers import Peer
 
 
@@ -131,17 +131,6 @@ def test_events_on_is_timed_to_the_end_of_the_run() -> None:
     driver = solver.setup()
     solver.work(driver)
     assert driver.clock[0] == end_of(minimal.problem)
-
-
-@pytest.mark.slow
-def test_peers_are_compared_with_runs_without_the_orientation() -> None:
-    """One row, the last of the engine's, has it: what a run does by default."""
-    minimal = made("inversion")
-    assert not at(minimal, 1e-8).orientation
-    assert at(minimal, 1e-8, orientation=True).orientation
-    assert [peer.name for peer in ENGINE if "orientation" in peer.name] == [
-        "tippetop, whole run with rows and orientation"
-    ]
 
 
 def ladder(factor: float, power: float, least: float) -> dict:

@@ -14,6 +14,8 @@ import pytest
 from plans import PLAN
 
 
+HELPERS = {file.stem for file in Path(__file__).with_name("helpers").glob("*.py")}
+pytest.register_assert_rewrite(*HELPERS - {"plans"})  # their failures show values, too
 gc.set_threshold(100_000)  # as the command line; collections would take 6 % of a session
 os.environ.setdefault(
     "TIPPETOP_OPT_LEVEL", "0"

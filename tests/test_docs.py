@@ -19,7 +19,7 @@ EXECUTED = [
     ROOT / "docs" / "related-bodies.md",
     *sorted((ROOT / "docs" / "how-to").glob("*.md")),
 ]
-EXPENSIVE = ["fit-a-film.md", "gallery.md", "posteriors.md", "related-bodies.md"]
+EXPENSIVE = ["film-a-top.md", "fit-a-film.md", "gallery.md", "posteriors.md", "related-bodies.md"]
 SAMPLERS = (
     "emcee",
     "pymc",
@@ -78,3 +78,11 @@ def test_the_architecture_names_objects_that_exist() -> None:
     assert len(named) > 15
     for name in named:
         pkgutil.resolve_name("tippetop." + name.removesuffix(".py").replace("/", "."))
+    steps = re.findall(r"`([\w/]+)\.(py|c)` `([\w.]+)`", text)
+    assert len(steps) > 30
+    for file, kind, name in steps:
+        if kind == "c":
+            assert f" {name}(" in (ROOT / f"{file}.c").read_text(encoding="utf-8")
+        else:
+            module = file.removesuffix("/__init__").replace("/", ".")
+            pkgutil.resolve_name(f"tippetop.{module}:{name}")

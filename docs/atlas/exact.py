@@ -14,7 +14,6 @@ import mpmath as mp
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import gliding, rolling
-from tippetop.mechanics.contact.gliding import Angles
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 from tippetop.mechanics.systems import cylinder, heavy_top, tippe_top
@@ -112,11 +111,11 @@ class _Drawn:
     def __call__(self, low: float, high: float) -> mp.mpf:
         return mp.mpf(self.random.randrange(10**12)) / 10**12 * (mp.mpf(high) - low) + low
 
-    def angles(self) -> Angles:
+    def angles(self) -> Any:
         """Angles and rates of order one, away from the poles, as jets that stand still."""
         spin = [self(0.3, 3) * self.random.choice((-1, 1)) for _ in range(5)]
         moments = (self(0.3, 2.8), *spin, self(0.2, 6))
-        return Angles(*map(Jet, moments), *[0] * 4)
+        return type(gliding.ANGLES)(*map(Jet, moments), *[0] * 4)
 
 
 def tippe_body(draw: _Drawn) -> SimpleNamespace:
@@ -169,7 +168,7 @@ def _vectors(x: SimpleNamespace, q: Any) -> None:
     x.omega_a = cross(x.omega, x.a)
 
 
-def _gliding(x: SimpleNamespace, start: Angles) -> SimpleNamespace:
+def _gliding(x: SimpleNamespace, start: Any) -> SimpleNamespace:
     """Any gliding body: its state and every letter of it."""
     still = gliding.vector_of_angles(start, start.theta.sin(), start.theta.cos(), x.b)
     x.q = moving(still, gliding.vector_rates(still, x.b))
@@ -200,7 +199,7 @@ def rolling_tippe_top(seed: int) -> SimpleNamespace:
     """A tippe top in pure rolling."""
     draw = _Drawn(seed)
     x, start = tippe_body(draw), draw.angles()
-    e = rolling.Angles(
+    e = type(rolling.ANGLES)(
         start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0, 0, 0
     )
     still = rolling.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
@@ -231,7 +230,9 @@ def fixed_heavy_top(seed: int) -> SimpleNamespace:
     """A heavy top with a fixed tip; L_A is about the tip."""
     draw = _Drawn(seed)
     x, start = heavy_body(draw), draw.angles()
-    e = heavy_top.Angles(start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0)
+    e = type(heavy_top.ANGLES)(
+        start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0
+    )
     still = heavy_top.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
     x.q = moving(still, heavy_top.fixed_rates(still, x.b))
     _angles(x, heavy_top.angles_of_vector(x.q, AT_ORIGIN, x.b))
@@ -252,7 +253,7 @@ def tumbling_tippe_top(seed: int) -> SimpleNamespace:
     x.s, x.c = mp.sin(theta), mp.cos(theta)
     x.z = x.c
     x.phi_dot, x.omega3 = tumbling(x.c, x.b)
-    e = Angles(*map(Jet, (theta, 0, x.phi_dot, x.omega3, 0, 0, 0)), *[0] * 4)
+    e = type(gliding.ANGLES)(*map(Jet, (theta, 0, x.phi_dot, x.omega3, 0, 0, 0)), *[0] * 4)
     x.q = gliding.vector_of_angles(e, jet(x.s), jet(x.c), x.b)
     x.scalars = gliding.vector_scalars(x.q, x.b)
     _vectors(x, x.q)

@@ -109,11 +109,11 @@ typedef struct {
 
     /* _Sizes */
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
-    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
+    integer variables, parameters, size, lanes, tops, events, axis, log_room, sample_room;
 
     /* Motion */
     real *state, *before, *pars, *tc;
-    integer *in_lane;
+    integer *in_lane, *slots;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
     integer *ended_by;   /* the event that ended the present step */
     integer *steps_before; /* steps of a run before those of its tally */
@@ -123,7 +123,7 @@ typedef struct {
     const Number *numbers;
     const integer *axis_rows;
 
-    Tally *tallies; /* of the lanes */
+    Tally *tallies; /* (tops,); that of a lane is at its slot, as all that is kept of its top */
     Function *functions;
     real *kept;
 
@@ -307,8 +307,12 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 
 /* --- bounds of the event functions over a step, in all lanes --- */
 
+static Tally *tally_of(const Loop *l, integer lane) {
+    return l->tallies + l->slots[lane];
+}
+
 static Function *function(const Loop *l, integer event, integer lane) {
-    return l->functions + event * l->lanes + lane;
+    return l->functions + event * l->tops + l->slots[lane];
 }
 
 /* Bound the event functions that count over the step: by bounds of the cubic part, plus or minus
@@ -379,7 +383,7 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     for (integer k = 0; k < size - shift; k++)
         p[k] = c[k * lanes] * factors[k * lanes];
     p[0] += event->offset;
-    const Tally *tally = l->tallies + lane;
+    const Tally *tally = tally_of(l, lane);
     if (!event->watched || keeps_sign(tally, f))
         return 0;
     integer k = roots(tally, f);
@@ -442,7 +446,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
 void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
     for (integer m = first; m < last; m++) {
         const Number *number = l->numbers + m;
-        real *kept = l->kept + m * l->lanes + lane;
+        real *kept = l->kept + m * l->tops + l->slots[lane];
         if ((real)number->direction * sign < 0)
             continue;
         if (number->what == COUNT)
@@ -455,7 +459,7 @@ void loop_keep(const Loop *l, integer first, integer last, integer lane, real wh
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
 static void log_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
     const Event *event = l->event_rows + e;
-    Tally *tally = l->tallies + lane;
+    Tally *tally = tally_of(l, lane);
     Function *f = function(l, e, lane);
     real when = t + x * h, sign = f->sign = -f->sign;
     if (event->lasting)
@@ -481,7 +485,7 @@ static void log_passage(const Loop *l, integer e, integer lane, real t, real h, 
    run. */
 static real find_events(const Loop *l, integer lane, real t, real h) {
     integer size = l->size, events = l->events, ending = -1;
-    Tally *tally = l->tallies + lane;
+    Tally *tally = tally_of(l, lane);
     real upto = 1, p[MOST_COEFFICIENTS], zeros[MOST_COEFFICIENTS];
 
     for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
@@ -588,7 +592,7 @@ static bool is_row_before(const Loop *l, integer top, real time) {
 /* Write the rows of a lane that lie in its present step. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool write_rows(const Loop *l, integer lane, bool moved) {
-    const Tally *tally = l->tallies + lane;
+    const Tally *tally = tally_of(l, lane);
     integer count = l->row_count, n = l->lanes, in_lane = l->in_lane[lane];
     bool has_lanes = l->row_phase_count > 0;
     if (count == 0 || (has_lanes && (!moved || in_lane < 0)))
@@ -626,7 +630,7 @@ static bool write_rows(const Loop *l, integer lane, bool moved) {
 static void begin_step(const Loop *l) {
     memcpy(l->before, l->state, l->variables * l->lanes * sizeof(real));
     for (integer lane = 0; lane < l->lanes; lane++) {
-        bool runs = l->tallies[lane].status == RUNNING;
+        bool runs = tally_of(l, lane)->status == RUNNING;
         l->start_high[lane] = l->high[lane];
         l->start_low[lane] = l->low[lane];
         l->limit[lane] = runs ? (l->end[lane] - l->high[lane]) - l->low[lane] : 0;
@@ -651,7 +655,7 @@ static void advance_time(const Loop *l) {
             l->high[lane] = sum + rest;
             l->low[lane] = rest - (l->high[lane] - sum);
         } else {
-            l->tallies[lane].status = NON_FINITE;
+            tally_of(l, lane)->status = NON_FINITE;
             copy(variables, l->before + lane, n, l->state + lane, n);
         }
     }
@@ -665,7 +669,7 @@ static bool has_settled(const Loop *l, const Tally *tally, integer steps, real w
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
 static bool finish_step(const Loop *l, integer lane) {
-    Tally *tally = l->tallies + lane;
+    Tally *tally = tally_of(l, lane);
     real t = l->start_high[lane], h = l->high[lane] - t;
     if (!(l->limit[lane] > 0))
         return false;
@@ -741,7 +745,7 @@ integer loop_drive(const Loop *l, integer most) {
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
     _Alignas(64) volatile bool runs = false;
     for (integer lane = 0; lane < l->lanes; lane++)
-        runs = runs || l->tallies[lane].status == RUNNING;
+        runs = runs || tally_of(l, lane)->status == RUNNING;
     for (integer steps = 0;; steps++) {
         bool stops = !runs || is_full(l) || steps >= most;
         for (integer lane = 0; lane < l->lanes; lane++)
@@ -804,14 +808,28 @@ typedef struct Program {
 /* Points of time in a change at which event functions are known, its ends included. */
 enum { JUMP_PARTS = 8, POINTS = JUMP_PARTS + 1 };
 
+/* Jumps of the tops of a system. */
 typedef struct {
     const Loop *const *loops;     /* of phases, then of motions */
     const Program *const *programs; /* (phases, events + 1), the last by the clock; or none */
-    const Event *events;          /* of the run */
+    const Event *events;
+    real *made; /* of each change of a run: time, number of the program, then the last registers */
+    real chatter;
+    integer length, width, numbers; /* changes made; their numbers; those of a body */
+} Jumps;
+
+/* A top: its clock, the ends of the run, of the phase and of the next steps, and the start of the
+   phase; the event at the end of the next steps; the phase, and the event that ended it. */
+typedef struct {
+    real high, low, end, until, stop, began;
+    integer stops_by, phase, event, steps, waits, short_phases;
+} Top;
+
+typedef struct {
+    Jumps jumps;
+    Top *top;
     const real *body;
-    real *made; /* of each change: time, number of the program, then the last registers */
-    real began, end, chatter;
-    integer present, short_phases, length, most, numbers, width;
+    integer most;
 } Phases;
 
 /* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
@@ -896,28 +914,28 @@ static const real *numbers_after_state(const Program *c, const Loop *const *loop
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
-static const Program *execute_first(const Program *first, const Loop *const *loops, const Loop *l,
-                                 integer lane, const real *body, integer numbers, real when,
-                                 real left, const real *state) {
+static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
+                                    const real *body, const real *state) {
+    integer events = l->events, n = l->variables, numbers = j->numbers;
+    integer inputs = numbers + 2 + events + n;
+    const Program *first = j->programs[t->phase * (events + 1) + t->event], *c = first;
     if (first == NULL)
         return NULL;
-    integer events = l->events, n = l->variables, inputs = numbers + 2 + events + n;
     real *r = first->registers, finite = 0;
     memcpy(r, body, numbers * sizeof(real));
-    r[numbers] = when;
-    r[numbers + 1] = left;
+    r[numbers] = t->high;
+    r[numbers + 1] = t->end - t->high;
     for (integer e = 0; e < events; e++)
         r[numbers + 2 + e] = function(l, e, lane)->sign;
     copy(n, state, 1, r + numbers + 2 + events, 1);
-    const Program *c = first;
-    while (c != NULL && !execute(c, loops)) {
+    while (c != NULL && !execute(c, j->loops)) {
         c = c->other;
         if (c != NULL)
             memcpy(c->registers, r, inputs * sizeof(real));
     }
     if (c == NULL)
         return NULL;
-    const real *end = numbers_after_state(c, loops);
+    const real *end = numbers_after_state(c, j->loops);
     for (const real *number = c->registers + c->out; number < end; number++)
         finite += 0.0 * *number;
     return finite == 0 && end[1] >= 0 ? c : NULL;
@@ -926,7 +944,7 @@ static const Program *execute_first(const Program *first, const Loop *const *loo
 /* Log what a change from a state logs, and what happens in it until `time`. */
 static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
                         real when, real time, const real *state, const real *ranges) {
-    Tally *tally = l->tallies + lane;
+    Tally *tally = tally_of(l, lane);
     const real *signs = c->registers + c->out;
     const integer *rows = l->axis_rows;
     for (integer k = 0; k < c->logged + c->passed; k++) {
@@ -959,45 +977,59 @@ static void note_change(const Loop *l, integer lane, const Event *events, const 
     }
 }
 
-/* Change the phase where it has ended. Return false if the caller must do it. */
-static bool change_phase(Phases *p) {
-    const Loop *l = p->loops[p->present];
-    const Tally *tally = l->tallies;
-    integer events = l->events, made_rows = l->rows_made[0];
-    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && l->end[0] < p->end;
-    bool full = l->row_count > 0 && made_rows == l->row_count;
-    real when = tally->t, lasted = when - p->began, shortest = p->chatter * fmax(p->began, 1);
-    bool at_end = p->end - when <= p->chatter * p->end, lasts = l->end[0] > p->began;
-    if (!(within || by_clock) || full || at_end || (lasts && lasted < shortest))
-        return false;
-
-    integer last = l->logged[0] - within;
-    integer event = within ? l->passages[last].event : events;
-    const real *state = within ? l->logged_states + last * l->width : l->state;
-    const Program *c = p->programs[p->present * (events + 1) + event];
-    c = execute_first(c, p->loops, l, 0, p->body, p->numbers, when, p->end - when, state);
+/* Change the phase of the top in a lane in the state where the phase ended. Return what the next
+   phase begins with (see `begin_motion`); NULL if the caller must change it. */
+static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *body,
+                          const real *state) {
+    bool lasts = t->until > t->began;
+    if (lasts && t->high - t->began < j->chatter * fmax(t->began, 1))
+        return NULL;
+    const Program *c = execute_first(j, t, l, lane, body, state);
     if (c == NULL)
-        return false;
-    const Loop *next = p->loops[c->next];
-    const real *more = numbers_after_state(c, p->loops), *ranges = more + 2;
-    real time = MIN(p->end, when + more[1]);
-    if ((time > when && is_row_before(l, 0, time)) || last + c->logged + c->passed > l->log_room)
-        return false;
+        return NULL;
+    const real *more = numbers_after_state(c, j->loops), *ranges = more + 2;
+    real when = t->high, time = MIN(t->end, when + more[1]);
+    bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
+    if (full || (time > when && is_row_before(l, l->slots[lane], time)))
+        return NULL;
+    note_change(l, lane, j->events, c, when, time, state, ranges);
+    if (j->made != NULL) {
+        real *made = j->made + j->length++ * j->width;
+        made[0] = when;
+        made[1] = (real)c->number;
+        copy(2, more, 1, made + 2, 1);
+        copy(j->width - 4, ranges + c->ranged * POINTS, 1, made + 4, 1);
+    }
+    t->phase = c->next;
+    t->high = t->began = time;
+    t->until = t->stop = MIN(t->end, time + more[0]);
+    t->stops_by = l->events;
+    t->short_phases = lasts ? 0 : t->short_phases;
+    return c->registers + c->out;
+}
 
-    l->logged[0] = last;
-    note_change(l, 0, p->events, c, when, time, state, ranges);
-    real *made = p->made + p->length++ * p->width;
-    made[0] = when;
-    made[1] = (real)c->number;
-    made[2] = more[0];
-    made[3] = more[1];
-    copy(p->width - 4, ranges + c->ranged * POINTS, 1, made + 4, 1);
+/* A phase ends in this last part of a run only where the run does. */
+static const real AT_END = 0x1p-50;
 
-    begin_motion(next, time, MIN(p->end, time + more[0]), c->registers + c->out);
-    p->present = c->next;
-    p->began = time;
-    if (lasts)
-        p->short_phases = 0;
+/* Change the phase of a run where it has ended. Return false if the caller must do it. */
+static bool change_phase(Phases *p) {
+    Top *t = p->top;
+    const Loop *l = p->jumps.loops[t->phase];
+    const Tally *tally = l->tallies;
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->until < t->end;
+    bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
+    t->high = tally->t;
+    if (!(within || by_clock) || full || t->end - t->high <= AT_END * t->end)
+        return false;
+    integer last = l->logged[0] -= within;
+    t->event = within ? l->passages[last].event : t->stops_by;
+    const real *state = within ? l->logged_states + last * l->width : l->state;
+    const real *start = change(&p->jumps, t, l, 0, p->body, state);
+    if (start == NULL) {
+        l->logged[0] += within;
+        return false;
+    }
+    begin_motion(p->jumps.loops[t->phase], t->high, t->until, start);
     return true;
 }
 
@@ -1005,99 +1037,51 @@ static bool change_phase(Phases *p) {
 integer loop_run(Phases *p, integer most) {
     integer steps = 0;
     do
-        steps += loop_drive(p->loops[p->present], most - steps);
-    while (steps < most && change_phase(p) && p->length < p->most);
+        steps += loop_drive(p->jumps.loops[p->top->phase], most - steps);
+    while (steps < most && change_phase(p) && p->jumps.length < p->most);
     return steps;
 }
 
 /* --- many tops in lanes: a pool of lanes for each phase, with a queue of tops --- */
 
-/* A phase ends in this last part of a run only where the run does. */
-static const real AT_END = 0x1p-50;
-
 /* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled,
    or puts the end of its next step; or nothing. */
 enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
-
-/* Clock, end of the run and of the phase, and where the next steps end, by which event. */
-typedef struct {
-    real high, low, end, until, stop, began;
-    integer stops_by, phase, event, steps, waits, short_phases;
-} Top;
 
 typedef struct {
     const Loop *loop;          /* none in a phase that no top has entered */
     const integer *parameters; /* which numbers of a body they are */
     integer by_steps;          /* whether the caller puts the end of each step */
-    integer count, occupied;   /* tops in the queue and in lanes */
+    integer first, count;      /* of the queue, a ring */
+    integer occupied;          /* tops in lanes */
 } Pool;
 
 typedef struct {
+    Jumps jumps;
     Pool *pools;
-    const Loop *const *loops;     /* as those of `Phases` */
-    const Program *const *programs;
-    const Event *events;
-    integer *queues; /* (phases, room) heaps: tops that are behind the others come first */
+    integer *queues; /* (phases, room) rings */
     Top *tops;       /* (room,), as all that follows */
-    Tally *tallies;
-    Function *functions; /* (room, events) */
-    real *kept, *states; /* (room, kept numbers), (room, width) */
-    const real *bodies;  /* (room, numbers) */
+    real *states;    /* (room, width) */
+    const real *bodies; /* (room, numbers) */
     integer *called, *calls; /* tops that wait for the caller, or for nothing; how many */
-    real chatter;
-    integer phases, room, numbers, kept_numbers, width, possible;
+    integer phases, room, width, possible;
 } Pools;
-
-/* Whether a top has made a smaller part of its run than another one. */
-static bool is_behind(const Pools *p, integer top, integer other) {
-    const Top *a = p->tops + top, *b = p->tops + other;
-    return a->high * b->end < b->high * a->end;
-}
 
 /* Let a top wait for a lane of its phase. */
 void loop_push(Pools *p, integer top) {
-    integer phase = p->tops[top].phase, at = p->pools[phase].count++;
-    integer *queue = p->queues + phase * p->room;
+    integer phase = p->tops[top].phase;
+    Pool *pool = p->pools + phase;
+    p->queues[phase * p->room + (pool->first + pool->count++) % p->room] = top;
     p->tops[top].waits = A_LANE;
-    for (; at > 0 && is_behind(p, top, queue[(at - 1) / 2]); at = (at - 1) / 2)
-        queue[at] = queue[(at - 1) / 2];
-    queue[at] = top;
 }
 
 /* Take the first top out of the queue of a phase. */
 static integer pop(const Pools *p, integer phase) {
-    integer *queue = p->queues + phase * p->room, count = --p->pools[phase].count;
-    integer first = queue[0], last = queue[count], at = 0;
-    for (integer next = 1; next < count; next = 2 * at + 1) {
-        if (next + 1 < count && is_behind(p, queue[next + 1], queue[next]))
-            next++;
-        if (!is_behind(p, queue[next], last))
-            break;
-        queue[at] = queue[next];
-        at = next;
-    }
-    queue[at] = last;
-    return first;
-}
-
-/* Copy the tally of a top to that of a lane, or back. */
-static void copy_tally(const Pools *p, const Loop *l, integer lane, integer top, bool to_lane) {
-    Function *functions = p->functions + top * l->events;
-    real *kept = p->kept + top * p->kept_numbers;
-    if (to_lane)
-        l->tallies[lane] = p->tallies[top];
-    else
-        p->tallies[top] = l->tallies[lane];
-    for (integer e = 0; e < l->events; e++)
-        if (to_lane)
-            *function(l, e, lane) = functions[e];
-        else
-            functions[e] = *function(l, e, lane);
-    for (integer k = 0; k < p->kept_numbers; k++)
-        if (to_lane)
-            l->kept[k * l->lanes + lane] = kept[k];
-        else
-            kept[k] = l->kept[k * l->lanes + lane];
+    Pool *pool = p->pools + phase;
+    integer top = p->queues[phase * p->room + pool->first];
+    pool->first = (pool->first + 1) % p->room;
+    pool->count--;
+    return top;
 }
 
 /* Put the next top of a queue into a lane. */
@@ -1106,9 +1090,9 @@ static void enter_lane(const Pools *p, integer phase, integer lane) {
     const Loop *l = pool->loop;
     integer top = pop(p, phase), n = l->lanes;
     const Top *t = p->tops + top;
-    const real *body = p->bodies + top * p->numbers;
+    const real *body = p->bodies + top * p->jumps.numbers;
     pool->occupied++;
-    copy_tally(p, l, lane, top, true);
+    l->slots[lane] = top;
     copy(l->variables, p->states + top * p->width, 1, l->state + lane, n);
     for (integer k = 0; k < l->parameters; k++)
         l->pars[k * n + lane] = body[pool->parameters[k]];
@@ -1117,7 +1101,7 @@ static void enter_lane(const Pools *p, integer phase, integer lane) {
     l->high[lane] = t->high;
     l->low[lane] = t->low;
     l->end[lane] = t->stop;
-    Tally *tally = l->tallies + lane;
+    Tally *tally = tally_of(l, lane);
     tally->status = t->stop > t->high ? RUNNING : FINISHED;
     tally->upto = 1;
     tally->t = t->high;
@@ -1129,37 +1113,24 @@ static bool is_start(const Pools *p, integer phase) {
 }
 
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
-static bool change_top(const Pools *p, const Loop *l, integer lane, integer top) {
+static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
     Top *t = p->tops + top;
     integer events = l->events;
-    bool lasts = t->until > t->began, starts = is_start(p, t->phase);
-    if (lasts && t->high - t->began < p->chatter * fmax(t->began, 1))
+    bool starts = is_start(p, t->phase);
+    real when = t->high, *state = p->states + top * p->width;
+    const real *body = p->bodies + top * p->jumps.numbers;
+    const real *start = change(&p->jumps, t, l, lane, body, state);
+    if (start == NULL)
         return false;
-    real *state = p->states + top * p->width;
-    const real *body = p->bodies + top * p->numbers;
-    const Program *c = p->programs[t->phase * (events + 1) + t->event];
-    c = execute_first(c, p->loops, l, lane, body, p->numbers, t->high, t->end - t->high, state);
-    if (c == NULL)
-        return false;
-    const real *out = c->registers + c->out, *more = numbers_after_state(c, p->loops);
-    real time = MIN(t->end, t->high + more[1]);
-    if (time > t->high && is_row_before(l, top, time))
-        return false;
-    note_change(l, lane, p->events, c, t->high, time, state, more + 2);
     for (integer e = 0; e < events; e++) {
         Function *f = function(l, e, lane);
-        const Event *event = p->events + e;
-        f->sign = out[e];
-        f->on_zero = out[events + e];
+        const Event *event = p->jumps.events + e;
+        f->sign = start[e];
+        f->on_zero = start[events + e];
         if (starts && event->lasting && f->sign == (real)event->direction)
-            l->tallies[lane].lasts_since = t->high;
+            tally_of(l, lane)->lasts_since = when;
     }
-    copy(p->loops[c->next]->variables, out + 2 * events, 1, state, 1);
-    t->phase = c->next;
-    t->high = t->began = time;
-    t->until = t->stop = MIN(t->end, time + more[0]);
-    t->stops_by = events;
-    t->short_phases = lasts ? 0 : t->short_phases;
+    copy(p->jumps.loops[t->phase]->variables, start + 2 * events, 1, state, 1);
     return true;
 }
 
@@ -1169,7 +1140,7 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
     const Loop *l = pool->loop;
     integer top = l->in_lane[lane] / p->phases, n = l->lanes;
     Top *t = p->tops + top;
-    Tally *tally = l->tallies + lane;
+    Tally *tally = tally_of(l, lane);
     real *state = p->states + top * p->width;
     bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
     if (within)
@@ -1191,8 +1162,8 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
         t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
     } else if (goes_on)
         t->waits = tally->status == SETTLED ? A_LOOK : AN_END;
-    copy_tally(p, l, lane, top, false);
     l->in_lane[lane] = -1;
+    l->slots[lane] = p->room;
     pool->occupied--;
     if (t->waits == A_LANE)
         loop_push(p, top);
@@ -1225,7 +1196,7 @@ integer loop_pools(Pools *p, integer most) {
         for (integer lane = 0; lane < l->lanes; lane++)
             while (l->in_lane[lane] < 0 && pool->count > 0 && *p->calls == 0) {
                 enter_lane(p, phase, lane);
-                if (l->tallies[lane].status != RUNNING) /* a phase that ends where it begins */
+                if (tally_of(l, lane)->status != RUNNING) /* a phase that ends where it begins */
                     leave_lane(p, phase, lane);
             }
         integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
@@ -1233,7 +1204,7 @@ integer loop_pools(Pools *p, integer most) {
         p->possible += made * l->lanes;
         bool ended = false;
         for (integer lane = 0; lane < l->lanes; lane++)
-            if (l->in_lane[lane] >= 0 && (pool->by_steps || l->tallies[lane].status != RUNNING)) {
+            if (l->in_lane[lane] >= 0 && (pool->by_steps || tally_of(l, lane)->status != RUNNING)) {
                 leave_lane(p, phase, lane);
                 ended = true;
             }

@@ -17,10 +17,9 @@ from .columns import dataframe as dataframe
 from .errors import InputError as InputError
 from .errors import Interrupted as Interrupted
 from .errors import StoreError as StoreError
-from .library.exchanging import compare as compare
-from .library.exchanging import fit as fit
+from .exchange.likelihood import LogLikelihood
+from .library.exchanging import Comparison, Fitted
 from .library.finished_run import Run as Run
-from .library.likelihoods import log_likelihood as log_likelihood
 from .library.likelihoods import posterior as posterior
 from .library.running import open as open
 from .library.running import resume as resume
@@ -43,6 +42,15 @@ from .sweeps.plan import Plan
 
 __version__: str
 
+def compare(
+    others: str | Path | Sequence[str | Path],
+    reference: Any,
+    *,
+    quaternion: str | None = ...,
+    up: str = ...,
+    track: str | None = ...,
+    chip: Sequence[float] | str | None = ...,
+) -> Comparison: ...
 def ensemble(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     variations: Mapping[str, Any],
@@ -73,6 +81,36 @@ def ensemble(
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
 ) -> Any: ...
+def fit(
+    data: str | Path,
+    scenario: Any,
+    free: str | Sequence[str],
+    *,
+    loss: str = ...,
+    starts: int = ...,
+    within: float = ...,
+    systematic: bool = ...,
+    laws: Sequence[str | Mapping[str, Any]] | str = ...,
+    progress: Callable[[int, int], None] | bool = ...,
+    marker: Sequence[float] | str | None = ...,
+    noise: float | str | None = ...,
+    quaternion: str | None = ...,
+    up: str = ...,
+    track: str | None = ...,
+    chip: Sequence[float] | str | None = ...,
+) -> Fitted: ...
+def log_likelihood(
+    data: str | Path,
+    scenario: Any,
+    free: str | Sequence[str],
+    *,
+    marker: Sequence[float] | str | None = ...,
+    noise: float | str | None = ...,
+    quaternion: str | None = ...,
+    up: str = ...,
+    track: str | None = ...,
+    chip: Sequence[float] | str | None = ...,
+) -> LogLikelihood: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,

@@ -210,7 +210,8 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
-            refuse_unknown(function.__name__, named, signature.parameters, IN_TABLES)
+            hint = IN_TABLES if "start" in signature.parameters else ""
+            refuse_unknown(function.__name__, named, signature.parameters, hint)
             return function(*arguments, **named)
 
         called.__signature__ = signature  # type: ignore[attr-defined]

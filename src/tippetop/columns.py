@@ -116,11 +116,6 @@ def flag_words(flags: Any) -> np.ndarray:
     return np.array(flags.attrs["flag_meanings"].split())[flags.values]
 
 
-def flag_names(flags: Any) -> list[str]:
-    """Return the name of each value of a column of flags, with its `flag_meanings`."""
-    return flag_words(flags).tolist()
-
-
 def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
     """Raise InputError if a run does not keep the columns that something needs.
 

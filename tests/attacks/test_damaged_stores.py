@@ -17,7 +17,7 @@ import pytest
 from damage import changed, garbled
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from kinds import every_kind, make
+from kinds import CONTINUED, every_kind, make
 from stores import files
 from typed import answered
 
@@ -106,9 +106,10 @@ def damage(data: st.DataObject, store: Path, elsewhere: Path) -> None:
 @given(data=st.data())
 def test_a_damaged_store_is_refused_or_gives_the_same(stores: Path, data: st.DataObject) -> None:
     kind = data.draw(st.sampled_from(["run", "sweep", "surface"]))
-    half = data.draw(st.booleans())
-    readings = ["open", "info", "plot", *(["export"] if kind != "surface" else [])]
-    question = "continue" if half else data.draw(st.sampled_from([*readings, "continue"]))
+    half = kind in CONTINUED and data.draw(st.booleans())
+    more = ["export", "continue"] if kind in CONTINUED else []
+    asked = data.draw(st.sampled_from(["open", "info", "plot", *more]))
+    question = "continue" if half else asked
     whole = stores / f"{kind}.zarr"
     with tempfile.TemporaryDirectory() as name:
         store, elsewhere = Path(name) / "S.zarr", Path(name) / "elsewhere"

@@ -177,6 +177,31 @@ def test_a_scenario_of_the_user_is_a_case(tmp_path, capsys):
     assert row["largest"]["position"] < 1e-12
 
 
+def test_a_tilted_plane_is_exported_as_gravity_along_it_and_counts_in_the_energy(tmp_path):
+    """A result that is late keeps its energy, however far it falls along the plane."""
+    mine, cases = tmp_path / "mine.toml", tmp_path / "cases"
+    mine.write_text(
+        MINE.replace('"coulomb", mu = 0.2', '"none"').replace(", gap = 0.01", "")
+        + "plane = { tilt = 0.3, azimuth = 0.5 }\n"
+    )
+    benchmark.export(cases, [mine])
+    folder = cases / "mine"
+    described = json.loads((folder / "case.json").read_text())["body"]
+    along = 9.81 * np.sin(0.3) * np.array([np.cos(0.5), np.sin(0.5)])
+    expected = [*along, -9.81 * np.cos(0.3)]
+    assert [*described["slope"], -described["gravity"]] == pytest.approx(expected, rel=1e-12)
+    texts = [(folder / f"model.{name}").read_text() for name in ("mjcf.xml", "urdf", "sdf")]
+    for text in texts:
+        words = re.search(r"gravity[ =>\"]+(-?[\d.e-]+ -?[\d.e-]+ -?[\d.e-]+)", text)[1]
+        assert [*map(float, words.split())] == pytest.approx(expected, rel=1e-11)
+    rows = pd.read_csv(folder / "reference.csv")
+    late = rows.iloc[: len(rows) // 2 + 1].assign(**{"t [s]": rows["t [s]"][::2].to_numpy()})
+    late.to_csv(tmp_path / "late.csv", index=False)
+    [row] = benchmark.score(tmp_path / "late.csv", mine).to_dict()
+    assert row["largest"]["position"] > 0.01
+    assert row["largest"]["energy"] < 1e-11
+
+
 @pytest.mark.parametrize(
     ("name", "change", "message"),
     [
@@ -188,6 +213,7 @@ def test_a_scenario_of_the_user_is_a_case(tmp_path, capsys):
         ),
         ("mine", ("until = 0.2", 'on_liftoff = "stop", until = 0.2'), "must reach `run.until`"),
         ("mine", ("mu = 0.2", "mu = -1.0"), "`friction.mu`"),
+        ("mine", ("e_n", "e_n = 0.0 }\nair = { c1 = 1e-9 }\nplane = { omega"), "`air.c1` and `pl"),
     ],
 )
 def test_scenarios_that_are_no_cases(tmp_path, capsys, name, change, message):

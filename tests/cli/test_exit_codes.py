@@ -16,6 +16,7 @@ from typed import typed
 import tippetop
 from tippetop import cli
 from tippetop.cli import main
+from tippetop.cli.help_command import EXIT_CODES
 from tippetop.engine.driver import Driver
 from tippetop.runs import certificate, integration
 from tippetop.sweeps import chunk
@@ -110,7 +111,7 @@ def test_every_end_has_its_code(
     code_of: Callable,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert code_of(arguments, spoil) == code
+    assert code_of(arguments, spoil) == code, f"{code} means: {EXIT_CODES[code]}"
     out, err = capsys.readouterr()
     assert words in err
     assert "Traceback" not in err

@@ -16,7 +16,7 @@ encoder = pytest.importorskip("imageio_ffmpeg", reason="no encoder: pip install 
     ("name", "options", "frames", "seconds"),
     [
         ("top.mp4", "", 5, 0.2),
-        ("top.mp4", "--fps 50 --speed 0.5", 20, 0.4),
+        ("top.mp4", "--fps 50 --speed 0.5 --from 0.1", 10, 0.2),
         ("top.gif", "--fps 30 --from 0.1", 4, 0.12),  # at 33.3 frames a second
     ],
 )

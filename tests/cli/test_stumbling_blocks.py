@@ -77,19 +77,16 @@ def test_negative_ranges_work_as_typed(tmp_path: Path, said: Callable) -> None:
     assert "F = " in said("potential flying --D -1e-4 --lambda 4e-6")[0]  # its sphere's
 
 
-def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, said: Callable) -> None:
-    """It stays as it is, with exit 0; --overwrite makes it anew and leaves nothing else behind."""
-    store, command = tmp_path / "s.zarr", "surface inverting --lambda 0:1e-6:3 --D"
-    again = f"{command} 0:1e-4:3 --out {store}"
-    said(again)
+def test_a_surface_replaces_stores_only_and_only_if_asked(tmp_path: Path, said: Callable) -> None:
+    store = tmp_path / "s.zarr"
+    command = "surface inverting --D 0:1e-4:3 --lambda 0:1e-6:3 --out"
+    said(f"{command} {store}")
     (store / "mark").touch()
-    assert "finished" in said(again)[1]
+    assert "must not exist yet" in said(f"{command} {store}", code=5)[1]
     assert (store / "mark").exists()
-    said(f"{again} --overwrite")
-    err = said(f"{command} 0:1e-4:4 --out {store}", code=5)[1]
-    assert "must have the same axes to be continued, but differs in D" in err
+    said(f"{command} {store} --overwrite")
     (tmp_path / "mine").mkdir()
-    err = said(f"{command} 0:1e-4:3 --out {tmp_path}/mine --overwrite", code=5)[1]
+    err = said(f"{command} {tmp_path}/mine --overwrite", code=5)[1]
     assert "must be a store of tippetop" in err
     assert {p.name for p in tmp_path.rglob("m*")} == {"mine"}
 

@@ -56,7 +56,7 @@ def test_the_egg_moves_as_newton_and_euler_say(egg: dict[str, Any]) -> None:
     b = HenEgg(0.06, (1.4e-5, 1.4e-5, 1.15e-5), None, None, 9.81)
     rows, force = run.trajectory, tilted.sliding(lambda v: 0.5)
     _, end = tilted.follow(force, b, tilted.state_of(rows.isel(time=0), b), float(rows.time[-1]))
-    assert tilted.differences(rows.isel(time=-1), b, end) < 1e-9
+    tilted.assert_motion(rows.isel(time=-1), b, end, 1e-9)
     assert np.ptp(rows.theta.values) > 0.1
     assert run.drift["energy_balance"] < 1e-14
 

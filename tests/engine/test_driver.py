@@ -1,6 +1,4 @@
-"""The driver makes heyoka's own steps, bit by bit: every system and form, one run and many lanes,
-rows on the way.
-"""
+"""The driver makes heyoka's own steps, bit by bit: every system and form, and rows on the way."""
 
 import copy
 import dataclasses
@@ -9,16 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tippetop.engine import integrator as compiling
 from tippetop.engine.driver import Driver
-from tippetop.engine.expressions import formulas_of
-from tippetop.engine.observables import event_functions
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
-from tippetop.ensembles.lanes import Lanes
-from tippetop.ensembles.outcomes import Outcomes
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.problem import Problem, Problems
+from tippetop.problem import Problem
 from tippetop.runs import starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
@@ -119,69 +112,6 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(
         assert same_bits(times, asked)
         assert same_bits(states[between], expected[between])
         np.testing.assert_allclose(states, expected, rtol=4e-15, atol=4e-15)
-
-
-IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
-
-
-class Seen(Outcomes):
-    """Outcomes that keep every sample of every top."""
-
-    def __init__(self, tops: Problems):
-        super().__init__(tops)
-        self.samples: list[list[np.ndarray]] = [[] for _ in range(tops.n)]
-        self.look = self.keep
-        self.done = 0
-
-    def keep(self, states: np.ndarray, tops: np.ndarray) -> None:
-        for top, state in zip(tops, states.T, strict=True):
-            self.samples[top].append(state.copy())
-
-    def ended(self) -> None:
-        self.done += 1
-
-
-@pytest.mark.parametrize("lanes", [1, 4])
-@pytest.mark.parametrize("preset", IN_LANES)
-def test_steps_of_lanes_are_those_of_heyokas_batch(
-    preset: str, lanes: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """More tops than lanes, of other lengths: what a lane held before, and what its neighbours do,
-    leaves no trace.
-    """
-    n = lanes + 3
-    base = starting.load(preset, ["form=vector", "run.on_liftoff=continue"], 0.3)
-    spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
-    tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
-    assert tops.valid.all()
-    monkeypatch.setattr("tippetop.ensembles.lanes.EVERY", 1)
-    monkeypatch.setattr("tippetop.engine.pools.Pools.lanes", lanes)
-    seen = Seen(tops)
-    Lanes(seen, event_functions(tops), seen.ended).run(iter(range(n)))
-    assert seen.done == n
-    assert np.all(seen.status == Status.FINISHED.code)
-    theirs = copy.deepcopy(
-        compiling.compiled_from(
-            formulas_of(base.system, "vector", type(base.friction)),
-            "double",
-            base.tolerance,
-            lanes,
-            False,
-        ).integrator
-    )
-    for first in range(0, n, lanes):
-        some = np.minimum(np.arange(first, first + lanes), n - 1)
-        theirs.state[:] = 0.0
-        theirs.state[: len(tops.start)] = tops.start[:, some]
-        theirs.pars[:] = tops.pars[: len(theirs.pars), some]
-        theirs.set_time(0.0)
-        output = theirs.propagate_until(tops.end[some].tolist(), c_output=True)[0]
-        for lane, top in enumerate(some.tolist()):
-            moved = np.diff(output.times[:, lane]) > 0
-            ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
-            assert seen.columns["steps"][top] == len(ends)
-            assert same_bits(np.array(seen.samples[top]), ends[:, : len(tops.start)])
-            assert same_bits(seen.final[:, top], theirs.state[: len(seen.final), lane])
 
 
 # --- what a run leaves alone --------------------------------------------------------------------

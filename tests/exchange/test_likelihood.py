@@ -54,7 +54,7 @@ def test_many_points_are_those_alone_and_the_gradient_is_that_of_differences(
 def test_a_posterior_of_much_data_is_the_fit(seen: tuple[Path, np.ndarray], tmp_path: Path) -> None:
     near = tt.load("inverting", ["initial.theta=0.5"])
     fitted = tt.fit(seen[0], near, FREE, noise=NOISE, starts=1, within=0.05, systematic=False)
-    found = tt.posterior(seen[0], near, FREE, noise=NOISE, draws=300, fitted=fitted)
+    found = tt.posterior(seen[0], near, FREE, draws=300, fitted=fitted)
     assert found.effective > 150
     for name, estimate in fitted.estimates.items():
         assert found.sigma[name] == pytest.approx(estimate.sigma, rel=0.25)
@@ -63,3 +63,5 @@ def test_a_posterior_of_much_data_is_the_fit(seen: tuple[Path, np.ndarray], tmp_
     assert len(found.plot(tmp_path / "corner.png").axes) == 9
     with pytest.raises(InputError, match=r"must be a fit of friction\.mu, but is one of"):
         tt.posterior(seen[0], near, "friction.mu", fitted=fitted)
+    with pytest.raises(InputError, match="must be alone, as it has its own options, but `noise`"):
+        tt.posterior(seen[0], near, FREE, noise=NOISE, fitted=fitted)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tilted
+from limits import assert_below
 from nightly import at_night
 from scipy.integrate import solve_ivp
 
@@ -107,7 +108,7 @@ def test_each_column_is_that_of_an_own_engine(
     found = tt.compare(table(tmp_path, film, *kinds), SCENARIO, chip=ARM).to_dict()
     errors = {name: found[name]["max"] for name in found if isinstance(found[name], dict)}
     assert len(errors) >= len({kind.partition("_")[0] for kind in kinds}) - 1
-    assert max(errors.values()) < most, errors
+    assert_below(most, errors, "error")
 
 
 def test_the_chip_is_at_the_centre_of_mass_by_default(
@@ -124,13 +125,14 @@ def test_the_chip_is_at_the_centre_of_mass_by_default(
 def test_a_fit_to_a_chip_and_a_camera_finds_the_numbers_of_the_own_engine(
     film: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
-    path = table(tmp_path, film, "omega_body", "accelerometer", "camera_0")
+    some = {name: values[::4] for name, values in film.items()}
+    path = table(tmp_path, some, "omega_body", "accelerometer", "camera_0")
     guess = SCENARIO | {
         "friction": {"law": "viscous", "mu": 0.33},
         "initial": SCENARIO["initial"] | {"omega3": 152.0, "psi": 0.6},
     }
     free = ["friction.mu", "initial.omega3", "initial.psi"]
-    found = tt.fit(path, guess, free, starts=1, chip=ARM)
+    found = tt.fit(path, guess, free, starts=1, within=0.2, chip=ARM, systematic=False)
     assert set(found.residuals) == {"gyroscope", "accelerometer", "camera_0"}
     for name, true in zip(free, (MU, 155.0, 0.7), strict=True):
         assert found.estimates[name].value == pytest.approx(true, rel=1e-5), name

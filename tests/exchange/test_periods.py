@@ -31,8 +31,13 @@ def misfit(drift: float) -> Misfit:
             off.append(seen[rows] - (b + 0.1 * np.cos(RATE * (t + o)) + drift * (t + o) ** 2))
         return {"theta": np.array(off)[:, :, None]}
 
+    groups = {"theta": seen[:, None]}
     observation = SimpleNamespace(
-        t=T, reach=T[-1] / 8, groups={"theta": seen[:, None]}, predictions=predictions
+        t=T,
+        reach=T[-1] / 8,
+        groups=groups,
+        given={"theta": np.isfinite(groups["theta"])},
+        predictions=predictions,
     )
     line = Scale(False, 1.0, -np.inf, np.inf)
     return Misfit(observation, Space({OFFSET: 0.0, "b": 0.0}, [line, line]), "linear")  # type: ignore[arg-type]

@@ -221,12 +221,12 @@ def test_a_file_of_phyphox_is_read_as_it_is(tmp_path: Path) -> None:
     header = [f'"Gyroscope {c} (rad/s)"' for c in "xyz"]
     text = f'"Time (s)",{",".join(header)},"Absolute (rad/s)"\n0,1,2,3,4\n1,1,2,3,4\n'
     read = motion(motion_table.read(written(tmp_path, text)), Convention())
-    np.testing.assert_array_equal(read.gyroscope[0], [1, 2, 3])
+    np.testing.assert_array_equal(read["gyroscope"][0], [1, 2, 3])
     header = [f"Acceleration {c} (m/s^2)" for c in "xyz"]
     tabs = "\t".join(header)
     text = f"Time (s)\t{tabs}\n0,0\t1,5\t2,0\t3,0\n1,0\t1,5\t2,0\t3,0\n"
     read = motion(motion_table.read(written(tmp_path, text)), Convention())
-    np.testing.assert_array_equal(read.accelerometer[0], [1.5, 2, 3])
+    np.testing.assert_array_equal(read["accelerometer"][0], [1.5, 2, 3])
 
 
 @pytest.mark.parametrize("cells", [[True, False], [1.0, np.inf], ["1", "1.#QNAN"]])
@@ -242,8 +242,8 @@ def test_the_order_of_a_numbered_quaternion_is_named_never_guessed(tmp_path: Pat
     read = motion_table.read(written(tmp_path, text))
     with pytest.raises(InputError, match="--quaternion wxyz or xyzw"):
         motion(read)
-    np.testing.assert_allclose(motion(read, Convention("xyzw")).orientation[0], [0.8, 0, 0, 0.6])
-    np.testing.assert_allclose(motion(read, Convention("wxyz")).orientation[0], [0, 0, 0.6, 0.8])
+    np.testing.assert_allclose(motion(read, Convention("xyzw"))["orientation"][0], [0.8, 0, 0, 0.6])
+    np.testing.assert_allclose(motion(read, Convention("wxyz"))["orientation"][0], [0, 0, 0.6, 0.8])
 
 
 def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
@@ -251,9 +251,9 @@ def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
     c, s = np.cos(0.15), np.sin(0.15)
     text = f"t [s],q_w,q_x,q_y,q_z,x [m],y [m],z [m]\n0,{c},0,0,{s},1,2,3\n1,{c},0,0,{s},1,2,3\n"
     seen = motion(motion_table.read(written(tmp_path, text)), Convention(up="y"))
-    np.testing.assert_allclose(seen.theta, 0.3)
-    np.testing.assert_allclose(seen.place[0], [3, 1, 2])
-    np.testing.assert_allclose(seen.axis[0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
+    np.testing.assert_allclose(seen["theta"], 0.3)
+    np.testing.assert_allclose(seen["place"][0], [3, 1, 2])
+    np.testing.assert_allclose(seen["axis"][0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
 
 
 def test_a_row_that_begins_with_a_gap_is_no_comment(tmp_path: Path) -> None:

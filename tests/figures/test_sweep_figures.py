@@ -79,12 +79,6 @@ def test_labels_and_curves_of_a_small_map_are_within_it() -> None:
         assert figure.axes[0].get_position().height > 0.5
 
 
-def contours(figure: Figure) -> list[np.ndarray]:
-    """The lines of contours, as points."""
-    sets = [c for c in figure.axes[0].collections if isinstance(c, mpl.contour.QuadContourSet)]
-    return [path.vertices for c in sets for path in c.get_paths() if len(path.vertices)]
-
-
 # --- over one axis ------------------------------------------------------------------------------
 
 

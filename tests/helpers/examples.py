@@ -79,12 +79,6 @@ def with_gamma(gamma: float) -> Touch:
     return GLIDING._replace(I1=gamma * GLIDING.I3)
 
 
-def turning_times(times: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Where a dense scan of theta turns: the times of the rows at which its steps change sign."""
-    moves = np.sign(np.diff(theta))
-    return times[np.flatnonzero(moves[1:] != moves[:-1]) + 1]
-
-
 def columns(made: Solution) -> dict[str, np.ndarray]:
     """The columns of a run, by name."""
     return {name: column.values for name, column in made.columns().items()}

@@ -681,9 +681,11 @@ def broken(law: Callable[[Case], Pairs], made: Case) -> str | None:
         error = np.abs(found - expected) / size
         if not np.all(error < TOLERANCE):
             i = int(np.argmax(np.where(np.isfinite(error), error, np.inf)))
+            said = " ".join((law.__doc__ or "").split())
             return (
-                f"{law.__name__}: {what} is {found.flat[i]!r}, must be {expected.flat[i]!r} (error "
-                f"{error.flat[i]:.1e})\n"
+                f"{law.__name__}: {said}\n"
+                f"{what} is {float(found.flat[i])!r}, must be {float(expected.flat[i])!r} "
+                f"(error {error.flat[i]:.1e})\n"
                 f"at {lane(made.state, i)}\nwith {lane(made.body, i)}"
             )
     return f"{law.__name__}: nothing was compared" if what is None else None

@@ -70,7 +70,8 @@ def assert_same(store: Path, other: Path) -> None:
     mine, yours = files(store), files(other)
     assert mine
     assert sorted(mine) == sorted(yours)
-    assert [name for name in mine if mine[name] != yours[name]] == []
+    differ = [name for name in mine if mine[name] != yours[name]]
+    assert not differ, f"the bytes of these files must be equal: {differ}"
 
 
 def acknowledged(store: Path) -> int:

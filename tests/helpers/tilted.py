@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from limits import assert_below
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -266,13 +267,15 @@ def sticking(b: Body, s: np.ndarray, mu: float, until: float) -> tuple:
     return stops + last, follow(rolling, b, s, until - stops - last)[1]
 
 
-def differences(row: Any, b: Body, s: np.ndarray) -> float:
-    """Return the largest difference of a row from a state: of place [m], velocity, momentum, axes;
-    that of momentum is relative.
+def assert_motion(row: Any, b: Body, s: np.ndarray, bound: float) -> None:
+    """Check that a row is a state but for differences below a bound: of its place [m], velocity
+    [m/s], angular momentum, relative, and axes.
     """
-    parts = zip(map(np.ravel, split(state_of(row, b))), map(np.ravel, split(s)), strict=True)
-    place, velocity, momentum, axes = (abs(x - y).max() for x, y in parts)
-    return max(place, velocity, momentum / abs(s[6:9]).max(), axes)
+    names = "place [m]", "velocity [m/s]", "angular momentum", "axes of the body"
+    pairs = zip(names, split(state_of(row, b)), split(s), strict=True)
+    found = {name: np.abs(x - y).max() for name, x, y in pairs}
+    found["angular momentum"] /= np.abs(s[6:9]).max()
+    assert_below(bound, found, "difference from the motion of Newton and Euler")
 
 
 def state_of(row: Any, b: Body) -> np.ndarray:

@@ -37,12 +37,6 @@ def slope(q, p, r):
     return math.sinh(math.log(q) - p.centre) + p.tilt
 
 
-@kernel
-def excess(q, at, r):
-    p, level = at
-    return value(q, p, r) - level
-
-
 @numba.njit
 def theirs(centres, tilt):
     """Somebody's own compiled loop around our kernel."""

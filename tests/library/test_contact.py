@@ -36,18 +36,6 @@ def test_a_run_without_phases_says_so() -> None:
         run.phases  # noqa: B018
 
 
-def test_many_tops_are_the_runs_of_each(run: tt.Run) -> None:
-    tops = tt.ensemble(BOUNCE, {"contact.e_n": [0.5, 0.2, 2.0], "mu": [0.3, 0.2, 0.3]}, until=0.4)
-    words = tops.status.attrs["flag_meanings"].split()
-    assert [words[int(s)] for s in tops.status] == ["finished", "finished", "invalid"]
-    assert float(tops.theta_end[0]) == pytest.approx(float(run.trajectory.theta[-1]), abs=1e-14)
-    assert int(tops.steps[0]) == run.summary.steps
-    assert float(tops.drift_energy_balance.max()) < 1e-12
-    classes = tops["class"].attrs["flag_meanings"].split()
-    assert [classes[int(c)] for c in tops["class"]] == ["rolling", "rolling", "none"]
-    assert run.summary.outcome == "rolling"
-
-
 def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
     assert (
         tt.theory.thresholds(run)["lambda_s"].value == tt.theory.thresholds(TOP)["lambda_s"].value

@@ -113,54 +113,33 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.run(TOP, until=1.0), "must have a friction law, such as Viscous"),
     (lambda: tt.run(3.0), "the first argument must be a body"),
     (lambda: tt.run("nothing"), "neither a TOML file nor a preset"),
-    
-    
-    
     (lambda: run(0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
     (lambda: run(tt.friction.Viscous), r"a record such as Viscous\(...\), but is the class"),
-    (lambda: run(until=-1.0), "^`until` must be greater than 0"),
     (lambda: run(until=1e308, output_step=1e307), r"`until` must be at most 1e\+16"),
     (lambda: run(mu=0.2), r"no argument `mu`. Numbers are given by table, .*friction=dict\(mu=0.3"),
     (lambda: run(untill=3), r"run\(\) has no argument `untill`. Did you mean `until`\?"),
-    (lambda: run(events=["landing"]), "^`events` must be of turning"),
     (lambda: run(events=5), "`events` must be"),
-    
     (lambda: run(columns=[3]), "`columns` must be"),
-    
     (lambda: run(output="keyframes"), "`out` must be given"),
-    
-    
-    
     (lambda: run(start=0.1), "^`start` must be a mapping"),
     (lambda: tt.run(misplaced("run")), "key `run.form`; did you mean `form`"),
     (lambda: tt.run(misplaced("until")), "key `until`; did you mean `run.until`"),
     (lambda: run(start={"theta": None}), r"`initial\.theta` must be a number, but is None"),
-    (lambda: run(friction={"mu": 0.1, "eps": 1.0}), "friction.eps"),
     (lambda: tt.run(BAD_TABLES, parameters={"m": 0.2}, until=0.1), "`parameters`"),
     (lambda: run(output_step=0.1, output_times=[0.0]), "^`output_step` must be given alone"),
-    (lambda: run(system="mars-rover"), "^`system` must be one of"),
     (lambda: run(stop=True), "`stop` must be a threading.Event, but is True"),
     (lambda: run(progress="x"), "`progress` must be True or False"),
     (
         lambda: tt.run(tt.load("inverting"), until=1.0, output_step=0.1),
         "a Problem must be the only argument, but `until`, `output_step` is given too",
     ),
-    *(
-        (lambda given=given: tt.load("inverting", given), "`assignments` must be a list of texts")
-        for given in (0, [1], "run.until=1")
-    ),
-    
+    (lambda: tt.load("inverting", "run.until=1"), "`assignments` must be a list of texts"),
     (lambda: run(output_times=[0.0, [1.0]]), "`output_times` must be a number or an array of"),
     # bodies and laws
     (lambda: tt.TippeTop(m=1, R=1), r"TippeTop\(m, R, .* g\) lacks `alpha`, `I1`, `I3`, `g`"),
     (lambda: tt.friction.Viscous(0.1, mu=0.2), r"Viscous\(mu\) was given too many arguments"),
-    *(
-        (lambda wrong=wrong: tt.friction.Viscous(mu=wrong), "`friction.mu` must be a number, but")
-        for wrong in ([0.1], True)
-    ),
-    
+    (lambda: tt.friction.Viscous(mu=True), "`friction.mu` must be a number, but"),
     (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "`alfa`. Did you mean `alpha`"),
-    
     (lambda: tt.friction.Coulomb(mu=-1, eps=0), r"mu` must be at least 0.0.*\n.*eps` must be gr"),
     (lambda: TOP.body(3), "`law` must be the record of a friction law"),
     (lambda: linear_modes(TOP, "coulomb", omega3=3.0), r"such as Coulomb\(\.\.\.\), but is 'c"),
@@ -168,69 +147,37 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: linear_modes(TOP, tt.friction.Coulomb(0.3), omega3=1), "finite as v_A goes to 0"),
     # paths
     (lambda: tt.open(3), "must be a path"),
-    
-    
-    
-    (lambda: tt.open(""), "must be a path"),
-    (lambda: tt.resume(3), "must be a path"),
-    
     (lambda: made().save(3), "must be a path"),
     (lambda: tt.sweep(3, "sweep.zarr"), "must be a path"),
-    
-    
     (lambda: run(out=3), "must be a path"),
-    (lambda: made().plot("theta", 3), "must be a path"),
     (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),
-    (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` is neither a TOML file nor a preset"),
-    
     (lambda: tt.compare("film.csv", 3), "`reference` must be a scenario or a run, but is 3"),
     (lambda: tt.fit("film.csv", TOP, "friction.mu"), "`scenario` must be a scenario or a run, but"),
-    
-    *(
-        (
-            lambda free=free: tt.fit("film.csv", "inverting", free),
-            "`free` must be names such as friction.mu, parameters.I1, but is",
-        )
-        for free in ([1], "")
+    (
+        lambda: tt.fit("film.csv", "inverting", [1]),
+        "`free` must be names such as friction.mu, parameters.I1, but is",
     ),
-    *(
-        (lambda noise=noise: tt.fit("film.csv", "inverting", "friction.mu", noise=noise), message)
-        for noise, message in (
-            ([1], "`noise` must be a finite number, but is"),
-            (True, "`noise` must be a finite number, but is True"),
-        )
+    (
+        lambda: tt.fit("film.csv", "inverting", "friction.mu", noise=True),
+        "`noise` must be a finite number, but is True",
     ),
     # numbers
-    
     (lambda: regime(TOP, math.nan), "must be a (finite )?number"),
-    (lambda: regime(TOP, True), "must be a (finite )?number"),
-    
-    
     (lambda: regime(TOP, 10**400), "must be a (finite )?number"),
-    
     (lambda: linear_modes(TOP, omega3="3 kg"), "`omega3` must be in rad s-1 .*but is"),
     (lambda: linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300"),
-    
     (lambda: reconstruct(made(), period=1e-300), "`period` must be longer than the 0.01 s"),
-    
     (lambda: made().certify(0), "`window` must be greater than 0"),
-    
     (lambda: least_energy(TOP, [0.1, 4], 1.0), r"`theta` must lie in \[0, pi\], but is 4"),
     (lambda: least_energy(TOP, [1, 2], [1, 2, 3]), r"shapes that broadcast.*\(2,\) and \(3,\)"),
-    
     # what has no such theory or landscape
     (lambda: thresholds("rolling-cylinder"), "but is that of the system rolling-cylinder"),
-    
     (lambda: thresholds(CYLINDER), "or a Spheroid or a Disc, but is Cylinder"),
-    
     (lambda: regime(CYLINDER, 1.0), "must be a TippeTop"),
     (lambda: reconstruct(run(start={"theta_dot": 1.0})), "`initial.theta_dot` must be 0"),
     (lambda: reconstruct(3), "`run` must be a Run, but is 3"),
     (lambda: reconstruct(made()), r"some hundred in each nutation, but has [12] between two"),
     (lambda: reconstruct(tt.run("rolling-cylinder", until=0.1)), "must be one of a tippe top"),
-    
-    
-    
     (lambda: minimal_surface(TOP, L3=1, lam=4e-6), r"`L3` is no .* D and lam.\n`D` must be given"),
     (lambda: minimal_surface(CYLINDER, **MOMENTA), "must be one of tippe-top|must be a TippeTop"),
     (lambda: potential(TOP, [0.1, 1.5], **MOMENTA), r"`z` must lie in \[-1, 1\], but is 1.5"),
@@ -246,8 +193,6 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.ensemble("inverting", {"omega3": [100, [1]]}), "`omega3` must be a number or an"),
     (lambda: tt.ensemble("inverting", SPINS, threads="x"), "`threads` must be a whole number"),
     (lambda: tt.ensemble("inverting", SPINS, orientation=[1]), "`orientation` must be True or"),
-    
-    
     *(
         (
             lambda given=given: tt.ensemble("inverting", SPINS, **given),
@@ -264,15 +209,8 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().plot(3), "the kind of figure must be one of .* but is `3`"),
     (lambda: made().plot("theta", "theta"), "must end with the format"),
     (lambda: made().plot("theta", others=3), "`others` must be a list of Runs, but is 3"),
-    
     (lambda: made().plot(size=[1]), r"`size` must be two numbers, but is \[1\]"),
-    
-    
-    
-    
     (lambda: made().plot("theta", "t.png", overwrite=1), "`overwrite` must be True or False"),
-    
-    
     (
         lambda: run(columns=["theta", "orientation"]).view(),
         r"a page must have `L`, .*: add the missing columns",
@@ -282,36 +220,24 @@ CALLS: list[tuple[Call, str]] = [
         (of(name=name), sentence)
         for of in (event, column)
         for name, sentence in {
-            **dict.fromkeys(
-                ["psi", "turning", "work", "ball"], "must be a new name"
-            ),
-            **dict.fromkeys(["", "a/b"], "must be letters, digits and _"),
-            **dict.fromkeys(["work_lo"], "must not be one of"),
+            **dict.fromkeys(["turning", "ball"], "must be a new name"),
+            "a/b": "must be letters, digits and _",
+            "work_lo": "must not be one of",
         }.items()
     ),
     (
         column(symbol=3, long_name=None),
         "`symbol` of the column `q` must be a valid string, but is 3.\n`long_name` of the column",
     ),
-    
     (lambda: run(events=[Event("q", "q", rising)], columns=[Quantity("q", "q", ONE, "q", rising)]),
      "given twice"),
-    
     (event(kept=(Kept("a", "middle", "x"),)), "must be 'first', 'last' or 'count', but is 'mid"),
-    
     (event(kept=(Kept("a", "first", "x"), Kept("a", "count", "x"))), "`a` is given twice"),
-    
-    
     (event(kept=(Kept("first_equator", "first", "x"),)), "new name"),
-    
     (event(ends="finished"), "must be a word other than"),
-    
     (event(direction=2), "must be -1, 0 or 1"),
-    
     (event(formula=None), "must be a function"),
     (event(sense=1), "`sense` .* is given in `turning` and `e`"),
-    
-    
     *(
         (of(formula=formula(value)), f"the formula of the {name} {sentence}")
         for of, name in ((event, "event `e`"), (column, "column `q`"))
@@ -324,21 +250,17 @@ CALLS: list[tuple[Call, str]] = [
         )
     ),
     # user-defined numbers and units
-    
     (
         lambda: number(ONE, "x", above=0, default=-1),
         "`default` of the number `x` must be finite, greater than 0, but is -1",
     ),
     (lambda: Unit("kg furlong"), "`symbol` of a Unit must be powers of 1, rad, kg"),
-    
     # user-defined laws
     *(
         (under(lambda v2, z, law: -law.mu, contact=contact), "at least 0, .* feeds energy, but is")
         for contact in (None, {"e_n": 0.5})
     ),
     (under(lambda v2, z, law: law.mu * math.nan), "k of the friction law `mine` must be finite"),
-    
-    
     (under(lambda v2, z, law: law.mu / (1 + sqrt(v2) / law.v)), "must be smooth in v2"),
     (under(lambda v2, z, law: law.mu * (1 + (v2 * v2) ** 0.25)), "slope is infinite|same in all"),
     (
@@ -351,12 +273,9 @@ CALLS: list[tuple[Call, str]] = [
         (lambda record=record: (register(law()), register(record)), message)
         for record, message in (
             (law(name="Other", key="mixed"), "must be new, but `mixed` is that of Mixed"),
-            
             (law(key=""), "must be letters"),
             (law(coefficient=3), r"must have a function `coefficient\(v2, z, law\)`, but has 3"),
-            
             (law(law=number(ONE, "x", default=0)), "must not be named `law`"),
-            
             (3, "`record` must be a System or a class of FrictionLaw"),
         )
     ),
@@ -364,52 +283,29 @@ CALLS: list[tuple[Call, str]] = [
     # user-defined systems
     (lambda: SYSTEM.replace(outlok=None), r"has no argument `outlok`\. Did you mean `outlook`"),
     (lambda: tt.run(SYSTEM.replace(name="mine", body=3), VISCOUS, parameters=BODY), "`body` of"),
-    
-    
     (system(body=3), "`body` of `mine` must take .*, but fails: TypeError"),
     (system(body=lambda parameters, law: 1.0), "must take .* a NamedTuple, but gives 1"),
-    
     (system(angles=without("theta_dot")), "`angles` of `mine` must have .*, but lacks theta_dot"),
-    
-    
     (system(parameters={}), r"must take its parameters \(none\) .*, but fails: KeyError"),
-    
     (system(scales=lambda b: (1.0, 0.0)), "finite and greater than 0, but gives"),
     (system(checks=lambda p: None), "`checks` .* must give a list of sentences, but gives None"),
-    
     (system(start=lambda *a: None), "`start` .* must give a record as `angles` is, but gives None"),
     (system(events=(3,)), r"`events` of a Phase must be a tuple of Event, but is \(3,\)"),
     (system(events=(dataclasses.replace(LIFTOFF, kept=()),)), "`lifted_at` .* none in liftoff"),
-    
-    
     (system(forms=[VECTORIAL]), r"`forms` of a Phase must be a Form or a dict, but is \[Form"),
     (system(quantities=(), integrals=()), "`quantities` of `mine` must have `energy`"),
     (system(phases={}), "`phases` of `mine` must be a dict of Phase, but is {}"),
-    
     (system(phases={"x": VECTORIAL}), "must be a dict of Phase, but is {'x': 'Form'}"),
     (system(angles=without("theta")), "must have the fields `theta` .* unless a phase has exits"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
-    
     (system(vectors={"axis": ("kx", "ky")}), "`vectors` .* it lacks kx, ky"),
     (system(forms={"vector": VECTORIAL}, vectors={}), "be numbers, .* `u` .* is Vector"),
     (system(forms={"vector": WITHOUT_POLES}), "have `s2` and `axis_speed2`, .* gives Spin"),
-    
-    
     (folded(I1=1.0), "`normalised_to` of `mine` must hold.*`I1` is"),
-    
-    
     # problems whose fields were replaced
     (replaced(parameters={**BODY, "alpha": 5.0}), "`parameters.alpha` must be less than 1.0"),
-    
-    (replaced(initial={"theta": 9.0}), "`initial.theta` must be at most 3.14159"),
-    (replaced(events=("nosuch",)), "`events` must be of turning, .*, but has 'nosuch'"),
-    
     (replaced(times=np.array([0.3, 0.1])), "`output_times` must ascend strictly"),
-    
     (replaced(form="nosuch"), "`form` of a Problem must be a Form, but is 'nosuch'"),
-    
-    
-    
 ]  # fmt: skip
 
 

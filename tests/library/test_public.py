@@ -8,10 +8,12 @@ import pydoc
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 import examples
 import numpy as np
 import pytest
+from limits import assert_below
 from nightly import at_night
 from stores import assert_same
 
@@ -22,7 +24,6 @@ from tippetop.scenario import build
 
 TOP = tt.TippeTop(**examples.CANONICAL)
 HEAVY = tt.HeavyTop(**examples.HEAVY)
-CYLINDER = tt.Cylinder(m=0.1, R=0.04, alpha=0.1, I=5e-5, g=9.82)
 START = {"theta": 0.1, "omega3": 155.0}
 D, LAM = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
 NUTATING = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
@@ -75,11 +76,19 @@ def test_signatures_are_readable() -> None:
         assert not re.search(r"(tippetop|numpy|xarray|typing|pathlib|collections)\.", text), text
 
 
-def test_help_on_the_friction_laws_lists_their_numbers_only() -> None:
-    text = pydoc.plain(pydoc.render_doc(tt.friction))
-    assert len(text.splitlines()) < 250
-    assert "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)" in text
+@pytest.mark.parametrize(
+    ("face", "lines", "signature"),
+    [
+        (tt.friction, 250, "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)"),
+        (tt.extending, 550, "Exit(event: 'str', to: 'tuple[str, ...]', jump: 'Callable'"),
+    ],
+)
+def test_help_on_records_lists_their_fields_only(face: Any, lines: int, signature: str) -> None:
+    text = pydoc.plain(pydoc.render_doc(face))
+    assert len(text.splitlines()) < lines
+    assert signature in text
     assert "__getnewargs__" not in text
+    assert "__dataclass_fields__" not in text
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -187,7 +196,7 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert run.summary.inversion.inverted_at == pytest.approx(6.943, abs=1e-3)
     with pytest.raises(AttributeError, match="there is no `colour`"):
         _ = run.summary.colour
-    assert max(run.drift.values()) < 1e-13
+    assert_below(1e-13, run.drift)
     assert run.trajectory["theta"].attrs["units"] == "rad"
     assert run.events.sizes["event"] == sum(
         n for k, n in run.summary.event_counts.items() if "signif" not in k

@@ -112,7 +112,7 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, phases
         )
         memory.others = {name: whole.others[name][:count] for name, count in others.items()}
         again.run(memory)
-        assert [
-            np.array_equal(a, b) for a, b in zip(gathered(memory), gathered(whole), strict=True)
-        ].count(False) == 0
+        names = "times", "states", "event times", "events", "theta at events"
+        for k, (a, b) in enumerate(zip(gathered(memory), gathered(whole), strict=True)):
+            np.testing.assert_array_equal(a, b, [*names, "phases and impacts"][min(k, 5)])
         assert again.progress().phases == integration.progress().phases

@@ -52,10 +52,11 @@ def cuts(run: Any, count: int) -> list[float]:
 @pytest.mark.parametrize(
     ("source", "until", "count"),
     [
-        ("inverting", 2.0, 4),
-        ("flying", 0.2, 6),
-        ("leine-glocker", 0.2, 3),
-        (STRIKES, 0.055, 4),
+        ("inverting", 2.0, 2),
+        ("flying", 0.2, 2),
+        ("leine-glocker", 0.2, 2),
+        (STRIKES, 0.055, 2),
+        at_night(STRIKES, 0.055, 20),
         at_night("inverting", 6.0, 60),
         at_night("heavy-top", 5.0, 40),
         at_night("flying", 0.5, 60),

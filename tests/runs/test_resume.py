@@ -23,7 +23,6 @@ from stores import (
     acknowledged,
     assert_same,
     ended,
-    interrupted,
     short_slices,
     turning,
     wait_until,
@@ -33,7 +32,7 @@ from typed import typed
 import tippetop
 from tippetop.cli import outcome
 from tippetop.problem import Problem
-from tippetop.runs import recording, resuming
+from tippetop.runs import recording
 from tippetop.runs.integration import Integration
 from tippetop.runs.reporting import report
 from tippetop.runs.run import solve
@@ -85,6 +84,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (0.0, KEYFRAMES, 2),
         at_night(5.0, KEYFRAMES, 5),
         at_night(0.0, ["run.output_step=0.001"], 50),
+        at_night(0.0, ["run.precision=longdouble"], 2),
     ],
 )
 def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
@@ -148,21 +148,6 @@ def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
     assert sorted(code for code, _ in ends) == [0, 5]
     assert any("must have one writer, but" in err for _, err in ends)
     assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("precision", ["longdouble", "quad"])
-def test_wider_precisions_resume_bit_by_bit(
-    precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
-    monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
-    short = turning(0.15, f"run.precision={precision}")
-    whole, broken = tmp_path / "whole.zarr", tmp_path / "broken.zarr"
-    recording.record(short, whole)
-    interrupted(broken, short, slices=2)
-    resuming.resume(broken)
-    assert_same(broken, whole)
 
 
 def test_slices_of_wide_numbers_have_fewer_steps(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nightly import at_night
 
 import tippetop as tt
 from tippetop.engine import taylor
@@ -29,15 +30,15 @@ def test_time_of_compilation_is_not_that_of_integration(monkeypatch: pytest.Monk
 
     @functools.cache
     def slowly(*key: Any) -> Any:
-        time.sleep(0.5)
+        time.sleep(0.2)
         return compiled_from(*key)
 
     monkeypatch.setattr(taylor, "compiled_from", slowly)
     run = tt.run("cohen-coulomb", until=0.03)
     assert len(run.phases.start) == 2
     seconds = run.solution.seconds
-    assert seconds["compile"] > 1
-    assert seconds["integrate"] < 0.5
+    assert seconds["compile"] > 0.4
+    assert seconds["integrate"] < 0.2
 
 
 def test_neither_rows_nor_events_change_the_run() -> None:
@@ -126,13 +127,13 @@ def test_the_length_of_an_integrated_axis_is_watched() -> None:
     )
 
 
+@pytest.mark.parametrize("until", [1e12, 1e15, at_night(1e16)])
 @pytest.mark.parametrize("law", ["viscous", "coulomb"])
-def test_a_body_at_rest_stays_for_as_long_as_a_run_may_last(law: str) -> None:
+def test_a_body_at_rest_stays_for_as_long_as_a_run_may_last(law: str, until: float) -> None:
     """Its series allows any step, the powers of which a double may not contain."""
     sets = ["initial.theta=0", "initial.omega3=0", f"friction.law={law}", "friction.mu=0.3"]
-    for until in (1e12, 1e15, 1e16):
-        problem = starting.load("inverting", [*sets, "run.output=events"], until)
-        run = solve(problem, keep=False)
-        assert run.status is Status.FINISHED
-        assert run.report["t_end"] == until
-        assert run.report["theta_end"] == 0.0
+    problem = starting.load("inverting", [*sets, "run.output=events"], until)
+    run = solve(problem, keep=False)
+    assert run.status is Status.FINISHED
+    assert run.report["t_end"] == until
+    assert run.report["theta_end"] == 0.0

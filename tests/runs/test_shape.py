@@ -38,7 +38,7 @@ def quaternions(count: int) -> np.ndarray:
 
 def points(half: Any, centre: Any, turn: float = 0.0) -> np.ndarray:
     """Return points of an ellipsoid that is turned about axis 3, (n, 3)."""
-    theta, phi = np.meshgrid(np.linspace(0, np.pi, 400), np.linspace(0, 2 * np.pi, 400))
+    theta, phi = np.meshgrid(np.linspace(0, np.pi, 250), np.linspace(0, 2 * np.pi, 250))
     parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
     cloud = np.stack([p.ravel() for p in parts], axis=1) * half
     return Rotation.from_euler("z", turn).apply(cloud) + centre
@@ -46,7 +46,7 @@ def points(half: Any, centre: Any, turn: float = 0.0) -> np.ndarray:
 
 def rim(ring: float, tube: float, c: float) -> np.ndarray:
     """Return points of a disc with a rounded rim, (n, 3)."""
-    tilt, phi = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 400), np.linspace(0, 2 * np.pi, 400))
+    tilt, phi = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 250), np.linspace(0, 2 * np.pi, 250))
     radius, height = ring + tube * np.cos(tilt), c + tube * np.sin(tilt)
     parts = radius * np.cos(phi), radius * np.sin(phi), height
     return np.stack([p.ravel() for p in parts], axis=1)
@@ -67,7 +67,7 @@ CASES = {
 def test_the_lowest_point_of_equations_and_drawings_is_that_of_a_search(name: str) -> None:
     """In drawings to the rounding of a meridian: the body touches the plane."""
     body, cloud = CASES[name]
-    surface, q = shapes.surface_of(body), quaternions(20)
+    surface, q = shapes.surface_of(body), quaternions(10)
     profile = np.array(film._capsule(1.0, 1.0))
     if len(surface.meridian):
         profile = surface.meridian[::-1, 1::-1].T

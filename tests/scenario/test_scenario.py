@@ -100,7 +100,7 @@ def attempt(tables: dict) -> tuple[Problem | None, list[str]]:
         return None, error.sentences
 
 
-@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(changed(tomllib.loads(reading.presets()["inverting"])))
 def test_random_damage_gives_sentences_or_a_problem(tables: dict) -> None:
     problem, said = attempt(tables)

@@ -1,6 +1,5 @@
 """The tables [air] and [plane]: what is read, refused, and withheld."""
 
-import dataclasses
 import pickle
 from pathlib import Path
 from typing import Any
@@ -54,7 +53,7 @@ def test_surroundings_that_do_nothing_change_nothing(preset: str, around: Any) -
     one = tt.run(preset, until=0.3).trajectory
     other = tt.run(preset, **around, until=0.3).trajectory
     for name in ("theta", "x", "y", "normal_force"):
-        assert np.allclose(one[name], other[name], rtol=1e-11, atol=1e-13)
+        np.testing.assert_allclose(one[name], other[name], rtol=1e-11, atol=1e-13, err_msg=name)
 
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling"])
@@ -75,48 +74,6 @@ def test_numbers_of_another_plane_do_not_vary() -> None:
     ):
         with pytest.raises(InputError, match=r"Give the scenario a `plane\.tilt`"):
             ask()
-
-
-@pytest.mark.parametrize("preset", ["inverting", "flying"])
-@pytest.mark.parametrize(
-    "around",
-    [
-        {"air": AIR, "plane": PLANE},
-        {"plane": {"amplitude": 1e-4, "frequency": 20.0, "phase": 0.2}},
-        {"plane": {"omega": 2.0, "x": 0.01, "y": 0.02}},
-    ],
-    ids=["tilted", "vibrating", "turning"],
-)
-def test_a_gliding_top_has_derivatives_by_its_surroundings(
-    preset: str, around: dict[str, Any]
-) -> None:
-    base = tt.run(preset, **around, until=0.2).problem
-    keys = [*base.surroundings]
-    found = tt.derivatives.sensitivities(base, keys).trajectory.isel(time=-1)
-    for key in keys:
-        value = base.surroundings[key]
-        step = 1e-4 * value
-        ends = {}
-        for side in (1, -1):
-            moved = {**base.surroundings, key: value + side * step}
-            rows = tt.run(dataclasses.replace(base, surroundings=moved)).trajectory
-            ends[side] = rows.isel(time=-1)
-        for name in ("theta", "x"):
-            slope = float(ends[1][name] - ends[-1][name]) / (2 * step)
-            assert np.isclose(found[name].sel(parameter=key), slope, rtol=1e-5, atol=1e-10)
-
-
-def test_a_rolling_top_has_derivatives_by_its_surroundings() -> None:
-    names = ["plane.tilt", "air.c1", "initial.omega3"]
-    slopes = tt.derivatives.sensitivities("rolling", names, **AROUND, until=0.5).trajectory
-    step = 1e-5
-    ends = [
-        tt.run("rolling", air=AIR, plane=PLANE | {"tilt": np.pi / 180 + side * step}, until=0.5)
-        for side in (1, -1)
-    ]
-    one, other = (run.trajectory.theta.values[-1] for run in ends)
-    found = float(slopes.theta.sel(parameter="plane.tilt")[-1])
-    assert np.isclose(found, (one - other) / (2 * step), rtol=1e-7)
 
 
 @pytest.mark.parametrize("omega", [3.0, -30.0])
@@ -185,6 +142,6 @@ def test_exports_tilt_gravity_and_refuse_air(tmp_path: Path) -> None:
     expected = g * np.array([np.sin(tilt) * np.cos(0.3), np.sin(tilt) * np.sin(0.3), -np.cos(tilt)])
     text = text_of(problem, "mjcf")
     found = text.partition('gravity="')[2].partition('"')[0].split()
-    assert np.allclose([float(part) for part in found], expected, rtol=1e-11)
-    with pytest.raises(InputError, match=r"torque of air, but has `air\.c1`: remove"):
+    np.testing.assert_allclose([float(part) for part in found], expected, rtol=1e-11)
+    with pytest.raises(InputError, match=r"in still air, but has `air\.c1`, which must be removed"):
         text_of(tt.run("inverting", air=AIR, until=0.1).problem, "mjcf")

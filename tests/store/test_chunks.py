@@ -73,7 +73,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    "pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=str
+    "pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=len
 )
 def test_the_files_do_not_depend_on_the_pieces_nor_on_commits(
     pieces: list[int], tmp_path: Path

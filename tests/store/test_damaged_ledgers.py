@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from kinds import KINDS, every_kind, make
+from kinds import CONTINUED, KINDS, every_kind, make
 from nightly import at_night
 from stores import files, state_of
 from typed import typed
@@ -75,7 +75,7 @@ def refused(kind: str, store: Path) -> bool:
 
 @pytest.mark.filterwarnings("ignore:`.*a killed run left it")
 @pytest.mark.parametrize("count", [6, at_night(110)])
-@pytest.mark.parametrize("name", [*KINDS[:3], "half-run", "half-sweep", "half-surface"])
+@pytest.mark.parametrize("name", [*CONTINUED, *(f"half-{kind}" for kind in CONTINUED)])
 def test_a_damaged_ledger_costs_nothing_acknowledged(
     name: str, count: int, stores: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -59,10 +59,16 @@ def extend(place: Path) -> None:
 
 
 def surface(place: Path) -> None:
-    wanted = surfaces.Surface(
-        starting.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
-    )
-    surfaces.write(place, wanted)
+    body = starting.load("inverting").parameters
+    axes = np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5]
+    unless("must not exist yet", lambda: surfaces.write(place, body, *axes, chunk=4))
+
+
+def potential(place: Path) -> None:
+    """Write a potential, unless it is there: what is there is compared with a whole one."""
+    V = tt.landscapes.potential("inverting", z=np.linspace(-0.9, 0.9, 9), D=0.0, lam=1e-6)
+    attrs = {"title": "effective potential"}
+    unless("must not exist yet", lambda: surfaces.write_potential(place, V, attrs))
 
 
 def sweep(place: Path) -> None:
@@ -97,6 +103,7 @@ TARGETS = {
     ),
     "sweep": Target(sweep, sweep),
     "surface": Target(surface, surface),
+    "potential": Target(potential, potential),
     "replay": Target(replayed, replayed),
 }
 

@@ -77,6 +77,7 @@ COMMANDS = {
     "replay": Command(REPLAY, f"{REPLAY} --overwrite", with_keyframes),
     "sweep": Command(*["sweep PLAN.toml --out S.zarr --workers 1"] * 2, with_plan),
     "surface": Command("", "", python=SURFACE),
+    "potential": Command(*["potential inverting --D 0 --lambda 1e-6 --n 1000000 --out S.zarr"] * 2),
     "overwrite": Command(*[f"{RUN} 70 --overwrite"] * 2, half),
 }
 

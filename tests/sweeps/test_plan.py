@@ -14,6 +14,7 @@ from tippetop.problem import Problem
 from tippetop.runs import forecast
 from tippetop.scenario import reading
 from tippetop.sweeps.plan import Plan
+from tippetop.sweeps.sweep_summary import faults_of
 
 
 GRID = [
@@ -218,3 +219,10 @@ def test_a_top_of_a_plan_stands_as_it_would_alone() -> None:
     plan = Plan.from_tables(document)
     assert plan.problem(0).initial["gap"] > 0
     assert "gap" not in plan.problem(1).initial
+
+
+def test_info_says_why_a_contact_cannot_be_followed() -> None:
+    axis = {"of": "friction.mu", "values": [0.3, 5.0]}
+    plan = Plan.from_tables({"scenario": "leine-glocker-stem", "axis": [axis]})
+    (sentence,) = faults_of(plan, np.array([1]))
+    assert sentence.startswith("top 1: `friction.mu` must be less than 1.3")

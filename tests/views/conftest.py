@@ -15,8 +15,14 @@ CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 )
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FLAGS += ["--disable-accelerated-2d-canvas", "--disable-gpu-rasterization"]  # slower in software
 READY = "window.tippetop && window.tippetop.ready"
 SMALL = {"width": 320, "height": 400}  # software draws: pixels cost
+WITHOUT_WEBGL = """
+const { getContext } = HTMLCanvasElement.prototype;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+  return kind === "webgl2" ? null : getContext.call(this, kind, ...more);
+};"""
 
 
 @pytest.fixture(scope="session")
@@ -57,16 +63,21 @@ def open_page(
     """Open a page from a file, with the network off, and wait until `ready` is true in it.
     Close the pages of a module at its end: an open one draws frames.
 
+    `webgl`: whether the page may draw its picture, which takes the processor seconds.
     `faults` of the tab lists errors, messages and requests of the page; `used` is the browser.
     """
     folder, contexts = tmp_path_factory.mktemp("pages"), []
 
-    def open_it(text: str, ready: str = READY, used: Any = browser, **options: Any) -> Any:
+    def open_it(
+        text: str, ready: str = READY, used: Any = browser, webgl: bool = False, **options: Any
+    ) -> Any:
         path = folder / f"{len(list(folder.iterdir()))}.html"
         path.write_text(text, encoding="utf-8")
         context = used.new_context(viewport=SMALL, reduced_motion="reduce", **options)
         contexts.append(context)
         context.set_offline(True)
+        if not webgl:
+            context.add_init_script(WITHOUT_WEBGL)
         context.set_default_timeout(120_000)
         tab = context.new_page()
         tab.faults = []

@@ -13,7 +13,8 @@ from typed import typed
 import tippetop as tt
 from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
-from tippetop.views.sweep_page import changes, is_movable, page_of_sweep
+from tippetop.views.phase_formulas import is_movable
+from tippetop.views.sweep_page import changes, page_of_sweep
 
 
 PLAN = {

@@ -15,7 +15,7 @@ import numpy as np
 from ..arguments import path_of
 from ..columns import flag_words
 from ..exchange.fit_text import toml_of
-from ..exchange.simulators import DIGITS, formats_of, rounded_to_digits, text_of
+from ..exchange.simulators import DIGITS, formats_of, gravity, rounded_to_digits, text_of
 from ..mechanics.contact.outline import Ball
 from ..problem import Problem
 from ..runs import phases
@@ -240,10 +240,11 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             "mass": body.m,
             "moments_of_inertia": moments(body).tolist(),
             "gravity": body.g,
+            "slope": gravity(body)[:2].tolist(),
             "balls": {
-                name: {"offset": offset, "radius": radius}
-                for name, (offset, radius) in problem.balls.items()
-                if np.ndim(radius) == 0 and radius
+                name: {"offset": ball.c, "radius": ball.R}
+                for name, ball in problem.balls.items()
+                if isinstance(ball.outline, Ball) and ball.R
             },
             "outline": _outline(problem),
             "fixed_point": body.c if problem.contact is None else None,

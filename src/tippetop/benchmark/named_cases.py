@@ -25,8 +25,6 @@ from .truth import differences, sample_times, truth
 LARGEST = 1e-10
 """Largest error of a reference: of the attitude [rad], and of the position by the radius."""
 
-TABLES = ("parameters", "friction", "contact", "initial", "run")
-
 
 class Case(NamedTuple):
     """A named case.
@@ -107,7 +105,7 @@ def case(name: str | Path) -> Case:
 def _own(path: Path) -> Case:
     """Return a scenario as a case. Raises InputError."""
     problem = replace(starting.load(path), orientation=True)
-    require_still(problem.tables, f"`{path}`")
+    require_still(problem.tables, f"`{path}`", tilted=True)
     if path.stem in names():
         raise InputError(f"`{path}` must not have the name of a case, but {path.stem} is one.")
     if problem.contact is None and problem.system.name != "heavy-top":
@@ -142,7 +140,7 @@ def _named(name: str) -> Case:
             f"unknown case `{name}`.{suggestion(name, cases)} The cases are {', '.join(cases)}."
         )
     given = cases[name]
-    tables = reading.read(given["preset"]) | {key: given[key] for key in TABLES if key in given}
+    tables = reading.read(given["preset"]) | {k: v for k, v in given.items() if isinstance(v, dict)}
     return Case(
         name,
         given["title"],

@@ -39,8 +39,8 @@ def _arms(problem: Problem, motion: Truth) -> np.ndarray:
     """
     arms = [lowest(motion.quaternion, problem.body())]
     if problem.contact is not None and problem.contact.stem:
-        c, R = problem.balls["stem"]
-        arms.append(c * axis_of(motion.quaternion) - [0.0, 0.0, R])
+        stem = problem.balls["stem"]
+        arms.append(stem.c * axis_of(motion.quaternion) - [0.0, 0.0, stem.R])
     return np.array(arms)
 
 

@@ -15,6 +15,7 @@ from ..errors import InputError, suggestion
 from ..exchange.comparison import ROUNDING, Compared, shown, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
+from ..exchange.simulators import gravity
 from ..mechanics.contact.body import size
 from ..problem import Problem
 from ..runs.shape import frames, moments, surface_of
@@ -359,11 +360,9 @@ def _motion(table: Table) -> Truth:
     given = motion(table)
     none = np.full((len(table.t), 3), np.nan)
     place, velocity, omega, force = (
-        none if part is None else part
-        for part in (given.place, given.velocity, given.omega, given.force)
+        given.get(name, none) for name in ("place", "velocity", "omega", "force")
     )
-    assert given.orientation is not None
-    return Truth(given.t, place, given.orientation, velocity, omega, force)
+    return Truth(table.t, place, given["orientation"], velocity, omega, force)
 
 
 def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> None:
@@ -421,7 +420,7 @@ def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
         spins.append((m.omega * axis).sum(axis=1))
         parts = np.einsum("nij,nj->in", frames(m.quaternion), m.omega)
         moving = body.m * (m.velocity**2).sum(axis=1) + moments(body) @ parts**2
-        energies.append(moving / 2 + body.m * body.g * m.position[:, 2])
+        energies.append(moving / 2 - body.m * m.position @ gravity(body))
     return {
         "attitude": apart["attitude [rad]"],
         "theta": apart["theta [rad]"],

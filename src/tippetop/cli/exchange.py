@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,13 +13,41 @@ from .streams import print_json, visible
 from .values import Place, Whole
 
 
+Lengths = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Frames:
+    """How a table is read.
+
+    Parameters
+    ----------
+    quaternion
+        The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
+    up
+        The letter of the vertical in its frames, and of the body's axis of symmetry: z or
+        y. With y their z, x, y are x, y, z here.
+    track
+        The object whose columns are read, where a file has several: its name in the line before
+        the header.
+    chip
+        Where the accelerometer is in the body: x,y,z [m] in body axes from the centre of mass.
+    """
+
+    quaternion: str | None = None
+    up: str = "z"
+    track: str | None = None
+    chip: Lengths = None
+
+
+SAME = Frames()
+
+
 def compare(
     *files: str,
     set_: list[str] | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    frames: Frames = SAME,
     figure: Place | None = None,
     overwrite: bool = False,
     as_json: bool = False,
@@ -37,16 +66,8 @@ def compare(
         the order of convergence is printed.
     set_
         Change a value of the reference: table.key=value. May be repeated.
-    quaternion
-        The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
-    up
-        The letter of the vertical in its frames, and of the body's axis of symmetry: z or
-        y. With y their z, x, y are x, y, z here.
-    track
-        The object whose columns are read, where a file has several: its name in the line before
-        the header.
-    chip
-        Where the accelerometer is in the body: x,y,z [m] in body axes from the centre of mass.
+    frames
+        How the files are read.
     figure
         Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
     overwrite
@@ -63,14 +84,7 @@ def compare(
             "a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."
         )
     check_picture(figure, overwrite)
-    result = compared(
-        [*files[:-1]],
-        load_any(files[-1], set_),
-        quaternion=quaternion,
-        up=up,
-        track=track,
-        chip=chip,
-    )
+    result = compared([*files[:-1]], load_any(files[-1], set_), **vars(frames))
     return _print(result, figure, overwrite, as_json)
 
 
@@ -85,11 +99,8 @@ def fit(
     within: float = 0.4,
     no_systematic: bool = False,
     laws: str = "",
-    marker: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    marker: Lengths = None,
+    frames: Frames = SAME,
     noise: str | None = None,
     figure: Place | None = None,
     out: Place | None = None,
@@ -130,16 +141,8 @@ def fit(
     marker
         Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with
         columns marker_x ...
-    quaternion
-        The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
-    up
-        The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y
-        are x, y, z here.
-    track
-        The object whose columns are read, where the table has several: its name in the line before
-        the header.
-    chip
-        Where the accelerometer is in the body: x,y,z [m] in body axes from the centre of mass.
+    frames
+        How the table is read.
     noise
         Standard deviation of measured angles and directions, such as "1.5 deg": theta may lie
         beyond 0 and 180 degrees by five of these, and larger residuals are reported.
@@ -174,10 +177,7 @@ def fit(
         systematic=not no_systematic,
         laws=laws,
         marker=marker,
-        quaternion=quaternion,
-        up=up,
-        track=track,
-        chip=chip,
+        **vars(frames),
         noise=noise,
     )
     if out is not None:

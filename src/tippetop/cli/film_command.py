@@ -101,7 +101,7 @@ def film(
         f"{t:.3f} s   θ = {theta:.1f}°   {speed:g}×"
         for t, theta in zip(shown, np.degrees(at[:, 19]), strict=True)
     ]
-    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+    with files.replacing(out, overwrite=overwrite) as scratch:
         film = write_frames(
             str(scratch),
             sizes,

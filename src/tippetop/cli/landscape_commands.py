@@ -15,7 +15,7 @@ from ..awaiting import awaited
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
-from .streams import complain, print_json, report, visible
+from .streams import print_json, visible
 from .values import Jellett, Place, Routh, Whole
 
 
@@ -35,7 +35,7 @@ def surface(
     overwrite: bool = False,
     threads: Whole | None = None,
 ) -> int:
-    """Compute the minimal surface F(D, lambda) of a tippe top, or continue an unfinished one.
+    """Compute the minimal surface F(D, lambda) of a tippe top.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ def surface(
         min:max:n of Jellett's integral [kg m^3/s, or with units]; by default 0 to 4.5 lambda_pi,
         401 points.
     out
-        Store to write or to continue, a zarr folder. A finished one is left as it is.
+        Store to write, a zarr folder; must not exist yet (or use --overwrite).
     figure
         Draw the surface and the lines of both spinning states on it to this PNG, SVG or PDF.
     overwrite
-        Replace a store that exists, finished or not, and an existing picture.
+        Replace an existing store and an existing picture.
     threads
         How many threads compute; by default as many as usable cores.
     """
@@ -62,12 +62,15 @@ def surface(
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
     from ..sampling import spread
-    from .targets import check_picture, finished
+    from ..store import files
+    from .targets import check_picture
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
         raise InputError("nothing to do: give --out F.zarr, --figure F.png, or both.")
     check_picture(figure, overwrite)
+    if out is not None:  # now rather than after formulas are compiled
+        files.refuse_existing(out, overwrite)
     lambda_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     default = np.linspace(0, 4.5 * lambda_pi, SHOWN)
     lambdas = _axis("--lambda", lambda_, JELLETT) if lambda_ else default
@@ -78,24 +81,20 @@ def surface(
         surface.minimal_surface, parameters, system=system, gradient=False, threads=threads
     )
     if out is not None:
-        was_finished = finished(out, overwrite)
         corners = [axis[[0, -1]] for axis in (Ds, lambdas)]
-        try:
-            if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
-                raise InputError(
-                    "`--D` and `--lambda` must keep V finite, but at their ends do not."
-                )
-            with Bar("chunks") as bar:
-                wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
-                surface_recording.write(
-                    out, wanted, threads=threads, progress=bar.update, overwrite=overwrite
-                )
-        except KeyboardInterrupt:
-            return complain(
-                ["interrupted; the same command without --overwrite continues from here."], 130
+        if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
+            raise InputError("`--D` and `--lambda` must keep V finite, but at their ends do not.")
+        with Bar("chunks") as bar:
+            surface_recording.write(
+                out,
+                parameters,
+                Ds,
+                lambdas,
+                system,
+                threads=threads,
+                progress=bar.update,
+                overwrite=overwrite,
             )
-        if was_finished:
-            report(f"`{out}` was finished: its chunks are checked (--overwrite replaces it).")
     if figure is not None:
         few = [axis[spread(axis.size, SHOWN)] for axis in (Ds, lambdas)]
         grid = awaited(lambda: minimal(*few), COMPILING)

@@ -71,7 +71,7 @@ def run(
     with bar_of_run() as progress:
         if out is None:
             done = solve(problem, progress, keep=figure is not None)
-            attrs = finite(attributes.attributes(done.progress))
+            attrs = attributes.attributes(done.progress)
             seconds = done.seconds
         else:
             attrs, seconds = _interruptible(

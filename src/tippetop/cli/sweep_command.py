@@ -41,14 +41,16 @@ def sweep(
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED
     from ..library.variations import sweep as swept
+    from ..store import root
     from ..sweeps import sweep_summary
-    from .targets import finished
 
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
     for name, value in (("--workers", workers), ("--scheduler", scheduler)):
         words += [] if value is None else [name, str(value)]
     again = f"Continue with: {shlex.join(words)}"
-    was_finished = finished(out, overwrite)
+    # a damaged store may be overwritten
+    here = out.is_dir() and not overwrite
+    was_finished = here and root.root_of(out).get("status") == "finished"
     failed: list[str] = []
     try:
         swept(plan, out, workers=workers, scheduler=scheduler, overwrite=overwrite)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..errors import StoreError, refuse_without
 from ..figures import catalogue
-from ..store import files, root
+from ..store import files
 
 
 def check_picture(path: Path | None, overwrite: bool) -> None:
@@ -19,10 +19,3 @@ def check_picture(path: Path | None, overwrite: bool) -> None:
         raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
     files.refuse_inside(path)
     files.refuse_existing(path, overwrite)
-
-
-def finished(store: Path, overwrite: bool) -> bool:
-    """Return whether a store exists, is finished and is not overwritten. Raises StoreError."""
-    if overwrite or not store.is_dir():  # a damaged one may be overwritten
-        return False
-    return root.root_of(store).get("status") == "finished"

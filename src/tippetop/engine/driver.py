@@ -174,18 +174,23 @@ class Driver:
         room = PASSAGES + len(rows.events) * MOST_COEFFICIENTS
         number = self.number
         self.all_events = rows
-        self.tallies = new_tallies(rows, functions)
+        self.set_tallies(new_tallies(rows, functions))
         self.log = new_log(room, width, number)
         self.samples = new_samples(STEPS_PER_SLICE + 2, width, number)
         is_double = number in (float, np.float64)
         # of passages, in the working precision
         self.times = self.log.rows["time"] if is_double else np.zeros(room, number)
-        names = "status", "steps", "upto", "tiny", "t"
-        self.status, self.steps, self.upto, self.tiny, self.time = (
-            view(self.tallies.lane[name]) for name in names
-        )
         self.logged, self.sampled_so_far = map(view, (self.log.filled, self.samples.filled))
         self.set_output(NO_ROWS)
+
+    def set_tallies(self, tallies: Tallies) -> None:
+        """Select the tallies of the run."""
+        self.tallies = tallies
+        self.functions = tallies.functions[:, 0]
+        names = "status", "steps", "upto", "tiny", "t"
+        self.status, self.steps, self.upto, self.tiny, self.time = (
+            view(tallies.lane[name]) for name in names
+        )
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
         """Return the tallies, log and samples into which the loop of a phase writes."""
@@ -346,7 +351,7 @@ class Driver:
     def extremes(self) -> Extremes:
         """Return the extremes of the normal force so far, internal units; NaN times if unknown."""
         records = self.all_events.events
-        functions = self.tallies.functions[:, 0]
+        functions = self.functions
         kept = records["extremes"]
         values = functions["extremes"][kept] / records["scale"][kept, None]
         pairs = np.stack([values, functions["times"][kept]], axis=-1)
@@ -375,7 +380,7 @@ class Driver:
         A run that starts from the present state needs them: they decide whether a zero here has
         been passed.
         """
-        signs = self.tallies.functions["sign"][:, 0] * self.workspace.rows.events["watched"]
+        signs = self.functions["sign"] * self.workspace.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:

@@ -407,7 +407,6 @@ class HybridDriver(Driver):
         phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
         width = max(self.variables, *phase_widths)
         self.allocate_tallies(rows, np.ones((len(events), 1)), width + len(events))
-        self.functions = self.tallies.functions[:, 0]
         signs = problem.joint.get("signs", {})
         self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known
         self.tables = PhaseTables(problem)

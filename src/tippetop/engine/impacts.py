@@ -150,9 +150,9 @@ class ImpactMotions:
         one), and the state.
         """
         driver = self.driver(region)
-        known = driver.tallies.functions
+        known = driver.functions
         none = driver.number(0)
-        known["sign"][:, 0], known["on_zero"][:, 0] = signs, zeros
+        known["sign"], known["on_zero"] = signs, zeros
         driver.set_parameters(driver.workspace, pars)
         driver.clear_counts()
         driver.set_state(state, (none, none))

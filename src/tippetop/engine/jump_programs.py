@@ -60,23 +60,35 @@ class _Program(NamedTuple):
     ranged: int
 
 
-class _Phases(NamedTuple):
-    """The structure `Phases` of `loop.c`: the loops and programs of a run of several phases."""
+_REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
+_NAMES = "stops_by", "phase", "event", "steps", "waits", "short_phases"
+TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
+"""A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
+phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
+steps before those of its tally; phases in a row that were too short.
+"""
+
+
+class Jumps(NamedTuple):
+    """The structure `Jumps` of `loop.c`: the loops and programs of the phases of a system."""
 
     loops: np.ndarray
     programs: np.ndarray
     events: np.ndarray
-    body: np.ndarray
     made: np.ndarray
-    began: float
-    end: float
     chatter: float
-    present: int
-    short_phases: int
     length: int
-    most: int
-    numbers: int
     width: int
+    numbers: int
+
+
+class _Phases(NamedTuple):
+    """The structure `Phases` of `loop.c`: a run of several phases."""
+
+    jumps: Jumps
+    top: np.ndarray
+    body: np.ndarray
+    most: int
 
 
 class JumpProgram(NamedTuple):
@@ -122,9 +134,10 @@ class JumpPrograms:
         self.table = np.zeros(len(self.programs), np.uint64)
         self.made = np.zeros((PER_SLICE, 4 + NUMBERS + STATE))
         self.body = np.array(numbers_of(run.world))
-        arrays = self.loops, self.table, run.all_events.events, self.body, self.made
-        sizes = 0, 0, 0, 0, len(self.body), self.made.shape[1]
-        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
+        self.top = np.zeros(1, TOP_RECORD)
+        arrays = self.loops, self.table, run.all_events.events, self.made
+        self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
+        self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
     def learn(self, jump: Any, *given: Any) -> None:
         """Count a jump that Python has made with these arguments, and record it when it is due.
@@ -234,15 +247,16 @@ class JumpPrograms:
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
             self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
-        record.present = run.solver.at
-        record.began = run.began
-        record.short_phases = run.short_phases
-        record.length = 0
+        by = self.events if run.ending in (None, CLOCK) else run.ending
+        until = run.motion.end[0]
+        state = 0.0, 0.0, run.end, until, until, run.began, by, run.solver.at
+        self.top[0] = *state, 0, 0, 0, run.short_phases
+        record.jumps.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)
         solver = run.solver
         began = run.began
-        for time, number, lasts, delay, *numbers in self.made[: record.length].tolist():
+        for time, number, lasts, delay, *numbers in self.made[: record.jumps.length].tolist():
             program = self.known[int(number)]
             rest = iter(numbers)
             before = solver
@@ -254,11 +268,11 @@ class JumpPrograms:
             run.keep_interval(before, began, time, rest, program.jump)
             began = min(time + delay, run.end)
             run.until = began + lasts
-        if record.length:
+        if record.jumps.length:
             run.set_phase(solver, began)
-            run.short_phases = record.short_phases
+            run.short_phases = int(self.top["short_phases"][0])
             run.series = None
-            run.changes += record.length
+            run.changes += record.jumps.length
             run.end_next()
         return steps
 

@@ -33,6 +33,7 @@ class Motion(NamedTuple):
     pars: np.ndarray  # (parameters, lanes)
     tc: np.ndarray  # (variables, order + 1, lanes) Taylor coefficients of the present step
     in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
+    slots: np.ndarray  # (lanes,) where the tally of this top is
     high: np.ndarray  # (lanes,) time
     low: np.ndarray
     start_high: np.ndarray  # (lanes,) time where the present step began
@@ -77,6 +78,7 @@ class _Sizes(NamedTuple):
     parameters: int
     size: int
     lanes: int
+    tops: int
     events: int
     axis: int
     log: int
@@ -180,7 +182,8 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     in_lane, ended_by, steps_before = np.zeros((3, lanes), np.int64)
     high, low, start_high, start_low, end, limit, h = np.zeros((7, lanes))
     times = high, low, start_high, start_low, end, limit, h
-    return Motion(state, before, pars, tc, in_lane, *times, ended_by, steps_before)
+    slots = np.arange(lanes)
+    return Motion(state, before, pars, tc, in_lane, slots, *times, ended_by, steps_before)
 
 
 class Loop:
@@ -224,7 +227,7 @@ class Loop:
             width = 0  # the stepper keeps states: the loop writes all of them to one place
             log = log._replace(states=self.out)
             samples = samples._replace(states=self.out)
-        lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
+        lengths = map(len, (tallies.lane, rows.events, rows.axis, log.rows, samples.top))
         sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
         arrays = np.empty((2, size, lanes)), self.out, tape
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS

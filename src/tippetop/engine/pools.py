@@ -26,7 +26,7 @@ from .driver import ENDLESS, STATUSES
 from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, PhaseSolver
 from .integrator import Compiled
-from .jump_programs import CHATTER, JumpPrograms
+from .jump_programs import TOP_RECORD, JumpPrograms, Jumps
 from .loop import (
     Loop,
     Rows,
@@ -41,8 +41,6 @@ from .settling import SETTLED_FOR
 from .status import Status
 from .stepper import Loaded
 from .tallies import (
-    FUNCTION_RECORD,
-    LANE_RECORD,
     EventRows,
     PassageLog,
     Rules,
@@ -65,39 +63,24 @@ A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING = range(5)
 its next step, in a phase that Python samples; nothing."""
 
 
-_REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
-_NAMES = "stops_by", "phase", "event", "steps", "waits", "short_phases"
-TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
-"""A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
-phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
-steps before those of its tally; phases in a row that were too short.
-"""
 _PLACES = [(name, np.uint64) for name in ("loop", "parameters")]
-_COUNTS = [(name, int) for name in ("by_steps", "count", "occupied")]
+_COUNTS = [(name, int) for name in ("by_steps", "first", "count", "occupied")]
 POOL_RECORD = np.dtype([*_PLACES, *_COUNTS])
 
 
 class _Pools(NamedTuple):
     """The structure `Pools` of `loop.c`."""
 
+    jumps: Jumps
     pools: np.ndarray
-    loops: np.ndarray
-    programs: np.ndarray
-    events: np.ndarray
     queues: np.ndarray
     tops: np.ndarray
-    tallies: np.ndarray
-    functions: np.ndarray
-    kept: np.ndarray
     states: np.ndarray
     bodies: np.ndarray
     called: np.ndarray
     calls: np.ndarray
-    chatter: float
     phases: int
     room: int
-    numbers: int
-    kept_numbers: int
     width: int
     possible: int
 
@@ -117,8 +100,10 @@ class Pools:
 
     Attributes
     ----------
-    tops, tallies_of, functions_of, kept_of, states, bodies
-        Arrays over slots: the top there, its tallies, its state and the numbers of its body.
+    tops, states, bodies
+        Arrays over slots: the top there, its state and the numbers of its body.
+    of_tops
+        The tallies of the tops in the slots; the last ones are those of empty lanes.
     rows
         Those of the tops in the slots, at given times.
     log, samples
@@ -149,14 +134,13 @@ class Pools:
         programs
             The `JumpPrograms` of tops that have several phases.
         """
-        events, kinds, _ = self.all_events
+        events = self.all_events.events
         self.failures: dict[int, str] = {}
         self.over: list[int] = []  # slots of tops that ended where they began
         self.parameters: dict[int, np.ndarray] = {}
         self.tops = np.zeros(room, TOP_RECORD)
-        self.tallies_of = np.zeros(room, LANE_RECORD)
-        self.functions_of = np.zeros((room, len(events)), FUNCTION_RECORD)
-        self.kept_of = np.zeros((room, len(kinds)))
+        self.of_tops = new_tallies(self.all_events, np.ones((len(events), room + 1)))
+        self.of_tops.lane["status"] = Status.FINISHED.code
         self.states = np.zeros((room, width))
         self.bodies = np.zeros((room, numbers))
         self.rows = rows_of_tops(np.zeros((room, row_count)), width, phases)
@@ -164,36 +148,37 @@ class Pools:
         self.calls = np.zeros(1, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, room), np.int64)
-        none = np.zeros(phases * (len(events) + 1), np.uint64)
-        loops, table = (programs.loops, programs.table) if programs else (none, none)
+        none = np.zeros(len(events) + 1, np.uint64)
+        jumps = programs.jumps if programs else Jumps(none, none, events, none, 0.0, 0, 0, numbers)
         self.arrays = _Pools(  # must outlive the structure
-            *(self.pools, loops, table, events, queues),
-            *(self.tops, self.tallies_of, self.functions_of, self.kept_of, self.states),
-            *(self.bodies, self.called, self.calls, CHATTER),
-            *(phases, room, numbers, len(kinds), width, 0),
+            jumps._replace(made=none[:0]),
+            self.pools,
+            queues,
+            self.tops,
+            self.states,
+            self.bodies,
+            self.called,
+            self.calls,
+            phases,
+            room,
+            width,
+            possible=0,
         )
         self.record: Any = filled(self.arrays)
         self.record_at = address_of(self.record)
 
-    def lane_tallies(self, rows: EventRows) -> Tallies:
-        """Return the tallies of empty lanes."""
-        tallies = new_tallies(rows, np.ones((len(rows.events), self.lanes)))
-        tallies.lane["status"] = Status.FINISHED.code
-        return tallies
-
     def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
         """Add the pool of a phase, whose parameters are these numbers of a body, by index."""
-        loop.record.motion.in_lane[:] = -1
+        loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, len(self.tops)
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
-        self.pools[phase] = address_of(loop.structure), mine.ctypes.data, by_steps, 0, 0
+        self.pools[phase] = address_of(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
     def begin_tops(self, slots: np.ndarray, begun: Begun) -> None:
         """Begin tops in free slots, (k,)."""
-        tallies = new_tallies(self.all_events, begun.functions)
-        self.tallies_of[slots] = tallies.lane
-        self.functions_of[slots] = tallies.functions.T
-        self.kept_of[slots] = tallies.kept.T
+        starts = new_tallies(self.all_events, begun.functions)
+        for arrays, start in zip(self.of_tops, starts, strict=True):
+            arrays[..., slots] = start
         self.states[slots] = 0.0
         self.states[slots, : len(begun.states)] = begun.states.T
         self.bodies[slots] = begun.bodies[: self.bodies.shape[1]].T
@@ -301,7 +286,7 @@ class HybridPools(Pools, HybridDriver):
         self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
         rows = self.all_events._replace(axis=np.zeros(0, int))
-        found = self.tallies, new_log(0, self.width), self.samples
+        found = self.findings(rows)
         self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
         self.add_pool(phases, self.notes, ())
         workspace = SimpleNamespace(motion=motion)
@@ -325,8 +310,8 @@ class HybridPools(Pools, HybridDriver):
         return compiled_when(key, self.stop)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
-        """Return tallies of the lanes of a phase, an unused log, and the common samples."""
-        return self.lane_tallies(rows), new_log(0, self.width), self.samples
+        """Return the tallies of all tops, an unused log, and the common samples."""
+        return self.of_tops, new_log(0, self.width), self.samples
 
     def solver_of(self, name: str) -> PhaseSolver:
         """Return the phase of this name; when it is first entered, it gets a pool."""
@@ -348,18 +333,19 @@ class HybridPools(Pools, HybridDriver):
     @property
     def clock(self) -> tuple[Any, Any]:
         """Return the internal time of the top that the driver holds."""
-        return self.at
+        clock: tuple[float, float] = self.top[["high", "low"]].item()
+        return clock
 
     @property
     def state(self) -> np.ndarray:
         """Return the state of the top that the driver holds."""
-        return self.present_state
+        return self.states[self.slot, : len(self.workspace.motion.state)]
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Set the state and the time of the top that the driver holds."""
-        self.at = clock
-        self.present_state = np.zeros(len(self.workspace.motion.state))
-        self.present_state[: len(state)] = state
+        self.top["high"], self.top["low"] = clock
+        self.states[self.slot] = 0.0
+        self.states[self.slot, : len(state)] = state
 
     # --- one top ---------------------------------------------------------------------------------
 
@@ -368,8 +354,9 @@ class HybridPools(Pools, HybridDriver):
         self.tops["stop"][slots] = 0.0
         self.tops["stops_by"][slots] = len(self.numbers)
         self.tops["phase"][slots] = len(self.phases)
-        self.functions_of["sign"][slots] = self.functions_of["on_zero"][slots] = 0.0
-        self.tallies_of["lasts_since"][slots] = np.nan
+        for name in "sign", "on_zero":
+            self.of_tops.functions[name][:, slots] = 0.0
+        self.of_tops.lane["lasts_since"][slots] = np.nan
 
     def _load(self, slot: int) -> None:
         """Load a top from its slot into the driver."""
@@ -383,24 +370,22 @@ class HybridPools(Pools, HybridDriver):
         self.set_output(
             Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False)
         )
-        top = self.tops[slot]
+        self.slot, self.top = slot, self.tops[slot]
+        top = self.top
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
-        names = ["began", "until", "short_phases", "end", "high", "low"]
-        self.began, self.until, self.short_phases, self.end, *clock = top[names].item()
-        self.tallies.lane[0] = self.tallies_of[slot]
-        self.functions[:] = self.functions_of[slot]
-        self.tallies.kept[:, 0] = self.kept_of[slot]
+        names = ["began", "until", "short_phases", "end"]
+        self.began, self.until, self.short_phases, self.end = top[names].item()
+        self.set_tallies(Tallies(*(array[..., slot : slot + 1] for array in self.of_tops)))
+        self.notes.record.motion.slots[0] = slot
         self.logged[0] = int(self.upto[0] < 1.0)
-        self.last = self.states[slot, : len(self.solver.workspace.motion.state)].copy()
         self.workspace = self.solver.workspace
-        self.set_state(self.last, clock)
+        self.last = self.state.copy()
 
     def _store(self, slot: int) -> None:
         """Store the top that the driver holds in its slot."""
         self.add_in_jump()
-        top = self.tops[slot]
-        top["high"], top["low"] = self.at
+        top = self.top
         top["until"] = min(self.until, self.end)
         self._set_end(slot)
         top["began"], top["phase"], top["short_phases"] = (
@@ -408,11 +393,6 @@ class HybridPools(Pools, HybridDriver):
             self.solver.at,
             self.short_phases,
         )
-        self.tallies_of[slot] = self.tally
-        self.functions_of[slot] = self.functions
-        self.kept_of[slot] = self.tallies.kept[:, 0]
-        self.states[slot] = 0.0
-        self.states[slot, : len(self.state)] = self.state
         self.series = None
         self.logged[0] = 0
         self.tables.rows.clear()
@@ -451,15 +431,15 @@ class HybridPools(Pools, HybridDriver):
                 ends = self.ended
             else:
                 jump = self.solver.exits.get(ending)
-                ends = self._change(jump, self.at[0]) if jump else STATUSES[self.status[0]]
+                ends = self._change(jump, self.clock[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
         self._store(slot)
         if ends is not None:
-            self.tallies_of["status"][slot] = ends.code
+            self.status[0] = ends.code
             return NOTHING
-        lasted = self.at[0] - self.tally["lasts_since"]
+        lasted = self.clock[0] - self.tally["lasts_since"]
         return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:

@@ -16,9 +16,8 @@ from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
 from ..engine.taylor import compiled_when
-from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
-from ..runs.event_log import LogReport
+from ..runs.event_log import settled_since
 from ..scenario.contact import touches
 from .hybrid_tops import faults_of, problem_of
 from .outcomes import SWINGS, Outcomes
@@ -73,11 +72,11 @@ class PoolOfOne(Pools):
         self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
         self.log = new_log(2 * logged * events, width)
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        found = self.lane_tallies(rows), self.log, self.samples
+        self.allocate_tops(room, 1, width, numbers, row_count)
+        found = self.of_tops, self.log, self.samples
         self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
         rules = Rules(settled_for, most, EVERY, 0)
         self.loop = Loop(self.motion, rows, *found, rules, code.machine)
-        self.allocate_tops(room, 1, width, numbers, row_count)
         self.add_pool(0, self.loop, range(numbers))
 
 
@@ -150,11 +149,11 @@ class Lanes:
             ended, looks = pools.step(MOST_DRIVEN)
             for slot in looks:
                 if self._stays(slot):
-                    pools.tallies_of["status"][slot] = Status.SETTLED.code
+                    pools.of_tops.lane["status"][slot] = Status.SETTLED.code
                     ended.append(slot)
                     continue
                 if not self.tops.base.system.is_hybrid:
-                    pools.tallies_of["lasts_since"][slot] = np.nan
+                    pools.of_tops.lane["lasts_since"][slot] = np.nan
                 pools.push(slot)
             for _ in ended:
                 self.ended()
@@ -228,10 +227,7 @@ class Lanes:
         problem = problem_of(self.tops, int(self.top_in[slot]))
         view = Observables(problem)
         last = pools.rows_in(np.array([slot]))
-        second = float(problem.scales.of(SECOND))
-        tally = pools.tallies_of[slot]
-        log = LogReport(tuple(problem.system.events), second, {}, tally, [])
-        is_settled = log.settled_since(view, last) is not None
+        is_settled = settled_since(view, pools.of_tops.lane[slot], last) is not None
         return is_settled and stays(problem, view.evaluate(last))
 
     def _look(self) -> None:
@@ -257,7 +253,7 @@ class Lanes:
         columns = outcomes.columns
         if pools is None or not len(slots):
             return
-        status = pools.tallies_of["status"][slots]
+        status = pools.of_tops.lane["status"][slots]
         outcomes.status[self.top_in[slots]] = status
         for slot in slots[status == Status.INVALID.code].tolist():
             outcomes.refuse(int(self.top_in[slot]), pools.failures[slot])
@@ -270,7 +266,7 @@ class Lanes:
         place, row = np.nonzero(np.isfinite(pools.rows.states[slots, :, 0]))
         outcomes.rows[tops[place], row] = pools.rows_made(slots[place], row)
 
-        tallies = pools.tallies_of[slots]
+        tallies = pools.of_tops.lane[slots]
         theta = values_of(self.tops, final, tops)["theta"]
         at = tallies["waits_at"]
         counts = tallies["waiting"] * (theta - at) >= NOISE_FLOOR  # the turning that waits
@@ -284,14 +280,14 @@ class Lanes:
             columns[name][tops] = tallies[name]
         self.steps += int(steps.sum())
 
-        functions = pools.functions_of[slots]
-        kept = iter(pools.kept_of[slots].T)
+        functions = pools.of_tops.functions[:, slots]
+        kept = iter(pools.of_tops.kept[:, slots])
         settled = ~slides(self.tops, final, tops)
         if self.tops.base.system.is_hybrid:
             settled &= ~np.isnan(tallies["lasts_since"])
         for k, event in enumerate(self.tops.base.system.events):
             if event.lasting:
-                settled &= functions["sign"][:, k] * event.direction > 0
+                settled &= functions["sign"][k] * event.direction > 0
             for number in event.kept:
                 values = next(kept)
                 if event.lasting and number.what != "count":  # it did not last to the end
@@ -302,7 +298,7 @@ class Lanes:
         events = pools.all_events.events
         names = dict(enumerate(event.extremes for event in self.tops.base.system.events))
         for k in np.flatnonzero(events["extremes"]).tolist():
-            values = functions["extremes"][:, k].T / events["scale"][k]
+            values = functions["extremes"][k].T / events["scale"][k]
             for end, best, found in zip(("min", "max"), (np.fmin, np.fmax), values, strict=True):
                 column = columns[f"{names.get(k) or 'normal_force'}_{end}"]
                 column[tops] = best(column[tops], found)

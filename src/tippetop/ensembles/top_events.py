@@ -20,7 +20,7 @@ def log_of(tops: Problems, top: int) -> EventLog:
     """Return an empty log of one top."""
     problem = problem_of(tops, top)
     tallies = new_tallies(event_rows((), (), ()), np.ones((0, 1)))
-    log = EventLog(problem, Observables(problem), problem.start()[None], tallies)
+    log = EventLog(Observables(problem), problem.start()[None], tallies)
     log.kept = []  # the tallies of the lanes have these numbers
     return log
 

@@ -20,10 +20,10 @@ from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 from ..runs.shape import angular_velocity, frames, lowest, moments
 from .headers import CAMERA, KIND
-from .motion import Convention, Motion, angle_between, lean, motion
+from .motion import Convention, angle_between, lean, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
-from .simulators import motion_of
+from .simulators import gravity, motion_of
 
 
 MAIN = ("attitude", "axis", "theta", "place", "omega3", "gyroscope", "accelerometer")
@@ -90,7 +90,6 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         If the table is wrong, or has no quantity that can be compared.
     """
     table = read(path, wrapped=bool(problem.system.vectors), track=convention.track)
-    given = motion(table, convention)
     t = table.t
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
@@ -106,10 +105,9 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     columns = reference(run)
     if {"omega", "orientation"} <= columns.keys():
         columns["gyroscope"] = _in_body_axes(columns["omega"], columns)
-    parts = {**given._asdict(), **given.leans, "leans": None}
-    theirs = {name: part[:rows] for name, part in parts.items() if part is not None}
+    theirs = {name: part[:rows] for name, part in motion(table, convention).items()}
     if "axis" in columns:
-        columns |= {name: lean(columns["axis"], name) for name in given.leans}
+        columns |= {name: lean(columns["axis"], name) for name in theirs if CAMERA.fullmatch(name)}
     if "accelerometer" in theirs:
         columns["accelerometer"] = specific_force(run, columns, convention.chip)
     known = {"t"} | theirs.keys() & columns
@@ -118,7 +116,6 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             f"`{path}`: every column must be comparable with the reference, but "
             f"{', '.join(lost)} cannot be: leave them out."
         )
-    there = Motion(**{name: theirs[name] for name in theirs if name in Motion._fields})
     curves = differences(theirs, columns)
     if not set(MAIN) & curves.keys():
         raise InputError(
@@ -128,9 +125,9 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     body = problem.body()
     kept = {}
     touching = {}
-    if hasattr(body, "outline") and there.axis is not None:
-        kept = conserved(there, problem, body)
-        touching = _contact(there, problem, body)
+    if hasattr(body, "outline") and "axis" in theirs:
+        kept = conserved(theirs, problem, body)
+        touching = _contact(theirs, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: PlainData = {
         "file": str(path),
@@ -232,29 +229,26 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     return result
 
 
-def conserved(there: Motion, problem: Problem, body: Any) -> Arrays:
+def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
     """Return the relative changes of energy and Jellett's integral of the other motion itself."""
-    u: Any = there.axis
-    w = there.omega
-    if w is None or {*groups_of(problem.surroundings)} - {"tilt"}:
+    u = there["axis"]
+    if "omega" not in there or {*groups_of(problem.surroundings)} - {"tilt"}:
         return {}
+    w = there["omega"]
+    spin = (w * u).sum(axis=1)
     values = {}
     if problem.system.name.endswith("tippe-top"):
-        spin = (w * u).sum(axis=1)
         Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
         values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)
-    if there.velocity is not None and there.place is not None:
+    if {"velocity", "place"} <= there.keys():
         if hasattr(body, "I2"):  # three moments need more than the axis
-            if there.orientation is None:
+            if "orientation" not in there:
                 return {}
-            turning = np.einsum("nij,nj->ni", frames(there.orientation), w) ** 2 @ moments(body)
+            turning = _in_body_axes(w, there) ** 2 @ moments(body)
         else:
-            spin = (w * u).sum(axis=1)
             turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
-        moving = (body.m * (there.velocity**2).sum(axis=1) + turning) / 2
-        slope = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
-        height = body.g * there.place[:, 2] - there.place[:, :2] @ slope
-        values["energy"] = moving + body.m * height
+        moving = (body.m * (there["velocity"] ** 2).sum(axis=1) + turning) / 2
+        values["energy"] = moving - body.m * there["place"] @ gravity(body)
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 
@@ -263,22 +257,18 @@ def _relative(values: np.ndarray) -> np.ndarray:
     return values / values[np.isfinite(values)][0] - 1
 
 
-def _contact(there: Motion, problem: Problem, body: Any) -> PlainData:
+def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
     """Return by how much the other motion penetrates the floor, and leaves it [m]."""
-    axis: Any = there.axis
-    if (
-        there.place is None
-        or problem.system.name == "heavy-top"
-        or not np.isfinite(there.place[:, 2]).any()
-    ):
+    height = there["place"][:, 2] if "place" in there else np.array(np.nan)
+    if problem.system.name == "heavy-top" or not np.isfinite(height).any():
         return {}
     if hasattr(body, "I2"):
-        if there.orientation is None:
+        if "orientation" not in there:
             return {}
-        gap = there.place[:, 2] + lowest(there.orientation, body)[:, 2]
+        gap = height + lowest(there["orientation"], body)[:, 2]
     else:
-        z = axis[:, 2]
-        gap = there.place[:, 2] - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
+        z = there["axis"][:, 2]
+        gap = height - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
     return {
         "contact": {
             "penetration": float(max(0.0, -np.nanmin(gap))),

@@ -7,18 +7,17 @@ from types import MappingProxyType
 from typing import Any
 
 from ..arguments import PlainData
-from ..problem import Problem
 from ..scenario import build
 from .fitting import Estimate, Fit
 from .headers import UNITS
-from .observation import TIMES, Observation
+from .observation import TIMES
 
 
 # Ratio of the ends of an interval beyond which it means nothing
 WIDEST = 1e6
 
 
-def plain(fit: Fit, observation: Observation) -> PlainData:
+def plain(fit: Fit) -> PlainData:
     """Return the object that `tippetop fit --json` prints."""
     from pandas import DataFrame
 
@@ -28,21 +27,21 @@ def plain(fit: Fit, observation: Observation) -> PlainData:
         "correlations": DataFrame(fit.correlations, names, names).to_dict("index"),
         "converged": fit.converged,
         "trustworthy": fit.trustworthy,
-        "reason": " ".join(fit.reason),
+        "reason": " ".join(fit.reasons),
         "noise": fit.noise,
         "influences": fit.influences,
         "rows_correlated": fit.rows_correlated,
-        "rows": len(observation.t),
-        "rows_used": observation.used,
+        "rows": len(fit.observation.t),
+        "rows_used": fit.observation.used,
     }
 
 
-def lines(fit: Fit, observation: Observation) -> list[str]:
+def lines(fit: Fit) -> list[str]:
     """Return the result in lines: numbers with errors and intervals, and reasons; doubts first."""
     width = max(len(name) for name in fit.estimates)
     rows = []
     for name, e in fit.estimates.items():
-        unit = observation.rule(name).unit.symbol
+        unit = fit.observation.rule(name).unit.symbol
         digits = _digits(e)
         suffix = "" if unit == "1" else f" {unit}"
         shift = f" +- {e.systematic:.2g} (systematic)" if e.systematic else ""
@@ -57,9 +56,9 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
         f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()
     )
     rows.append(f"residuals: {noise} (root mean square)")
-    used = ", ".join(f"{name} {count}" for name, count in observation.used.items())
-    rows.append(f"rows used: {used} of {len(observation.t)}")
-    return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
+    used = ", ".join(f"{name} {count}" for name, count in fit.observation.used.items())
+    rows.append(f"rows used: {used} of {len(fit.observation.t)}")
+    return [*rows, *fit.reasons] if fit.trustworthy else [*fit.reasons, *rows]
 
 
 def _digits(estimate: Estimate) -> int:
@@ -69,9 +68,9 @@ def _digits(estimate: Estimate) -> int:
     return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
-def tables(problem: Problem, fit: Fit) -> PlainData:
+def tables(fit: Fit) -> PlainData:
     """Return the tables of the scenario with the fitted numbers."""
-    changed = build.resolved(problem)
+    changed = build.resolved(fit.observation.problem)
     for name, estimate in fit.estimates.items():
         if name not in TIMES:
             table, _, key = name.partition(".")
@@ -79,7 +78,7 @@ def tables(problem: Problem, fit: Fit) -> PlainData:
     return changed
 
 
-def toml(problem: Problem, fit: Fit) -> str:
+def toml(fit: Fit) -> str:
     """Return the scenario with the fitted numbers as TOML, standard errors as comments."""
     notes = {name: f"  # +- {e.sigma:.2g}" for name, e in fit.estimates.items()}
     clock = [
@@ -87,8 +86,8 @@ def toml(problem: Problem, fit: Fit) -> str:
         for name, e in fit.estimates.items()
         if name in TIMES
     ]
-    heading = "# Fitted by tippetop: " + " ".join(fit.reason)
-    return "\n".join([heading, toml_of(tables(problem, fit), notes), *clock]) + "\n"
+    heading = "# Fitted by tippetop: " + " ".join(fit.reasons)
+    return "\n".join([heading, toml_of(tables(fit), notes), *clock]) + "\n"
 
 
 def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) -> str:

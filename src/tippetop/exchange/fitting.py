@@ -1,6 +1,7 @@
 """A fit of the numbers of a scenario to a measured motion, and how far the data decide them."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -52,11 +53,14 @@ class Estimate(NamedTuple):
     systematic: float = 0.0
 
 
-class Fit(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Fit:
     """The result of a fit.
 
     Parameters
     ----------
+    observation
+        Measurements and the scenario.
     estimates
         By dotted name.
     correlations
@@ -65,7 +69,7 @@ class Fit(NamedTuple):
         Whether enough independent searches ended in the same best minimum.
     trustworthy
         Whether also the residuals are noise, and the data decide every number.
-    reason
+    reasons
         Sentences; the first one is the outcome.
     residuals
         Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis
@@ -81,11 +85,12 @@ class Fit(NamedTuple):
         Over how many rows the residuals are correlated; 1: noise.
     """
 
+    observation: Observation
     estimates: dict[str, Estimate]
     correlations: np.ndarray
     converged: bool
     trustworthy: bool
-    reason: list[str]
+    reasons: list[str]
     residuals: Arrays
     noise: dict[str, float]
     influences: dict[str, dict[str, float]]
@@ -172,18 +177,16 @@ def fit(
             for end in ends
         ]
         ends = merge(again)
-    met = ends[0].searches
-    return judged(misfit, ends, met, n + 1, systematic=systematic, hopeless=lost)
+    return judged(misfit, ends, n + 1, systematic=systematic, hopeless=lost)
 
 
 def _refuse(misfit: Misfit) -> None:
     """Raise InputError for too few measurements, or a number without effect on them."""
     observation = misfit.observation
     space = misfit.space
-    count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
-    if count <= len(space.names):
+    if observation.count <= len(space.names):
         raise InputError(
-            f"more measurements than free numbers must be there, but are {count} for "
+            f"more measurements than free numbers must be there, but are {observation.count} for "
             f"{len(space.names)}."
         )
     start = np.zeros(len(space.names))
@@ -204,19 +207,26 @@ def _refuse(misfit: Misfit) -> None:
         )
 
 
+def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
+    """Return the autocorrelations of each part of the residuals, by lag, (rows,) each."""
+    found = []
+    for part in (part for off in parts.values() for part in off.T):
+        r = part[np.isfinite(part)]
+        products = np.fft.irfft(np.abs(np.fft.rfft(r, 2 * len(r))) ** 2)[: len(r)]
+        if (r != 0).any():
+            found.append(products / products[0])
+    return found
+
+
 def _excess(parts: Arrays) -> float:
     """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
     lags = np.arange(1, LAGS + 1)
     worst = 0.0
-    for off in parts.values():
-        for part in off.T:
-            r = part[np.isfinite(part)]
-            n = len(r)
-            power = (r**2).sum()
-            if n > 2 * LAGS and power > 0:
-                rho = np.array([(r[k:] * r[:-k]).sum() for k in lags]) / power
-                total = n * (n + 2) * (rho**2 / (n - lags)).sum()  # Ljung and Box 1978
-                worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
+    for rho in _autocorrelations(parts):
+        n = len(rho)
+        if n > 2 * LAGS:
+            total = n * (n + 2) * (rho[lags] ** 2 / (n - lags)).sum()  # Ljung and Box 1978
+            worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
     return worst
 
 
@@ -227,30 +237,22 @@ def correlation_time(parts: Arrays) -> float:
     all parts counts.
     """
     longest = 1.0
-    for off in parts.values():
-        for part in off.T:
-            r = part[np.isfinite(part)]
-            power = (r**2).sum()
-            total = 1.0
-            for k in range(1, len(r) // 4):
-                rho = (r[k:] * r[:-k]).sum() / power if power > 0 else 0.0
-                if rho < 2 / np.sqrt(len(r)):
-                    break
-                total += 2 * rho
-            longest = max(longest, total)
+    for rho in _autocorrelations(parts):
+        some = rho[1 : len(rho) // 4]
+        end = np.argmin([*(some >= 2 / np.sqrt(len(rho))), False])
+        longest = max(longest, 1 + 2 * float(some[:end].sum()))
     return longest
 
 
 def judged(
     misfit: Misfit,
     ends: Sequence[Minimum],
-    met: int,
     searches: int,
     *,
-    systematic: bool = False,
-    hopeless: bool = False,
+    systematic: bool,
+    hopeless: bool,
 ) -> Fit:
-    """Return the result of searches that ended in these minima, best first, `met` in the first.
+    """Return the result of searches that ended in these minima, best first.
 
     `hopeless`: whether they ended early, far from the data.
     Variances are multiplied by the time over which residuals are correlated.
@@ -261,40 +263,36 @@ def judged(
     point = ends[0].point
     (residual,), (jacobian,) = misfit.at(point[None, :], misfit.rows)
     weight = misfit.weight(residual)
+    root = np.sqrt(weight)
     values = space.values(point)
     parts, noise = _left(misfit, point)
     rows = correlation_time(parts)
     freedom = max(float(weight.sum()) / rows - len(point), 1.0)
     variance = misfit.variance(residual) * rows
-    sizes = np.sqrt((jacobian**2 * weight[:, None]).sum(axis=0))
+    scaled = jacobian * root[:, None]
+    sizes = np.linalg.norm(scaled, axis=0)
     sizes = np.where(sizes > 0, sizes, 1)
-    scaled = jacobian * np.sqrt(weight)[:, None] / sizes
-    _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
-    inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways / np.outer(sizes, sizes)
-    slopes = np.array(
-        [scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)]
-    )
-    moves = space.slopes(point) / slopes[:, None]
-    covariance = variance * moves @ inner @ moves.T
+    across, singular, ways = np.linalg.svd(scaled / sizes, full_matrices=False)
+    slopes = space.slopes(point) / sizes
+    inverse = slopes @ (ways.T / np.maximum(singular, 1e-12)) @ across.T
+    covariance = variance * inverse @ inverse.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
     doubts = _not_noise(misfit, parts, noise)
-    shifts = {}
-    if systematic:
-        gain = moves @ inner @ jacobian.T * weight
-        found = influences.moves(misfit, values, lambda change: gain @ change)
-        shifts = {name: np.linalg.norm(some, axis=0) for name, some in found.items()}
+    changes = influences.changes(misfit, values) if systematic else {}
+    shifts = {n: np.linalg.norm(inverse @ (root * some).T, axis=1) for n, some in changes.items()}
     beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
     quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
     estimates = {}
-    for (name, value), scale, s, slope, shift in zip(
-        values.items(), space.scales, sigma, slopes, beside, strict=True
+    for (name, value), scale, s, shift in zip(
+        values.items(), space.scales, sigma, beside, strict=True
     ):
-        limits = scale.inside(value) + quantile * s * np.array([-1, 1])
+        limits = scale.inside(value) + quantile * s / scale.slope(value) * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
         low, high = map(scale.outside, limits)
-        estimates[name] = Estimate(value, float(s * slope), low, high, float(shift * slope))
+        estimates[name] = Estimate(value, float(s), low, high, float(shift))
+    met = ends[0].searches
     reasons = []
     if hopeless and met < MET:
         reasons.append(
@@ -309,19 +307,17 @@ def judged(
         )
     reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
     reasons += doubts
-    for name, shift in shifts.items():
+
+    def moved(name: str, shift: np.ndarray) -> list[str]:
         worst = int(np.argmax(shift / sigma))
-        if shift[worst] > LARGE * sigma[worst]:
-            reasons.append(
-                f"{name} would move `{space.names[worst]}` by {shift[worst] / sigma[worst]:.2g} "
-                "standard errors."
-            )
-    worst = int(np.argmax(beside / sigma))
-    if LARGE * sigma[worst] < beside[worst] and not any("would move" in text for text in reasons):
-        reasons.append(
-            f"what the scenario lacks would together move `{space.names[worst]}` by "
-            f"{beside[worst] / sigma[worst]:.2g} standard errors."
-        )
+        errors = shift[worst] / sigma[worst]
+        words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."
+        return [words] if errors > LARGE else []
+
+    large = [words for name, shift in shifts.items() for words in moved(name, shift)]
+    reasons += large or moved("what the scenario lacks, together,", beside)
+    if changes and not reasons:
+        reasons = _hidden(misfit, ends, changes)
     trustworthy = not reasons
     reasons.insert(
         0,
@@ -330,6 +326,7 @@ def judged(
         else "the fit must be read with care:",
     )
     return Fit(
+        misfit.observation,
         estimates,
         correlations,
         met >= MET,
@@ -337,10 +334,7 @@ def judged(
         reasons,
         parts,
         noise,
-        {
-            name: dict(zip(values, (shift * slopes).tolist(), strict=True))
-            for name, shift in shifts.items()
-        },
+        {name: dict(zip(values, shift.tolist(), strict=True)) for name, shift in shifts.items()},
         _likelihood(parts, noise),
         rows,
     )
@@ -396,18 +390,21 @@ def _undecided(
 ) -> list[str]:
     """Return sentences on the numbers that the data do not decide."""
     reasons = []
+    widths = []
     for (name, value), scale, s in zip(values.items(), space.scales, sigma, strict=True):
         u = scale.inside(value)
+        width = s / scale.slope(value)
+        widths.append(width)
         for side, limit in (("lowest", scale.low), ("highest", scale.high)):
-            if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * s, AT_BOUND):
+            if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * width, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
-        if s > (1.0 if scale.logarithmic else max(1.0, abs(u))):
+        if width > (1.0 if scale.logarithmic else max(1.0, abs(u))):
             reasons.append(
                 f"the data cannot decide `{name}`: its standard error is as large as itself."
             )
     for i, name in enumerate(space.names):
         for j, other in enumerate(space.names[:i]):
-            if abs(correlations[i, j]) > CORRELATED and max(sigma[i], sigma[j]) > ROUGH:
+            if abs(correlations[i, j]) > CORRELATED and max(widths[i], widths[j]) > ROUGH:
                 reasons.append(
                     f"`{other}` and `{name}` cannot be distinguished: correlation "
                     f"{correlations[i, j]:.4f}."
@@ -415,8 +412,8 @@ def _undecided(
     return reasons
 
 
-def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
-    """Return a sentence where other numbers fit nearly as well."""
+def _rivals(space: Space, ends: Sequence[Minimum], where: str = "") -> list[str]:
+    """Return a sentence where other numbers than those of the first end fit nearly as well."""
     best = ends[0]
     near = [
         space.values(end.point) for end in ends[1:] if end.cost - best.cost < RIVAL * best.variance
@@ -425,4 +422,40 @@ def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
         return []
     numbers = ", ".join(f"{name} = {value:.6g}" for name, value in near[0].items())
     more = f" (and {len(near) - 1} more such sets)" if len(near) > 1 else ""
-    return [f"other numbers fit nearly as well: {numbers}{more}; errors are those of one set."]
+    return [
+        f"other numbers fit nearly as well{where}: {numbers}{more}; errors are those of one set."
+    ]
+
+
+def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[str]:
+    """Return sentences on a motion that influences explain better, or by other numbers.
+
+    `changes`: those of residuals at the first end, by influence.
+    """
+    best = ends[0]
+
+    def freed(end: Minimum, changes: Arrays) -> Minimum:
+        return end._replace(cost=end.cost - _gain(misfit, end, changes, best.variance))
+
+    values = [misfit.space.values(end.point) for end in ends[1:]]
+    others = [influences.changes(misfit, some) for some in values]
+    every = [freed(end, some) for end, some in zip(ends, [changes, *others], strict=True)]
+    reasons = _rivals(misfit.space, every, ", if the scenario lacks something")
+    if best.cost - every[0].cost > RIVAL * best.variance:
+        name = min(changes, key=lambda name: freed(best, {name: changes[name]}).cost)
+        reasons.append(
+            f"the residuals are like those of {name}, or of several: let its numbers be free."
+        )
+    return reasons
+
+
+def _gain(misfit: Misfit, end: Minimum, changes: Arrays, variance: float) -> float:
+    """Return by how much the cost falls where influences of about their sizes are free too."""
+    if not changes:
+        return 0.0
+    root = np.sqrt(misfit.weight(end.residual))
+    by_numbers, _ = np.linalg.qr(end.jacobian)  # SciPy's, which has the weights of a loss
+    left = np.concatenate([*changes.values()]).T * root[:, None]
+    left -= by_numbers @ (by_numbers.T @ left)
+    slope = left.T @ (root * end.residual)
+    return float(slope @ np.linalg.solve(left.T @ left + variance * np.eye(len(slope)), slope))

@@ -1,16 +1,17 @@
 """How far estimates would move if the world were not quite that of the scenario.
 
-The least-squares fit is linear near its end: a change dr of the residuals moves the numbers by the
-pseudo-inverse of the Jacobian times dr.
+Each influence has a plausible size. Near the end of a fit, where it is linear, it changes the
+residuals by a vector, and the numbers by the pseudo-inverse of the Jacobian times that.
 """
 
 import copy
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from ..arguments import PlainData
+from ..columns import Arrays
 from ..errors import InputError
 from ..problem import Problem
 from ..scenario import build
@@ -29,9 +30,6 @@ USUAL_MU = 0.2
 DENSITY, VISCOSITY = 1.2, 1.5e-5
 """Of air [kg/m^3], kinematic [m^2/s]."""
 
-Moves = dict[str, np.ndarray]
-"""Changes of the coordinates of the free numbers, by influence, (directions, free)."""
-
 
 def air_of_sphere(radius: float, spin: float) -> tuple[float, float]:
     """Return c1 and c2 of the torque of the air on a sphere that turns about a diameter.
@@ -43,10 +41,8 @@ def air_of_sphere(radius: float, spin: float) -> tuple[float, float]:
     return c1, 3.225 * DENSITY * math.sqrt(VISCOSITY / spin) * radius**4
 
 
-def moves(
-    misfit: Misfit, values: Mapping[str, float], solve: Callable[[np.ndarray], np.ndarray]
-) -> Moves:
-    """Return how the estimates move under each influence that the scenario lacks.
+def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
+    """Return how the residuals change under each influence that the scenario lacks.
 
     Parameters
     ----------
@@ -54,67 +50,59 @@ def moves(
         Of the measurements; its observation has the scenario.
     values
         The fitted numbers.
-    solve
-        Returns the change of the coordinates for a change of the residuals.
 
     Returns
     -------
     dict
-        By influence; it may act along one or two directions. One that the system of the scenario
-        cannot have is left out.
+        (directions, residuals) by influence, which may act along one or two directions. One that
+        the system of the scenario cannot have is left out.
     """
     problem = misfit.observation.problem
-    tables = build.resolved(problem)
-    tables["run"] = {"until": problem.until}
-    del tables["form"]
+    tables = problem.tables
     start = {**tables["initial"], **{n.partition(".")[2]: v for n, v in values.items()}}
     spin = abs(float(start.get("omega3", 0.0))) or 1.0
-    law = tables.get("friction", {}).get("law", "none")
-    changes: dict[str, list[dict[str, float]]] = {}
-    if "tilt" not in tables.get("plane", {}):
-        changes[TILTED] = [
-            {"plane.tilt": TILT, "plane.azimuth": turn} for turn in (0.0, math.pi / 2)
-        ]
+    law = problem.law.key if problem.system.frictional else "none"
+    friction = {"law": law, **tables["friction"]}
+    plane = tables.get("plane", {})
+    # Tables without and with each direction of an influence, and the part that the change is
+    cases: dict[str, tuple[list[PlainData], float]] = {}
+    if "tilt" not in plane:
+        tilts = (0.0, 0.0), (PART * TILT, 0.0), (PART * TILT, math.pi / 2)
+        some = [{"plane": {**plane, "tilt": tilt, "azimuth": turn}} for tilt, turn in tilts]
+        cases[TILTED] = some, PART
     if "air" not in tables and "R" in tables["parameters"]:
         c1, c2 = air_of_sphere(float(start.get("R", tables["parameters"]["R"])), spin)
-        changes[AIR] = [{"air.c1": c1, "air.c2": c2}]
-    if law not in ("none", "coulomb", "contensou") and "mu_d" not in tables["friction"]:
-        mu = 3 * math.pi / 16 * tables["friction"].get("mu_coulomb", USUAL_MU)
-        changes[DISC] = [{"friction.mu_d": mu * PATCH}]
-    found = {}
-    for name, some in changes.items():
-        keys = list(some[0])
-        extended = {**tables}
-        for key in keys:
-            table, _, number = key.partition(".")
-            extended[table] = {**extended.get(table, {}), number: 0.0}
-        points = [dict.fromkeys(keys, 0.0)]
-        points += [{k: v if k == "plane.azimuth" else PART * v for k, v in p.items()} for p in some]
-        rows = _residuals(misfit, extended, keys, [{**values, **p} for p in points])
-        if rows is not None:
-            found[name] = np.array([solve(row - rows[0]) / PART for row in rows[1:]])
+        cases[AIR] = [{"air": {"c1": size * c1, "c2": size * c2}} for size in (0.0, PART)], PART
     if law == "coulomb":
-        friction = {"law": "contensou", "patch": PATCH, "mu_r": 0.0}
-        friction["mu"] = tables["friction"]["mu"]
-        before = _residuals(misfit, tables, [], [dict(values)])
-        after = _residuals(misfit, {**tables, "friction": friction}, [], [dict(values)])
-        if before is not None and after is not None:
-            found[DISC] = np.array([solve(after[0] - before[0])])
+        disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
+        cases[DISC] = [{}, {"friction": disc}], 1.0
+    elif law not in ("none", "contensou") and "mu_d" not in friction:
+        drilling = 3 * math.pi / 16 * friction.get("mu_coulomb", USUAL_MU) * PATCH
+        some = [{"friction": {**friction, "mu_d": size * drilling}} for size in (0.0, PART)]
+        cases[DISC] = some, PART
+    found = {}
+    for name, (some, part) in cases.items():
+        rows = [_residuals(misfit, changes, values) for changes in some]
+        if np.isfinite(every := np.array(rows)).all():
+            found[name] = (every[1:] - every[0]) / part
     return found
 
 
-def _residuals(
-    misfit: Misfit, tables: PlainData, keys: list[str], points: list[dict[str, float]]
-) -> np.ndarray | None:
-    """Return residuals (points, numbers) under changed tables; None if they are refused."""
+def _residuals(misfit: Misfit, changes: PlainData, values: Mapping[str, float]) -> np.ndarray:
+    """Return residuals under changed tables; NaN if these are refused."""
     observation = copy.copy(misfit.observation)
     try:
-        problem: Problem = build.problem(tables)
-        known = [name for name in observation.own if name in problem.rules]
-        observation.own = (*known, *keys)
+        problem = changed(observation.problem, changes)
+        observation.own = tuple(name for name in observation.own if name in problem.rules)
         observation.predicted = observation.predictions_of(problem, observation.own)
-        observation.predicted.refine()
-        rows, _ = misfit.read(observation, points, misfit.rows)
     except InputError:
-        return None
-    return rows if np.isfinite(rows).all() else None
+        return np.full(misfit.rows, np.nan)
+    observation.predicted.refine()
+    return misfit.read(observation, [dict(values)], misfit.rows)[0][0]
+
+
+def changed(problem: Problem, tables: PlainData) -> Problem:
+    """Return the scenario with other tables, in the form that suits them. Raises InputError."""
+    every = build.resolved(problem)
+    del every["form"]
+    return build.problem(every | {"run": {"until": problem.until}} | tables)

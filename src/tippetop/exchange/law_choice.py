@@ -8,9 +8,8 @@ import numpy as np
 from ..errors import InputError
 from ..problem import Problem
 from ..runs.run import solve, with_rows_at
-from ..scenario import build
 from .fitting import Fit
-from .influences import PATCH, USUAL_MU
+from .influences import PATCH, USUAL_MU, changed
 from .periods import RIVAL
 
 
@@ -39,15 +38,12 @@ def under(problem: Problem, law: str | Mapping[str, Any], until: float) -> Probl
     InputError
         If a law is not one of the system, or needs other numbers.
     """
-    tables = build.resolved(problem)
-    if "friction" not in tables:
+    if not problem.system.frictional:
         raise InputError(f"`laws` need a body that slides, but {problem.system.name} does not.")
     if law == problem.law.key:
         return problem
-    friction = law if isinstance(law, Mapping) else _friction(problem, law, until)
-    tables |= {"friction": dict(friction), "run": {"until": problem.until}}
-    del tables["form"]
-    return build.problem(tables)
+    friction = dict(law) if isinstance(law, Mapping) else _friction(problem, law, until)
+    return changed(problem, {"friction": friction})
 
 
 def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:

@@ -64,9 +64,8 @@ class LogLikelihood:
             return values if given.ndim > 1 else float(values[0])
         n, free = many.shape
         steps = STEP * np.where(many == 0, self._units, np.abs(many))
-        sides = many[:, None] + steps[:, :, None] * np.eye(free)[None] * np.array(
-            [[[[1]]], [[[-1]]]]
-        )
+        moves = steps[:, :, None] * np.eye(free)
+        sides = np.concatenate([many[:, None] + moves, many[:, None] - moves])
         every = self._values(np.concatenate([many, sides.reshape(-1, free)]))
         ahead, behind = every[n:].reshape(2, n, free)
         values = every[:n]
@@ -95,11 +94,9 @@ class LogLikelihood:
         """Return the logarithms for residuals by group, (points, rows, parts)."""
         total: np.ndarray = np.zeros(1)
         for group, off in parts.items():
-            seen = np.isfinite(self._observation.groups[group])
-            if seen.shape != off.shape[1:]:
-                seen = np.broadcast_to(seen.all(axis=1, keepdims=True), off.shape[1:])
-            squares = (off[:, seen] ** 2).sum(axis=1)
-            n = int(seen.sum())
+            given = self._observation.given[group]
+            squares = (off[:, given] ** 2).sum(axis=1)
+            n = int(given.sum())
             noise = self._observation.noise if group not in UNITS else None
             if noise is None:
                 total = total - n / 2 * np.log(np.maximum(squares, 1e-300))

@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 
 from ..arguments import choice
-from ..columns import Arrays
-from . import residuals
 from .observation import Observation
 from .scales import FAR, Space
 
@@ -74,7 +72,8 @@ class Misfit:
         """
         key = points.tobytes(), rows
         if self.last[0] != key:  # a minimiser wants values first, then slopes
-            self.last = key, *self._residuals(points, rows)
+            found = self.read(self.observation, [self.space.values(p) for p in points], rows)
+            self.last = key, *found
         _, middle, worst = self.last
         n, free = points.shape
         jacobians = np.zeros((*middle.shape, free if slopes else 0))
@@ -85,7 +84,8 @@ class Misfit:
                 break
             sides = self._sides(points, which, step)
             p, i = which.T
-            after, before = np.split(self._residuals(np.concatenate(sides), rows)[0], 2)
+            moved = [self.space.values(side) for side in np.concatenate(sides)]
+            after, before = np.split(self.read(self.observation, moved, rows)[0], 2)
             change = after - before
             second = after + before - 2 * middle[p]
             smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
@@ -112,35 +112,23 @@ class Misfit:
         )
         return ahead, behind
 
-    def _residuals(self, points: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (points, numbers) of the first rows without gaps, and for each what it
-        is where a motion cannot be computed.
-        """
-        return self.read(self.observation, [self.space.values(p) for p in points], rows)
-
     def read(
         self, observation: Observation, points: Sequence[dict[str, float]], rows: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the same under the scenario of another observation of these measurements."""
+        """Return residuals (points, numbers) of the first rows without gaps, and for each what it
+        is where a motion cannot be computed.
+
+        `observation`: of these measurements, also under another scenario.
+        """
         parts = observation.predictions(points, slice(0, rows))
-        given = self.given(rows)
+        given = {group: every[:rows] for group, every in self.observation.given.items()}
         found = [off[:, given[group]] * self.weights[group] for group, off in parts.items()]
         worst = [np.full(given[group].sum(), WORST * self.weights[group]) for group in parts]
         return np.concatenate(found, axis=1), np.concatenate(worst)
 
-    def given(self, rows: int) -> Arrays:
-        """Return which residuals of each group are numbers, (rows, parts)."""
-        found = {}
-        for group, seen in self.observation.groups.items():
-            given = np.isfinite(seen[:rows])
-            if parts := residuals.PARTS.get(group):
-                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
-            found[group] = given
-        return found
-
     def split(self, table: np.ndarray) -> list[np.ndarray]:
         """Return the rows of a table of all residuals, of each group."""
-        ends = np.cumsum([given.sum() for given in self.given(self.rows).values()])
+        ends = np.cumsum([given.sum() for given in self.observation.given.values()])
         return np.split(table, ends[:-1])
 
     def refine(self) -> None:

@@ -1,23 +1,23 @@
 """Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import choice
+from ..columns import Arrays
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
-from .headers import CAMERA, KINDS, SCALARS
+from .headers import CAMERA, KIND, KINDS
 from .motion_table import Table
 
 
 ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}
 UPS = ("z", "y")
-Rows = np.ndarray | None
-"""One row per time; None for a quantity that a table lacks."""
 UNIT = 0.02  # by which the length of a quaternion or an axis may differ from 1
 
 
@@ -47,7 +47,11 @@ Place = str | Sequence[float] | None
 
 
 def convention_of(
-    quaternion: str | None, up: str, track: str | None = None, chip: Place = None
+    *,
+    quaternion: str | None = None,
+    up: str = "z",
+    track: str | None = None,
+    chip: Sequence[float] | str | None = None,
 ) -> Convention:
     """Return the conventions of these arguments. Raises InputError."""
     choice("up", up, UPS)
@@ -69,87 +73,58 @@ def place_of(name: str, given: Place) -> tuple[float, float, float] | None:
     return x, y, z
 
 
-class Motion(NamedTuple):
-    """A motion in our conventions, SI; None for quantities that the table lacks.
+def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # noqa: B008 - a tuple
+    """Return the motion of a table in our conventions, SI: what it has, and what follows from that.
 
-    Parameters
-    ----------
-    t, theta, phi, psi, theta_dot, phi_dot, omega3
-        (rows,).
-    axis
-        The unit vector 3hat along the axis of the body, space frame, (rows, 3).
-    orientation
-        Unit quaternion wxyz, body to space, (rows, 4).
-    place, velocity
-        Of the centre of mass, space frame, (rows, 3), NaN where a component is not given.
-    omega
-        Angular velocity, space frame, (rows, 3).
-    gyroscope, accelerometer
-        Angular velocity and specific force in body axes, (rows, 3).
-    force
-        Of the contact on the body, space frame, (rows, 3).
-    marker
-        Places of a marker on the body, space frame, (rows, 3).
-    leans
-        Directions of the axis in the pictures of cameras, (rows,) each, by column.
+    Returns
+    -------
+    dict
+        The scalars and cameras of the table by their names, (rows,); the `KINDS` of vectors,
+        (rows, 3), NaN where a component is not given; `orientation`, unit quaternions wxyz, body
+        to space, (rows, 4). An axis is a unit vector.
+
+    Raises
+    ------
+    InputError
+        For missing conventions and non-rotations.
     """
-
-    t: np.ndarray
-    theta: Rows = None
-    phi: Rows = None
-    psi: Rows = None
-    theta_dot: Rows = None
-    phi_dot: Rows = None
-    omega3: Rows = None
-    axis: Rows = None
-    orientation: Rows = None
-    place: Rows = None
-    velocity: Rows = None
-    omega: Rows = None
-    gyroscope: Rows = None
-    accelerometer: Rows = None
-    force: Rows = None
-    marker: Rows = None
-    leans: Mapping[str, np.ndarray] = MappingProxyType({})
-
-
-def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
-    """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
-    q = _quaternion(table, convention, turn)
-    found: dict[str, Any] = {name: table.columns.get(name) for name in SCALARS}
+    found = {name: rows for name, rows in table.columns.items() if name not in KIND}
     for kind in KINDS.keys() - {"orientation"}:
-        found[kind] = _vector(table, KINDS[kind][0].split(), turn)
-    theta = found["theta"]
-    phi = found["phi"]
-    omega3 = found["omega3"]
-    omega = found["omega"]
-    axis = found["axis"]
-    axis = None if axis is None else _unit(table, axis, "axis")
-    axis = _filled(axis, None if q is None else axis_of(q))
-    if theta is not None and phi is not None:
+        names = KINDS[kind][0].split()
+        if any(map(table.has, names)):
+            none = np.full(len(table.t), np.nan)
+            rows = np.stack([table.columns.get(name, none) for name in names], axis=1)
+            found[kind] = rows[:, turn]
+
+    def fill(name: str, rows: np.ndarray) -> None:
+        """Use these values in gaps."""
+        given = found.get(name, rows)
+        found[name] = np.where(np.isnan(given), rows, given)
+
+    if "axis" in found:
+        found["axis"] = _unit(table, found["axis"], "axis")
+    q = _quaternion(table, convention, turn)
+    if q is not None:
+        found["orientation"] = q
+        fill("axis", axis_of(q))
+        if "gyroscope" in found:
+            fill("omega", turned(q, found["gyroscope"]))
+    if {"theta", "phi"} <= found.keys():
+        theta = found["theta"]
+        phi = found["phi"]
         parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
-        axis = _filled(axis, np.stack(parts, axis=1))
-    own = found["gyroscope"]
-    if own is not None:
-        omega = _filled(omega, None if q is None else turned(q, own))
-    if axis is not None:
-        theta = _filled(theta, np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
-        omega3 = _filled(omega3, None if omega is None else (omega * axis).sum(axis=1))
-    found |= {"theta": theta, "omega3": omega3, "axis": axis, "omega": omega, "orientation": q}
-    leans = {name: rows for name, rows in table.columns.items() if CAMERA.fullmatch(name)}
-    return Motion(**found, leans=leans)
+        fill("axis", np.stack(parts, axis=1))
+    if "axis" in found:
+        axis = found["axis"]
+        fill("theta", np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+        if "omega" in found:
+            fill("omega3", (found["omega"] * axis).sum(axis=1))
+    return found
 
 
-def _filled(given: Rows, other: Rows) -> Rows:
-    """Return measurements, with the other ones in their gaps; None if both are missing."""
-    if given is None or other is None:
-        return other if given is None else given
-    return np.where(np.isnan(given), other, given)
-
-
-def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> Rows:
-    """Return unit quaternions wxyz, (rows, 4); NaN in gaps."""
+def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
+    """Return unit quaternions wxyz, (rows, 4), NaN in gaps; None if the table has none."""
     order = convention.quaternion
     if order is None and any(table.has(f"q_{i}") for i in range(4)):
         raise InputError(
@@ -184,15 +159,6 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
             "somewhere."
         )
     return rows / size[:, None]
-
-
-def _vector(table: Table, names: list[str], turn: tuple[int, ...]) -> Rows:
-    """Return components in our frame, (rows, 3), NaN if not given; None if all are missing."""
-    if not any(table.has(name) for name in names):
-        return None
-    none = np.full(len(table.t), np.nan)
-    rows = np.stack([table.columns.get(name, none) for name in names], axis=1)
-    return rows[:, turn]
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
-from .motion import Motion, lean, theta_of
+from .motion import lean, theta_of
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
@@ -49,7 +49,7 @@ class Observation:
     free
         Dotted names of the free numbers, which may include `time.offset` and `time.scale`.
     seen
-        The measured motion.
+        The measured motion, as `motion` returns it.
     marker
         The place of the marker in body axes, from the centre of mass [m].
     noise
@@ -61,19 +61,21 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
+    given
+        Which residuals of each kind are numbers, (rows, parts).
     """
 
     def __init__(
         self,
         problem: Problem,
         free: Sequence[str],
-        seen: Motion,
+        seen: Arrays,
         marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
         chip: Sequence[float] = (0.0, 0.0, 0.0),
     ):
         self.free = tuple(free)
-        self.t = seen.t
+        self.t = seen["t"]
         self.noise = noise
         longest = LONGEST * problem.unit(SECOND)
         # [s] Within which the time of the table's clock is searched
@@ -100,10 +102,21 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
                 "gyroscope, an accelerometer, a place or a marker."
             )
+        self.given = {}
+        for group, rows in self.groups.items():
+            given = np.isfinite(rows)
+            if parts := residuals.PARTS.get(group):
+                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
+            self.given[group] = given
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
         self.problem = problem
         self.predicted = self.predictions_of(problem, self.own)
+
+    @property
+    def count(self) -> int:
+        """The number of measurements, in as many numbers as noise has directions."""
+        return sum(int(given.sum()) for given in self.given.values())
 
     @property
     def used(self) -> dict[str, int]:
@@ -177,9 +190,7 @@ class Observation:
     def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
         model = self._model(group, read)
         if group in residuals.OF_ATTITUDES:
-            flat = model.reshape(-1, model.shape[-1])
-            off = residuals.OF_ATTITUDES[group](np.tile(seen, (len(model), 1)), flat)
-            return off.reshape(*model.shape[:2], -1)
+            return residuals.OF_ATTITUDES[group](seen, model)
         off = seen - model
         if group == "phi" or CAMERA.fullmatch(group):
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
@@ -192,46 +203,40 @@ class Observation:
         if group == "accelerometer":
             return at_chip(read, self.chip)
         names = _names(group)
-        if names in (("axis",), ("orientation",), ("omega",), ("gyroscope",)):
-            return read[group]
-        scalars = [name for name in names if name != "orientation"]
-        model = np.stack([read[name] for name in scalars], axis=-1)
+        if len(names) == 1:
+            (name,) = names
+            return read[name] if read[name].ndim > 2 else read[name][..., None]
+        model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
         if group == "marker":
             axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
-            arm = np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
-            model = model + arm
+            model = model + np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
         return model
 
 
-def _groups(problem: Problem, seen: Motion) -> Arrays:
+def _groups(problem: Problem, seen: Arrays) -> Arrays:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: Arrays = {}
-    attitudes = {"theta": seen.theta}
+    attitudes = ["theta"]
     if "axis" in problem.system.vectors:
-        attitudes = {"orientation": seen.orientation, "axis": seen.axis} | attitudes
-        attitudes["phi"] = seen.phi
-    spins = {"gyroscope": seen.gyroscope, "omega": seen.omega}
-    if "omega3" in problem.system.angles._fields and seen.omega3 is not None:
-        spins["omega3"] = seen.omega3
+        attitudes = ["orientation", "axis", "theta", "phi"]
+    spins = ["gyroscope", "omega"]
+    if "omega3" in problem.system.angles._fields:
+        spins.append("omega3")
     for kinds in (attitudes, spins):
-        left = np.ones(len(seen.t), bool)
-        for kind, values in kinds.items():  # the first that a row has contains the others
-            if values is not None:
-                rows = np.where(left[:, None], values.reshape(len(left), -1), np.nan)
-                full = np.isfinite(rows).all(axis=1)
-                left &= ~full
-                if kinds is attitudes:  # an axis needs both angles
-                    rows[~full] = np.nan
-                if np.isfinite(rows).any():
-                    groups[kind] = rows
-    groups |= {name: rows[:, None] for name, rows in seen.leans.items()}
+        left = np.ones(len(seen["t"]), bool)
+        for kind in filter(seen.__contains__, kinds):  # the first of a row contains the others
+            rows = np.where(left[:, None], seen[kind].reshape(len(left), -1), np.nan)
+            full = np.isfinite(rows).all(axis=1)
+            left &= ~full
+            if kinds is attitudes:  # an axis needs both angles
+                rows[~full] = np.nan
+            if np.isfinite(rows).any():
+                groups[kind] = rows
+    groups |= {name: rows[:, None] for name, rows in seen.items() if CAMERA.fullmatch(name)}
     flat = {"x", "y"} <= set(problem.system.angles._fields)
-    if flat and seen.place is not None and np.isfinite(seen.place[:, :2]).any():
-        groups["place"] = seen.place[:, :2]
-    for kind in ("accelerometer", "marker"):
-        if (values := getattr(seen, kind)) is not None:
-            groups[kind] = values
-    return groups
+    if flat and "place" in seen and np.isfinite(seen["place"][:, :2]).any():
+        groups["place"] = seen["place"][:, :2]
+    return groups | {kind: seen[kind] for kind in ("accelerometer", "marker") if kind in seen}
 
 
 def _names(group: str) -> tuple[str, ...]:

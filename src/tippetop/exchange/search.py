@@ -53,6 +53,8 @@ ENOUGH = 0.1
 EXACT = 1e-8
 # Multiple of the stated noise, of the residuals of a window, beyond which a search is given up
 HOPELESS = 3.0
+# Residuals of which that is sure: half of so many are hardly so large by chance
+SURE = 12
 # Ratio of the standard deviation of noise to the median of its size
 MEDIAN = 1.4826
 # Motions of a local search before the last window
@@ -152,7 +154,7 @@ def search(
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
         progress(n + 1)
-        if not last and misfit.size(best.residual) > most:
+        if not last and len(best.residual) >= SURE and misfit.size(best.residual) > most:
             (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
             cost = float((residual**2).sum())
             return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
@@ -180,9 +182,8 @@ def widen(misfit: Misfit) -> None:
 def windows(misfit: Misfit) -> list[int]:
     """Return the numbers of rows of the windows."""
     total = misfit.rows
-    free = len(misfit.space.names)
-    measurements = misfit.at(np.zeros((1, free)), total, slopes=False)[0].size
-    rows = [min(total, int(np.ceil(FEWEST * free * total / measurements)))]
+    fewest = FEWEST * len(misfit.space.names)
+    rows = [min(total, int(np.ceil(fewest * total / misfit.observation.count)))]
     while rows[-1] < total:
         rows.append(min(total, int(np.ceil(GROWTH * rows[-1]))))
     return rows

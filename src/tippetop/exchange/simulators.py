@@ -8,7 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.surroundings import GROUPS, groups_of
+from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
@@ -117,12 +117,7 @@ def text_of(problem: Problem, to: str) -> str:
             f"the surface of `{problem.system.name}` must be one that `{to}` can express: MJCF and "
             "SDF have spheres and ellipsoids, URDF has spheres."
         )
-    if moves := {*groups_of(problem.surroundings)} - {"tilt"}:
-        given = " and ".join(f"`{next(iter(GROUPS[name]))}`" for name in sorted(moves))
-        raise InputError(
-            "a body for a simulator must be on a plane at rest without the torque of air, but has "
-            f"{given}: remove its table."
-        )
+    require_still(problem.tables, "a body for a simulator", tilted=True)
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))
@@ -134,6 +129,12 @@ def formats_of(problem: Problem) -> tuple[str, ...]:
     if len(surface.meridian):
         return ()
     return ("mjcf", "sdf") if np.ptp(surface.half) else ("mjcf", "urdf", "sdf")
+
+
+def gravity(body: Any) -> np.ndarray:
+    """Return gravity in the axes of the plane, (3,) [m/s^2]."""
+    slope = (body.around and body.around.slope) or (0.0, 0.0)
+    return np.array([*slope, -body.g])
 
 
 DIGITS = 12
@@ -202,8 +203,7 @@ class Model(NamedTuple):
     @property
     def gravity(self) -> str:
         """Gravity in the axes of the plane, which is level in a simulator."""
-        slope = (self.body.around and self.body.around.slope) or (0.0, 0.0)
-        return _numbers(*slope, -self.body.g)
+        return _numbers(*gravity(self.body))
 
     def comment(self, *sentences: str) -> str:
         """Return the differences of a simulator, and further ones, as a comment."""

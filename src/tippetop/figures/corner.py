@@ -54,6 +54,8 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.pcolormesh(*edges, count.T, cmap="Blues", rasterized=True)
                 panel.set_ylim(limits[row])
             panel.set_xlim(limits[column])
+            for axis in (panel.xaxis, panel.yaxis):
+                axis.set_major_formatter("{x:.6g}")
             panel.locator_params(nbins=3)
             panel.tick_params(
                 labelbottom=row == n - 1, labelleft=column == 0 < row, labelrotation=30
@@ -62,5 +64,6 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.set_xlabel(other)
             if column == 0 < row:
                 panel.set_ylabel(label)
+    fig.align_labels()
     fig.supxlabel(text, x=0.02, ha="left", fontsize="small")
     return fig

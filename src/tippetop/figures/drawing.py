@@ -9,7 +9,7 @@ from typing import Any
 
 from ..columns import symbol
 from ..errors import InputError
-from ..store.files import replacing, writing
+from ..store.files import replacing
 from .catalogue import COMPARED, DRAWN_FOR, FIGURES, PLAIN, Look, check_kind
 
 
@@ -187,11 +187,7 @@ def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fal
     figure = picture.get_figure(root=True)
     ending = path.suffix.removeprefix(".").lower()
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
-    with (
-        styled(dark=look.dark),
-        writing(path),
-        replacing(path, overwrite=overwrite) as scratch,
-    ):
+    with styled(dark=look.dark), replacing(path, overwrite=overwrite) as scratch:
         figure.savefig(
             scratch,
             dpi=look.dpi,

@@ -1,5 +1,6 @@
 """Measurements with the fitted curves and their residuals."""
 
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ NAMES = {
 }
 """Label and unit of each kind of measurement."""
 PARTS = "xyz"
+# Characters in a line of text below the panels
+WIDTH = 115
 
 
 @styled()
@@ -46,6 +49,7 @@ def fit(
         Lines below the panels.
     """
     times, curves = predicted
+    text = [part for line in text for part in wrap(line, WIDTH, subsequent_indent="  ")]
     fig = figure(9.5, 1.3 + 3.6 * len(measured) + 0.2 * len(text))
     panels: Any = fig.subplots(2 * len(measured), sharex=True, height_ratios=[2, 1] * len(measured))
     for above, below, (name, seen) in zip(panels[::2], panels[1::2], measured.items(), strict=True):

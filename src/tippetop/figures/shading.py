@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..columns import flag_names, flagged
+from ..columns import flag_words, flagged
 from .style import ink, legend, users_panel
 
 
@@ -43,7 +43,7 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
     spare = [pair for name, pair in colours.shades.items() if name not in known]
     others = itertools.cycle(spare or colours.shades.values())
     pairs = {name: colours.shades.get(name) or next(others) for name in known}
-    names = np.array(flag_names(phases["phase"]))
+    names = flag_words(phases["phase"])
     on_stem = np.isin(names, ON_ONE) & ("ball" in phases and flagged(phases["ball"], "stem"))
     shades = [to_rgb(pairs[name][int(stem)]) for name, stem in zip(names, on_stem, strict=True)]
     ticks = [

@@ -74,6 +74,6 @@ def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> 
     with decimal.localcontext(prec=DIGITS):
         exact = record.body_of(given, Frictionless(), decimal.Decimal)
         coefficients = rounded(landscape.coefficients(exact))
-        two_wells = landscape.two_wells is not None and bool(landscape.two_wells(exact) < 0)
     body = refill(exact, map(float, exact[:-1]))
+    two_wells = landscape.two_wells is not None and bool(landscape.two_wells(body))
     return Top(record, landscape, given, coefficients, body, two_wells)

@@ -1,107 +1,50 @@
-"""Landscapes on disk. Surfaces beyond memory are written chunk by chunk, and can be continued."""
+"""Landscapes on disk. Surfaces are computed and written chunk by chunk, also beyond memory."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column
+from ..columns import Arrays, Column
 from ..progress import Report
-from ..store import files, ledger, zarr3
+from ..store import ledger, zarr3
 from ..store.ledger import Ledger
 from ..store.provenance import provenance
 from ..store.root import new_store
-from ..store.writer import begin_or_continue
 from . import landscape_body as bodies
 from . import landscape_labels, surface
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
-GROUP = "surface"
-AXES = "axes/0"  # the chunk of the axes in the ledger
-SAME = ("system", "parameters", "axes", "chunk", "versions", "cpu")
-RUNNING = {"status": "running"}
-FINISHED = {"status": "finished"}
-
-
-class Surface:
-    """A minimal surface F [J] over two momenta of a body, in square chunks of `chunk` points.
-
-    Raises InputError for axes that do not ascend.
-    """
-
-    def __init__(
-        self,
-        parameters: Mapping[str, float],
-        x: Any,
-        y: Any,
-        system: str = "tippe-top",
-        *,
-        chunk: int = CHUNK,
-    ):
-        self.top = bodies.top(parameters, system)
-        self.chunk = chunk
-        self.x, self.y = map(landscape_labels.axis, self.top.momenta, (x, y))
-
-    def axes(self) -> dict[str, Column]:
-        """Return the axes as columns."""
-        return {
-            name: Column((name,), *values[1:])
-            for name, values in landscape_labels.momenta(self.top, self.x, self.y).items()
-        }
-
-    def header(self) -> PlainData:
-        """Return the header of the ledger: the axes, and F, z and status over them."""
-        axes = self.axes()
-        about = {
-            name: [axis.values.size, ledger.digest(axis.values.tobytes())]
-            for name, axis in axes.items()
-        }
-        attributes = {
-            "content": GROUP,
-            "title": "minimal surface F = inf V",
-            **RUNNING,
-            "system": self.top.system.name,
-            "parameters": self.top.parameters,
-            "axes": about,
-            "chunk": self.chunk,
-            **provenance(),
-        }
-        none = np.zeros((0, 0))
-        schema = surface.variables(self.top, none, none, none.astype(np.int8))
-        sizes = {name: (v.values.size, min(self.chunk, v.values.size)) for name, v in axes.items()}
-        fills = {"F": None, "z": None, "status": -1}
-        tables = {
-            "axes": {f"{GROUP}/{name}": zarr3.array(axis, {}, 0) for name, axis in axes.items()},
-            GROUP: {
-                f"{GROUP}/{name}": zarr3.array(Column(*schema[name]), sizes, fill)
-                for name, fill in fills.items()
-            },
-        }
-        return ledger.header(attributes, tables)
+FILLS = {"F": None, "z": None, "status": -1}
+"""The variables of a stored surface, and what stands for a missing value."""
 
 
 def write(
     path: Path,
-    wanted: Surface,
+    parameters: Mapping[str, float],
+    x: Any,
+    y: Any,
+    system: str = "tippe-top",
     *,
+    chunk: int = CHUNK,
     threads: int | None = None,
-    progress: Report | None = None,
+    progress: Report = lambda *_: None,
     overwrite: bool = False,
-) -> Path:
-    """Write F [J], z and status of a surface into a store at `path`, or continue it.
-
-    Damaged chunks are computed again.
+) -> None:
+    """Write F [J], z and status of a minimal surface over two momenta into a new store.
 
     Parameters
     ----------
     path
         The store.
-    wanted
-        The surface.
+    parameters, x, y, system
+        As for `minimal_surface`.
+    chunk
+        Points along each side of a chunk.
     threads
         How many compute; all cores if None.
     progress
@@ -109,55 +52,77 @@ def write(
     overwrite
         Whether an existing store is replaced.
 
-    Returns
-    -------
-    Path
-        Of the store.
-
     Raises
     ------
+    InputError
+        For axes that do not ascend.
     StoreError
-        If `path` is another surface or something else, or cannot be written.
+        If `path` exists, or cannot be written.
 
     Notes
     -----
     17 bytes a point before compression; memory: some 40 bytes a point of one chunk.
     """
-    firsts = [range(0, axis.size, wanted.chunk) for axis in (wanted.x, wanted.y)]
+    top = bodies.top(parameters, system)
+    x, y = map(landscape_labels.axis, top.momenta, (x, y))
+    axes = landscape_labels.momenta(top, x, y)
+    firsts = [range(0, axis.size, chunk) for axis in (x, y)]
     blocks = list(itertools.product(*firsts))
-    with (
-        begin_or_continue(path, wanted.header, SAME, overwrite) as store,
-        files.writing(path, "The same command without --overwrite continues it."),
-    ):
-        if AXES not in store.state.chunks:
-            store.put(AXES, {name: axis.values for name, axis in wanted.axes().items()})
-            store.commit()
+
+    def chunks() -> Iterator[tuple[str, Arrays]]:
+        yield "axes/0", {name: values for name, (_, values, _) in axes.items()}
         for done, (i, j) in enumerate(blocks, 1):
-            key = f"{GROUP}/{i // wanted.chunk}.{j // wanted.chunk}"
-            if key not in store.state.chunks:
-                x = wanted.x[i : i + wanted.chunk]
-                y = wanted.y[j : j + wanted.chunk]
-                values = surface.variables(wanted.top, *surface.minima(wanted.top, x, y, threads))
-                store.put(key, {name: variable[1] for name, variable in values.items()})
-                store.commit()
-            if progress is not None:
-                progress(done, len(blocks))
-        if not store.state.seal:
-            store.finish(FINISHED)
-    return path
+            minima = surface.minima(top, x[i : i + chunk], y[j : j + chunk], threads)
+            variables = surface.variables(top, *minima)
+            yield f"surface/{i // chunk}.{j // chunk}", {name: variables[name][1] for name in FILLS}
+            progress(done, len(blocks))
+
+    none = np.zeros((0, 0))
+    schema = surface.variables(top, none, none, none.astype(np.int8))
+    sizes = {name: (v.size, min(chunk, v.size)) for name, (_, v, _) in axes.items()}
+    tables = {
+        "axes": {
+            f"surface/{name}": zarr3.array(Column((name,), *column[1:]), {}, 0)
+            for name, column in axes.items()
+        },
+        "surface": {
+            f"surface/{name}": zarr3.array(Column(*schema[name]), sizes, fill)
+            for name, fill in FILLS.items()
+        },
+    }
+    about = {
+        "title": "minimal surface F = inf V",
+        "system": top.system.name,
+        "parameters": top.parameters,
+    }
+    _write(path, "surface", about, tables, chunks(), overwrite)
 
 
-def write_potential(path: str | Path, V: Any, attrs: PlainData, *, overwrite: bool = False) -> None:
+def write_potential(path: Path, V: Any, attrs: PlainData, *, overwrite: bool = False) -> None:
     """Write the Dataset V of `potential` along z into a new store. Raises StoreError."""
-    group = "potential"
     columns = {
         str(name): Column(("z",), np.asarray(v), dict(v.attrs))
         for name, v in V.variables.items()
         if v.dims == ("z",)
     }
-    arrays = {f"{group}/{name}": zarr3.array(column, {}) for name, column in columns.items()}
-    attributes = {"content": group, **attrs, **RUNNING, **provenance()}
-    header = ledger.header(attributes, {group: arrays})
+    arrays = {f"potential/{name}": zarr3.array(column, {}) for name, column in columns.items()}
+    values = {name: column.values for name, column in columns.items()}
+    chunks = [("potential/0", values)]
+    _write(path, "potential", attrs, {"potential": arrays}, chunks, overwrite)
+
+
+def _write(
+    path: Path,
+    content: str,
+    about: PlainData,
+    tables: dict[str, PlainData],
+    chunks: Iterable[tuple[str, Arrays]],
+    overwrite: bool,
+) -> None:
+    """Write a new store, complete or not at all."""
+    attributes = {"content": content, **about, "status": "running", **provenance()}
+    header = ledger.header(attributes, tables)
     with new_store(path, overwrite=overwrite) as scratch, Ledger.created(scratch, header) as store:
-        store.put(f"{group}/0", {name: column.values for name, column in columns.items()})
-        store.finish(FINISHED)
+        for key, values in chunks:
+            store.put(key, values)
+        store.finish({"status": "finished"})

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, flag, in_python, instance, names_of, path_of, whole
+from ..arguments import finite, flag, in_python, instance, names_of, path_of, takes, whole
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, law_choice, measurements
 from ..exchange.motion import convention_of, place_of
 from ..exchange.motion_table import read
+from ..exchange.observation import Observation
 from ..exchange.scales import FAR
 from ..exchange.verdict import Verdict
 from ..problem import Problem
@@ -49,15 +51,8 @@ class Comparison(Verdict):
         return _saved(comparison(self.motions, self.title), path, overwrite)
 
 
-def compare(
-    others: str | Path | Sequence[str | Path],
-    reference: Any,
-    *,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
-) -> Comparison:
+@takes(convention_of)
+def compare(others: str | Path | Sequence[str | Path], reference: Any, **frames: Any) -> Comparison:
     """Compare another program's motion with the exact one.
 
     Parameters
@@ -98,11 +93,33 @@ def compare(
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference("reference", reference)
-    convention = convention_of(quaternion, up, track, chip)
-    return Comparison(problem, [path_of("others", file) for file in files], convention)
+    paths = [path_of("others", file) for file in files]
+    return Comparison(problem, paths, convention_of(**frames))
 
 
-class Fitted:
+@takes(convention_of)
+def observed(
+    data: str | Path,
+    problem: Problem,
+    free: Sequence[str],
+    *,
+    marker: Sequence[float] | str | None = None,
+    noise: float | str | None = None,
+    **frames: Any,
+) -> Observation:
+    """Return what a film shows of the motion of a problem. Raises InputError."""
+    return measurements.observation_of(
+        problem,
+        path_of("data", data),
+        free,
+        convention_of(**frames),
+        place_of("marker", marker),
+        noise,
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fitted(fitting.Fit):
     """Numbers of a scenario that fit a measured motion. `tippetop.fit` makes it; it prints itself.
 
     Attributes
@@ -129,37 +146,25 @@ class Fitted:
         axis two parts, across it.
     """
 
-    def __init__(
-        self,
-        before: Problem,
-        observation: Any,
-        result: Any,
-        laws: Mapping[str, Fitted] | None = None,
-    ):
-        self._before = before
-        self._observation = observation
-        self._fit = result
-        self.estimates = result.estimates
-        self.correlations = result.correlations
-        self.converged = result.converged
-        self.trustworthy = result.trustworthy
-        self.reason = " ".join(result.reason)
-        self.residuals = result.residuals
-        self.influences = result.influences
-        self.laws = dict(laws or {})
+    laws: dict[str, Fitted] = field(default_factory=dict)
+
+    @property
+    def reason(self) -> str:
+        """Return the warnings of the report, in sentences."""
+        return " ".join(self.reasons)
 
     @property
     def problem(self) -> Problem:
         """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return build.problem(fit_text.tables(self._before, self._fit))
+        return build.problem(fit_text.tables(self))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
-        return fit_text.plain(self._fit, self._observation)
+        return fit_text.plain(self)
 
     def to_toml(self) -> str:
         """Return a scenario that runs."""
-        return fit_text.toml(self._before, self._fit)
+        return fit_text.toml(self)
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
         """Draw it as a figure, and save that where a path is given."""
@@ -167,16 +172,16 @@ class Fitted:
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(
-            self._observation.t,
-            self._observation.dots(),
-            self._observation.curves({name: e.value for name, e in self.estimates.items()}),
+            self.observation.t,
+            self.observation.dots(),
+            self.observation.curves({name: e.value for name, e in self.estimates.items()}),
             self.residuals,
-            str(self).split("\n"),
+            fit_text.lines(self),
         )
         return _saved(figure, path, overwrite)
 
     def __str__(self) -> str:
-        return "\n".join(fit_text.lines(self._fit, self._observation))
+        return "\n".join(fit_text.lines(self))
 
     def __repr__(self) -> str:
         return (
@@ -185,6 +190,7 @@ class Fitted:
         )
 
 
+@takes(observed)
 def fit(
     data: str | Path,
     scenario: Any,
@@ -195,13 +201,8 @@ def fit(
     within: float = FAR,
     systematic: bool = True,
     laws: Sequence[str | Mapping[str, Any]] | str = (),
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
-    noise: float | str | None = None,
     progress: Callable[[int, int], None] | bool = True,
+    **film: Any,
 ) -> Fitted:
     """Fit numbers of a scenario to a measured motion, by least squares.
 
@@ -260,8 +261,6 @@ def fit(
     """
     problem = _reference("scenario", scenario)
     names = names_of("free", free)
-    convention = convention_of(quaternion, up, track, chip)
-    place = place_of("marker", marker)
     starts = whole("starts", starts)
     within = finite("within", within)
     if not 0 < within <= 1:
@@ -269,34 +268,31 @@ def fit(
     flag("systematic", systematic)
 
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
-        observation = measurements.observation_of(
-            problem, path_of("data", data), names, convention, place, noise
-        )
+        observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(
                 observation, loss, starts, within, systematic, hopeless, progress=report
             )
-        return Fitted(problem, observation, result)
+        return Fitted(**vars(result))
 
     if not laws:
         return fitted(problem, names, within, fitting.MET)
-    until = float(read(path_of("data", data), wrapped=False, track=track).t[-1])
+    until = float(read(path_of("data", data), wrapped=False, track=film.get("track")).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
     for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
         lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
-        explained = any(other._fit.is_noise for other in fits.values())
+        explained = any(other.is_noise for other in fits.values())
         hopeless = law_choice.HOPELESS if explained else fitting.MET
         found = fitted(one, [n for n in names if n not in lacking], within, hopeless)
         if not fits:  # the others begin where this one ended
             problem = found.problem
             within = min(within, law_choice.NEAR)
         fits[one.law.key] = found
-    best, sentence = law_choice.verdict({name: one._fit for name, one in fits.items()})
+    best, sentence = law_choice.verdict(fits)
     chosen = fits[best]
-    result = chosen._fit._replace(reason=[*chosen._fit.reason, sentence])
-    return Fitted(chosen._before, chosen._observation, result, fits)
+    return replace(chosen, reasons=[*chosen.reasons, sentence], laws=fits)
 
 
 def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:

@@ -94,7 +94,7 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
     """Return a sentence for each fault of user-defined events and columns."""
     faults = [fault for column in columns for fault in type_faults("column", column)]
     for event in events:
-        faults += type_faults("event", event) or _event_faults(event)
+        faults += type_faults("event", event) or _kept_faults(event) or _event_faults(event)
     if faults:
         return faults
     known = {*ALWAYS, *NUMBERED, *system.angles._fields, *system.vectors, *system.record_names}
@@ -129,6 +129,11 @@ def _names(
             seen.add(name)
         faults += [f"{subject} must {must}"] if must else []
     return faults
+
+
+def _kept_faults(event: Event) -> list[str]:
+    """Return a sentence for each field of a wrong type in the numbers that an event keeps."""
+    return [fault for kept in event.kept for fault in type_faults("number", kept)]
 
 
 def _event_faults(event: Event) -> list[str]:

@@ -79,7 +79,7 @@ class Run:
     @cached_property
     def attributes(self) -> dict[str, Any]:
         """Return the root attributes of its store: scenario, report, provenance."""
-        return root.finite(attributes.attributes(self.solution.progress))
+        return attributes.attributes(self.solution.progress)
 
     @cached_property
     def _datasets(self) -> dict[str, xr.Dataset]:

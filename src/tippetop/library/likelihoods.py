@@ -8,29 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance, names_of, path_of, whole
+from ..arguments import dotted_keys, instance, names_of, takes, whole
 from ..errors import InputError, refuse_without
-from ..exchange import measurements
 from ..exchange.likelihood import LogLikelihood, drawn
-from ..exchange.motion import convention_of, place_of
-from .exchanging import Fitted, _reference, _saved, fit
+from .exchanging import Fitted, _reference, _saved, fit, observed
 
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@takes(observed)
 def log_likelihood(
-    data: str | Path,
-    scenario: Any,
-    free: str | Sequence[str],
-    *,
-    noise: float | str | None = None,
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
-    track: str | None = None,
-    chip: Sequence[float] | str | None = None,
+    data: str | Path, scenario: Any, free: str | Sequence[str], **film: Any
 ) -> LogLikelihood:
     """Return the logarithm of the likelihood of a film as a function of some numbers.
 
@@ -60,16 +50,8 @@ def log_likelihood(
     >>> f([0.3, 155.0])
     >>> f([[0.3, 155.0], [0.31, 155.0]])
     """
-    return LogLikelihood(
-        measurements.observation_of(
-            _reference("scenario", scenario),
-            path_of("data", data),
-            names_of("free", free),
-            convention_of(quaternion, up, track, chip),
-            place_of("marker", marker),
-            noise,
-        )
-    )
+    problem = _reference("scenario", scenario)
+    return LogLikelihood(observed(data, problem, names_of("free", free), **film))
 
 
 class Posterior:
@@ -107,7 +89,12 @@ class Posterior:
         refuse_without("matplotlib")
         from ..figures.corner import corner
 
-        columns = dict(zip(self.free, self.points.T, strict=True))
+        units = [self.fit.observation.rule(name).unit.symbol for name in self.free]
+        labels = [
+            name if unit == "1" else f"{name} ({unit})"
+            for name, unit in zip(self.free, units, strict=True)
+        ]
+        columns = dict(zip(labels, self.points.T, strict=True))
         return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
@@ -129,13 +116,9 @@ def posterior(
     scenario: Any,
     free: str | Sequence[str],
     *,
-    noise: float | str | None = None,
     draws: int = 2000,
     seed: int = 0,
     fitted: Fitted | None = None,
-    marker: Sequence[float] | str | None = None,
-    quaternion: str | None = None,
-    up: str = "z",
     **options: Any,
 ) -> Posterior:
     """Draw numbers of a scenario from their posterior, given a film, by importance sampling.
@@ -145,8 +128,8 @@ def posterior(
 
     Parameters
     ----------
-    data, scenario, free, noise, marker, quaternion, up
-        As for `log_likelihood`.
+    data, scenario, free
+        As for `fit`.
     draws : int
         Motions that are computed.
     seed : int
@@ -154,7 +137,7 @@ def posterior(
     fitted : Fitted, optional
         A fit of the same numbers to these data, which otherwise is made first.
     options
-        Of `fit`.
+        `noise` and the others of `fit`, unless `fitted` is given.
 
     Returns
     -------
@@ -170,14 +153,19 @@ def posterior(
     >>> import tippetop as tt
     >>> print(tt.posterior("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
-    how: dict[str, Any] = {"noise": noise, "marker": marker, "quaternion": quaternion, "up": up}
-    function = log_likelihood(data, scenario, free, **how)
     if fitted is None:
-        fitted = fit(data, scenario, free, **how, **options)
-    instance("fitted", fitted, Fitted, "the result of `fit`")
-    if tuple(fitted.estimates) != function.free:
+        fitted = fit(data, scenario, free, **options)
+    elif options:
         raise InputError(
-            f"`fitted` must be a fit of {', '.join(function.free)}, but is one of "
+            f"`fitted` must be alone, as it has its own options, but `{next(iter(options))}` is "
+            "given too."
+        )
+    instance("fitted", fitted, Fitted, "the result of `fit`")
+    names = dotted_keys(names_of("free", free), fitted.observation.problem.rules)
+    function = LogLikelihood(fitted.observation)
+    if function.free != tuple(names):
+        raise InputError(
+            f"`fitted` must be a fit of {', '.join(names)}, but is one of "
             f"{', '.join(fitted.estimates)}."
         )
     sigma = np.array([e.sigma for e in fitted.estimates.values()])

@@ -167,9 +167,7 @@ def rolling(omega, law):
     return Vector(k * omega.x, k * omega.y, 0)
 
 
-@formula
 def torque(drag, omega, law):
     """Return the torque of drilling and of rolling resistance per normal force, (3,) [m]."""
-    resisting = rolling(omega, law)
     drilling = -(law.mu * law.patch**2 * drag.twist * omega.z)
-    return Vector(resisting.x, resisting.y, drilling)
+    return rolling(omega, law)._replace(z=drilling)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
 from ..errors import names_its_faults
+from .described import Described
 
 
 NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
@@ -43,7 +44,8 @@ start.
 """
 
 
-class Kept(NamedTuple):
+@dataclass(frozen=True)
+class Kept(metaclass=Described):
     """A number that is kept of the passages of an event, of every run and every top of an ensemble.
 
     Parameters
@@ -66,7 +68,7 @@ class Kept(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Event:
+class Event(metaclass=Described):
     """A zero of formula(scalars, b) along a run.
 
     Parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ..errors import InputError, is_one_number, names_its_faults
+from .described import Described
 from .event import Event
 from .operand import leaves
 from .readonly import ReadOnly
@@ -15,7 +16,7 @@ from .units import Unit
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(metaclass=Described):
     """A function of the scalars, which every form has: formula(scalars, b).
 
     Parameters
@@ -45,7 +46,7 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Integral:
+class Integral(metaclass=Described):
     """A quadrature: a variable that does not occur in the equations of motion.
 
     It is integrated together with them and must not control the step.
@@ -110,7 +111,7 @@ class Domain(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
-class Form:
+class Form(metaclass=Described):
     """A choice of variables for the state of a system, such as Euler angles or vectors.
 
     Two forms of a system must agree: a state that is converted from one form to the other by the
@@ -168,7 +169,7 @@ def unchanged(x: Any, b: Any) -> Any:
 
 
 @dataclass
-class Next:
+class Next(metaclass=Described):
     """The result of a jump: the next phase, and the state in which it begins.
 
     Parameters
@@ -237,7 +238,7 @@ MOST_LOGGED = 1024
 
 
 @dataclass(frozen=True)
-class Exit:
+class Exit(metaclass=Described):
     """A way in which a phase can end: an event, and the jump to the next phase.
 
     Parameters
@@ -299,7 +300,7 @@ class Exit:
 
 
 @dataclass(frozen=True, eq=False)
-class Phase:
+class Phase(metaclass=Described):
     """A period in which the contact does not change: slip, roll, flight, or contact of both balls.
 
     Parameters

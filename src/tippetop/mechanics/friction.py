@@ -52,18 +52,15 @@ def drilling_part(omega, law):
     return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
 
 
-@formula
 def torque_of_parts(drag, omega, law):
     """Return the torque of rolling resistance and drilling per normal force, (3,) [m]."""
-    resisting = rolling(omega, law)
-    return Vector(resisting.x, resisting.y, drilling_part(omega, law))
+    return rolling(omega, law)._replace(z=drilling_part(omega, law))
 
 
-@formula
 def torque_of_disc_and_part(drag, omega, law):
     """Return the torque of a disc and the drilling torque, per normal force, (3,) [m]."""
     of_disc = torque(drag, omega, law)
-    return Vector(of_disc.x, of_disc.y, of_disc.z + drilling_part(omega, law))
+    return of_disc._replace(z=of_disc.z + drilling_part(omega, law))
 
 
 def has_parts(law: Any) -> bool:
@@ -83,8 +80,10 @@ class FrictionLaw(Record, abstract=True):
 
     An instance contains the numbers of the law and is an argument of its formulas.
 
-    A user-defined law has the class attributes `key` and `coefficient`; the others are for laws of
-    the package.
+    A user-defined law has two class attributes: `key`, its name in `[friction] law`, and the
+    formula `coefficient`, k(v2, z, law) [s/m] with v2 = |v_A|^2 and z = cos(theta), which is finite
+    and not negative.
+    The others are for laws of the package. docs/how-to/a-friction-law.md shows one.
     """
 
     table = "friction"

@@ -2,7 +2,6 @@
 
 import contextlib
 import inspect
-import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
@@ -15,13 +14,14 @@ import numpy as np
 
 from ..errors import InputError, refuse_unknown, sentence
 from .caching import cached_property
+from .described import Described
 from .quantity import worked_out
 from .readonly import ReadOnly
 from .units import Unit
 
 
 @dataclass(frozen=True)
-class Number:
+class Number(metaclass=Described):
     """A number that users pass: its unit, its meaning, and its open or closed interval.
 
     Parameters
@@ -111,10 +111,6 @@ class Number:
         bool or array of bool
             True where the value is not allowed.
         """
-        if type(values) is float:  # soon decided
-            return not math.isfinite(values) or any(
-                breaks(values, limit) for _, limit, breaks in self._bounds
-            )
         broken = ~np.isfinite(values)
         for _, limit, breaks in self._bounds:
             broken = broken | breaks(values, limit)
@@ -198,7 +194,7 @@ def omission_faults(
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, reuse))
-class RecordType(type):
+class RecordType(Described):
     """A class of records: named tuples of the Numbers in its body, which `parameters` contains.
 
     An `abstract` class has no records: its Numbers are `parts`, optional keywords of the
@@ -232,10 +228,6 @@ class RecordType(type):
             [inspect.cleandoc(body.get("__doc__") or ""), "", *sections]
         ).rstrip()
         return super().__new__(mcs, name, bases, body)
-
-    def __dir__(cls) -> list[str]:
-        """Return what `help` adds to the docstring: nothing, where that lists the Numbers."""
-        return [] if "parameters" in vars(cls) else [*super().__dir__()]
 
 
 def _field(name: str, rule: Number, own: bool) -> inspect.Parameter:

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
 from ..errors import InputError, refuse_unknown, unknown_key
+from .described import Described
 from .event import NUMBERED, Event
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity, all_are
 from .number import Alternative, Number
@@ -60,7 +61,7 @@ class Landscape:
     momenta: tuple[Momentum, Momentum]
     # coefficients(body) -> PotentialCoefficients, in the numbers of the body
     coefficients: Callable
-    # two_wells(body) < 0 iff V can have two minima; None: it never has
+    # two_wells(body): whether V can have two minima; None: it never has
     two_wells: Callable | None = None
     # the column of a run that is compared with V
     energy: str = "modified_energy"
@@ -118,10 +119,11 @@ def _same(value: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
-class System:
+class System(metaclass=Described):
     """A mechanical system: its body, equations, columns, events and theory.
 
-    `replace` returns a changed copy. docs/how-to/a-system.md explains each field.
+    `replace(**changes)` returns a changed copy, in which `forms`, `quantities` and `events` are
+    those of the first phase. docs/how-to/a-system.md explains each field.
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from ..errors import InputError
+from .described import Described
 
 
 POWERS = {
@@ -25,7 +26,7 @@ FACTOR = re.compile(rf"({'|'.join(POWERS)})(-?\d+)?")
 
 
 @dataclass(frozen=True)
-class Unit:
+class Unit(metaclass=Described):
     """A unit by its symbol.
 
     Parameters

@@ -11,10 +11,9 @@ import heyoka as hy
 import numpy as np
 
 from ..mechanics.caching import cached_property
-from ..mechanics.contact.body import touching_ball
+from ..mechanics.contact.body import BALLS, seen_from_balls
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw, stem_faults
 from ..mechanics.contact.surroundings import RULES, by_table
-from ..mechanics.contact.uniqueness import COSINE, SINE
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
@@ -185,21 +184,11 @@ class Problem(RunOptions):
             return self.system.body_of(given, self.friction, number)
 
     @property
-    def balls(self) -> dict[str, tuple[Any, Any]]:
-        """Offset along the axis and radius [m] of each ball that may touch the plane, by name.
-
-        Of a body with an outline they are arrays, over `uniqueness.THETA`; a body without an axis
-        of symmetry has none.
-        """
-        body = self.body()
-        if hasattr(body, "I2"):
-            return {}
+    def balls(self) -> dict[str, Any]:
+        """The body in SI units, seen from each of its balls that may touch the plane, by name."""
         rules = self.contact
-        at = touching_ball(COSINE, SINE**2, body)
-        balls = {"body": (at.c, at.R)}
-        if rules is not None and rules.stem:
-            balls["stem"] = body.c + rules.h, rules.r
-        return balls
+        stem = () if rules is None or not rules.stem else (rules.r, rules.h)
+        return dict(zip(BALLS, seen_from_balls(self.body(), stem), strict=False))
 
     @cached_property
     def scales(self) -> Scales:

@@ -10,6 +10,7 @@ from ..problem import ROUNDING
 from ..scenario.build import resolved, tables_of
 from ..scenario.identity import DIGESTS, digests_of
 from ..store.provenance import provenance
+from ..store.root import finite
 from . import phases
 from .events import event_columns
 from .reporting import RunProgress, reason, report
@@ -42,21 +43,23 @@ def attributes(progress: RunProgress) -> PlainData:
     problem = progress.problem
     last = zip(problem.variables.names, progress.last[0], problem.weights(), strict=True)
     numbers = {**problem.law.parameters, **problem.system.parameters, **problem.system.initial}
-    return {
-        "title": problem.system.title,
-        "source": problem.system.source,
-        "status": (progress.status or Status.RUNNING).value,
-        "reason": reason(progress),
-        **resolved(problem),
-        **({"start": problem.origin} if problem.origin else {}),
-        **({DIGESTS: digests} if (digests := digests_of(problem)) else {}),
-        "tolerance": problem.tolerance or ROUNDING[problem.precision],
-        "precision": problem.precision,
-        "units": {name: number.unit.symbol for name, number in numbers.items()},
-        "final_state": {name: float(value) * float(weight) for name, value, weight in last},
-        "report": report(progress),
-        **provenance(),
-    }
+    return finite(
+        {
+            "title": problem.system.title,
+            "source": problem.system.source,
+            "status": (progress.status or Status.RUNNING).value,
+            "reason": reason(progress),
+            **resolved(problem),
+            **({"start": problem.origin} if problem.origin else {}),
+            **({DIGESTS: digests} if (digests := digests_of(problem)) else {}),
+            "tolerance": problem.tolerance or ROUNDING[problem.precision],
+            "precision": problem.precision,
+            "units": {name: number.unit.symbol for name, number in numbers.items()},
+            "final_state": {name: float(value) * float(weight) for name, value, weight in last},
+            "report": report(progress),
+            **provenance(),
+        }
+    )
 
 
 OF_SUMMARY = (

@@ -83,9 +83,9 @@ class _Columns(Sink):
     def __init__(self, view: Observables):
         self.view = view
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Convert rows to columns."""
-        self.view.columns(times, states())
+        self.view.columns(times, states)
 
 
 def _timed(

@@ -22,7 +22,6 @@ from ..engine.tallies import Tallies
 from ..errors import owner
 from ..mechanics.event import Event, Kept
 from ..mechanics.units import SECOND
-from ..problem import Problem
 from .events import EventTable
 
 
@@ -52,17 +51,6 @@ class LogReport(NamedTuple):
             for kept, value in self.numbers
         }
 
-    def settled_since(self, view: Observables, last: np.ndarray) -> float | None:
-        """Return when the lasting event last happened [s]; None if it is over in state `last`."""
-        since = float(self.tally["lasts_since"])
-        if math.isnan(since):
-            return None
-        event = next(event for event in self.events if event.lasting)
-        value = float(event.formula(view.moment(last[0]), view.body))
-        if not value * event.direction > 0 or slides(view.problem.alone, last.T, [0]).any():
-            return None
-        return since * self.second
-
     def report(self) -> PlainData:
         """Return counts, inversion, band and the numbers that users' events keep."""
         tally = self.tally
@@ -82,6 +70,19 @@ class LogReport(NamedTuple):
         }
 
 
+def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | None:
+    """Return when the lasting event last happened [s]; None if it is over in state `last`."""
+    since = float(tally["lasts_since"])
+    if math.isnan(since):
+        return None
+    problem = view.problem
+    event = next(event for event in problem.system.events if event.lasting)
+    value = float(event.formula(view.moment(last[0]), view.body))
+    if not value * event.direction > 0 or slides(problem.alone, last.T, [0]).any():
+        return None
+    return since * problem.unit(SECOND)
+
+
 class EventLog:
     """Convert the zeros of slices to rows of the event table.
 
@@ -92,15 +93,16 @@ class EventLog:
 
     Parameters
     ----------
-    problem, view
-        The run and its observables.
+    view
+        The observables of the run.
     first
         The state at the start, (1, variables), internal.
     tallies
         Those of its driver, with one lane.
     """
 
-    def __init__(self, problem: Problem, view: Observables, first: np.ndarray, tallies: Tallies):
+    def __init__(self, view: Observables, first: np.ndarray, tallies: Tallies):
+        problem = view.problem
         self.view = view
         self.second = problem.unit(SECOND)
         self.events = tuple(problem.system.events)
@@ -187,7 +189,8 @@ class EventLog:
         marks = []
         if self.tallies.lane["waiting"][0]:
             marks = self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)]))
-        if self.lasting >= 0 and self.summary().settled_since(self.view, last) is not None:
+        tally = self.tallies.lane[0]
+        if self.lasting >= 0 and settled_since(self.view, tally, last) is not None:
             marks.append(self.lasting)
         return marks
 

@@ -19,7 +19,7 @@ from ..problem import Problem
 from ..store import hexfloat
 from . import keyframes
 from .drift import Drift
-from .event_log import EventLog
+from .event_log import EventLog, settled_since
 from .phases import PhaseHistory
 from .reporting import Progress, RunProgress
 from .sinks import Sink
@@ -80,7 +80,7 @@ class Integration:
         self.drift = Drift(problem.alone, self.first.T)
         self.force = Extremes()
         self.steps_made = 0
-        self.log = EventLog(problem, self.view, self.first, self.driver.tallies)
+        self.log = EventLog(self.view, self.first, self.driver.tallies)
         self.phases = PhaseHistory(dict(problem.system.tables.get("phases", {})))
         self.filled = 0
         self.t_end = 0.0
@@ -122,7 +122,8 @@ class Integration:
             if self.status is not None:
                 break
             if problem.output == "keyframes" and self.steps_made % problem.keyframe_steps == 0:
-                sink.keyframe(keyframes.columns(problem, self.driver, self.t_end, self.steps_made))
+                row = keyframes.columns(problem, self.driver, self.t_end, self.steps_made)
+                sink.tables({"keyframes": {name: column.values for name, column in row.items()}})
             present = self.progress()
             sink.slice_done(present, self.snapshot)
             if progress is not None:
@@ -176,7 +177,7 @@ class Integration:
         """Return whether a run that ends once it has settled has done so."""
         if self.problem.stop_when != "settled" or self.steps_made % self.settled_slice:
             return False
-        since = self.log.summary().settled_since(self.view, self.last)
+        since = settled_since(self.view, self.driver.tally, self.last)
         if since is None or not self.t_end - since > SETTLED_FOR * self.second:
             return False
         return stays(self.problem, self.view.evaluate(self.last))
@@ -208,7 +209,7 @@ class Integration:
 
     def _write(self, times: np.ndarray, states: np.ndarray) -> None:
         """Pass rows to the sink: times [s], internal states."""
-        self.sink.rows(times, lambda: states)
+        self.sink.rows(times, states)
         self.filled += len(times)
 
     # --- slices ----------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column, column, without_rows
+from ..columns import Column, column
 from ..engine.driver import Driver
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of, fingerprint
@@ -57,11 +57,6 @@ def _snapshot(driver: Driver) -> dict[str, Any]:
     """Return the snapshot of a driver, with a state of the same length in every phase."""
     kept = driver.snapshot()
     return kept | {"state": [*kept["state"], *[0.0] * (driver.width - len(kept["state"]))]}
-
-
-def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
-    """Return the columns of the group `keyframes` without rows."""
-    return without_rows(columns(problem, driver, 0.0, 0))
 
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column
+from ..columns import Column, without_rows
 from ..engine.observables import Observables
 from ..errors import Interrupted
 from ..problem import Problem
@@ -60,13 +60,13 @@ class Recorder(Writer, Sink):
         self.committed_at = time.monotonic()
         self.asked = 0.0
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Write rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
         if self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self.later(lambda: self._append("trajectory", self.view.columns(times, states())))
+        self.later(lambda: self._append("trajectory", self.view.columns(times, states)))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Write rows of the event log, and mark rows as significant."""
@@ -75,12 +75,8 @@ class Recorder(Writer, Sink):
         if marks:
             self.later(lambda: self.mark(marks))
 
-    def keyframe(self, row: dict[str, Column]) -> None:
-        """Write a keyframe."""
-        self.later(lambda: self._append("keyframes", row))
-
     def tables(self, new: dict[str, Rows]) -> None:
-        """Write rows of phases and impacts."""
+        """Write rows of phases, impacts and keyframes."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
                 self.later(partial(self.growing[name].append, table))
@@ -145,7 +141,7 @@ class Recorder(Writer, Sink):
 
     def finish(self, attrs: PlainData, ending: PlainData | None) -> PlainData:
         """Write waiting rows, and close the store with its last root attributes; return them."""
-        attrs = finite(attrs) | ({"begun_with": self.begun_with} if self.begun_with else {})
+        attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
             for table in self.growing.values():
@@ -241,7 +237,7 @@ def save(
     ):
         for first in range(0, len(solution.times), ROWS_PER_CHUNK):
             some = slice(first, first + ROWS_PER_CHUNK)
-            recorder.rows(solution.times[some], partial(solution.rows.__getitem__, some))
+            recorder.rows(solution.times[some], solution.rows[some])
         recorder.events(solution.events, [])
         for name, parts in solution.others.items():
             for part in parts:
@@ -260,7 +256,7 @@ def header(integration: Integration, attrs: PlainData | None = None) -> PlainDat
             table = name + LATE if key == SIGNIFICANT else name
             array = zarr3.array(column, {column.dims[0]: (0, chunk)})
             tables.setdefault(table, {})[f"{name}/{key}"] = array
-    attrs = attrs or finite(attributes.attributes(integration.progress()))
+    attrs = attrs or attributes.attributes(integration.progress())
     return ledger.header(attrs, tables)
 
 
@@ -274,7 +270,8 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
     for name, columns in phases.joined(problem.system, {}).items():
         yield name, columns, phases.PER_CHUNK
     if problem.output == "keyframes":
-        yield "keyframes", keyframes.empty(problem, integration.driver), keyframes.PER_CHUNK
+        row = keyframes.columns(problem, integration.driver, 0.0, 0)
+        yield "keyframes", without_rows(row), keyframes.PER_CHUNK
 
 
 def here() -> PlainData:

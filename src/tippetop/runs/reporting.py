@@ -17,7 +17,7 @@ from ..mechanics.event import Event
 from ..mechanics.systems.tippe_top import is_peg
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
-from .event_log import LogReport
+from .event_log import LogReport, settled_since
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class RunProgress:
     @property
     def settled_since(self) -> float | None:
         """Return when sliding ended [s], if it is still over."""
-        return self.events.settled_since(self.view, self.last)
+        return settled_since(self.view, self.events.tally, self.last)
 
     @property
     def lifted_at(self) -> float | None:

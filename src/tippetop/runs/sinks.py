@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column
 from .events import EventTable
 from .phases import Rows
 from .reporting import RunProgress
@@ -17,20 +16,14 @@ class Sink:
     keeps_rows = False
     """True if rows are wanted."""
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Receive rows: times [s], and a function that returns their internal states.
-
-        The function may be called later, in another thread.
-        """
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Receive rows: times [s] and internal states."""
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Receive rows of the event log, and indices of rows now known to be significant."""
 
-    def keyframe(self, row: dict[str, Column]) -> None:
-        """Receive a keyframe, as a row of its table."""
-
     def tables(self, new: dict[str, Rows]) -> None:
-        """Receive rows of the tables of phases and impacts, SI."""
+        """Receive rows of the tables of phases, impacts and keyframes, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Handle the end of a slice: commit a snapshot, or raise Interrupted to stop."""
@@ -48,10 +41,10 @@ class Memory(Sink):
         self.marks: list[int] = []
         self.others: dict[str, list[Rows]] = {}
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Keep rows."""
         self.times.append(times)
-        self.states.append(states())
+        self.states.append(states)
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Keep rows of the event log, and marks."""
@@ -59,7 +52,7 @@ class Memory(Sink):
         self.marks += marks
 
     def tables(self, new: dict[str, Rows]) -> None:
-        """Keep rows of phases and impacts."""
+        """Keep rows of these tables."""
         for name, columns in new.items():
             self.others.setdefault(name, []).append(columns)
 

@@ -13,14 +13,11 @@ from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.surrounded import surrounded_rolling
 from ..mechanics.contact.surroundings import TABLES, groups_in
-from ..mechanics.contact.uniqueness import (
-    most_rolling,
-    painleve_bound,
-    painleve_bound_of_frame,
-)
+from ..mechanics.contact.uniqueness import most_rolling, painleve_bound
 from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import opening_systems, surroundable_systems
+from ..mechanics.units import METRE
 from ..problem import Problem
 from .identity import user_records
 from .reading import law_name
@@ -176,17 +173,15 @@ def contact_faults(problem: Problem) -> list[str]:
     mu_r = getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
     balls = problem.balls
-    bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
-    if isinstance(body, Asymmetric):
-        bounds["body"] = painleve_bound_of_frame(problem.internal_body, _highest(problem))
+    highest = _highest(problem) if isinstance(body, Asymmetric) else math.inf
+    bounds = {name: painleve_bound(ball, highest) for name, ball in balls.items()}
     name = min(bounds, key=bounds.__getitem__)
     if mu >= bounds[name]:
         faults.append(
             f"`friction.{coefficients[mu]}` must be less than {bounds[name]:.4f}, but is {mu:g}: "
             f"above it the contact force of this {name} is not unique (Painleve)."
         )
-    limits = [most_rolling(body.m, body.I1, *ball, mu) for ball in balls.values()]
-    most = min(limits, default=math.inf)
+    most = min(most_rolling(ball, mu) for ball in balls.values()) if mu_r else math.inf
     if not faults and mu_r >= most:
         faults.append(
             f"`friction.mu_r` must be less than {most:.3g}, or the contact force is not unique, "
@@ -202,13 +197,12 @@ def contact_faults(problem: Problem) -> list[str]:
 
 
 def _highest(problem: Problem) -> float:
-    """Return the height to which the energy of the start can raise the centre of mass, internal
-    units.
-    """
+    """Return the height to which the energy of the start can raise the centre of mass [m]."""
     q, _ = problem.variables.split(problem.start().astype(float))
     b = problem.internal_body
     energy = next(one for one in problem.system.quantities if one.name == "energy")
-    return float(energy.formula(problem.form.scalars(q, b), b) / (b.m * b.g))
+    height = energy.formula(problem.form.scalars(q, b), b) / (b.m * b.g)
+    return float(height) * problem.unit(METRE)
 
 
 def on_stem(

@@ -8,12 +8,10 @@ import numpy as np
 
 from ..arguments import PlainData
 from ..errors import owner
-from ..mechanics.contact.opening import SETTLED, opened
-from ..mechanics.contact.surrounded import surrounded_rolling
-from ..mechanics.contact.surroundings import groups_of
+from ..mechanics.contact.opening import SETTLED
 from ..mechanics.event import Event
 from ..mechanics.system import Quantity, System
-from ..mechanics.systems import find
+from ..mechanics.systems import by_name, find, place_of
 from ..problem import Problem
 
 
@@ -67,12 +65,10 @@ def missing_records(attrs: PlainData, system: System) -> list[str]:
 
 def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]]:
     """Return the events and columns of a system that the registered one does not have."""
-    registered = find(system.name)
-    if registered is not None and system.contact:
-        registered = opened(registered, *system.contact)
-    elif registered is not None and (around := groups_of(system.surroundings)):
-        registered = surrounded_rolling(registered, around)
-    if registered is None or registered is system:
+    if find(system.name) is None:
+        return (), ()
+    registered = by_name(*place_of(system))
+    if registered is system:
         return (), ()
     known = *registered.quantities, *system.on_request
     return (

@@ -71,7 +71,7 @@ def export(
         )
     tables = {group: tables[group]} if group else tables
     attrs = plain_attributes(attrs)
-    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+    with files.replacing(out, overwrite=overwrite) as scratch:
         if to == "netcdf":
             scratch.write_bytes(_netcdf(tables, attrs, of))
         elif to == "csv":

@@ -38,28 +38,24 @@ def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
 def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     """Yield an empty scratch file, which becomes `path`, synced, when the block ends well.
 
-    Raises
-    ------
-    StoreError
-        If `path` exists and may not be overwritten.
-    OSError
-        If writing fails; see `writing`.
+    Raises StoreError if `path` exists and may not be overwritten, or cannot be written.
     """
     path = Path(path)
     if not path.name or (path.exists() and not path.is_file()):
         raise StoreError(f"`{path}` must be the name of a file, but is a folder or a device.")
     refuse_inside(path)
     flag("overwrite", overwrite)
-    remove_stale(path)
-    refuse_existing(path, overwrite)
-    with scratch_folder(path) as folder:
-        scratch = folder / path.name
-        scratch.touch()
-        yield scratch
-        synced(folder, path.name)
+    with writing(path):
+        remove_stale(path)
         refuse_existing(path, overwrite)
-        os.replace(scratch, path)
-        synced(path.parent)
+        with scratch_folder(path) as folder:
+            scratch = folder / path.name
+            scratch.touch()
+            yield scratch
+            synced(folder, path.name)
+            refuse_existing(path, overwrite)
+            os.replace(scratch, path)
+            synced(path.parent)
 
 
 def refuse_inside(path: Path) -> None:
@@ -136,7 +132,7 @@ def rename_new(scratch: Path, path: Path) -> None:
 
 def write_text(path: Path, text: str, *, overwrite: bool) -> None:
     """Write a file of the user whole or not at all. Raises StoreError."""
-    with writing(path), replacing(path, overwrite=overwrite) as scratch:
+    with replacing(path, overwrite=overwrite) as scratch:
         scratch.write_text(text, encoding="utf-8")
 
 

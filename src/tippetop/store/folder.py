@@ -56,12 +56,8 @@ class Folder:
         self.rename(name + NEW, name)
         self.unsynced |= set() if derived else {name, name.rpartition("/")[0]}
 
-    def append(self, name: str, data: bytes) -> None:
-        """Append to a file."""
-        self.put(name, data, os.O_APPEND)
-
     def put(self, name: str, data: bytes, how: int = os.O_CREAT | os.O_TRUNC) -> None:
-        """Write a file in place, by default from its beginning."""
+        """Write a file in place, by default from its beginning; with `os.O_APPEND` at its end."""
         with self._open(name, WRITE | how) as descriptor:
             rest = memoryview(data)
             while rest:
@@ -124,10 +120,6 @@ class Folder:
             return os.path.samestat(os.lstat(place), os.fstat(held))
         except (FileNotFoundError, NotADirectoryError):
             return False
-
-    def release(self, held: int) -> None:
-        """Release a lock that `lock` returned."""
-        os.close(held)
 
     def sync(self) -> None:
         """Wait until all written files are on the disk, where a power failure cannot undo them."""

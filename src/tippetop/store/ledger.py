@@ -312,7 +312,7 @@ class Ledger:
                 with contextlib.suppress(OSError):
                     self.folder.remove(WRITER)
             finally:
-                self.folder.release(self.held)
+                os.close(self.held)
                 self.held = None
 
     def __enter__(self) -> "Ledger":
@@ -360,10 +360,10 @@ class Ledger:
         try:
             self.folder.rename(LEDGER + NEW, LEDGER)
         except BaseException:
-            self.folder.release(held)
+            os.close(held)
             raise
         if self.held is not None:
-            self.folder.release(self.held)
+            os.close(self.held)
         self.held = held
         self.folder.sync_one("")
 
@@ -405,7 +405,7 @@ class Ledger:
             self.folder.sync()
             record = {name: value for name, value in record.items() if value}
             self.before, line = lines([record], self.before)
-            self.folder.append(LEDGER, line)
+            self.folder.put(LEDGER, line, os.O_APPEND)
             self.folder.sync_one(LEDGER)
             self.state.add(record)
             self.pending = {}

@@ -41,19 +41,14 @@ def attributes(path: str | Path, *, whole: bool = True) -> PlainData:
     With `whole=False` only the ledger is read. Raises StoreError; see `ledger.read`.
     """
     place = Path(path)
-    refuse_foreign(place)
+    if not os.path.lexists(place / ledger.LEDGER):
+        raise StoreError(f"`{place}` {_no_store(place)}.")
     return ledger.read(place, chunks=whole).attributes
 
 
 def root_of(path: str | Path) -> PlainData:
     """Return the root attributes in the ledger. Raises StoreError."""
     return attributes(path, whole=False)
-
-
-def refuse_foreign(path: Path) -> None:
-    """Raise StoreError unless tippetop wrote a store, damaged or not."""
-    if not os.path.lexists(path / ledger.LEDGER):
-        raise StoreError(f"`{path}` {_no_store(path)}.")
 
 
 def _no_store(place: Path) -> str:

@@ -50,6 +50,20 @@ def potential(system: System, b: Touch) -> dict[str, str]:
     return {"formulas.js": f"export const potential = {well};\n"}
 
 
+def is_movable(problem: Problem) -> bool:
+    """Return whether a page can integrate a problem: a sliding tippe top without surroundings, with
+    restitution by energy.
+    """
+    law = type(problem.friction)
+    contact = problem.contact
+    return (
+        problem.system.name == TOP.name
+        and not problem.surroundings
+        and law.with_parts is not None
+        and (contact is None or contact.restitution == "energetic")
+    )
+
+
 def given(problem: Problem) -> dict[str, Any]:
     """Return the numbers of a tippe top: its parameters with those of the law, and its start."""
     data = dict(problem.initial)

@@ -6,7 +6,7 @@ from ..mechanics.friction import LAWS
 from ..runs.starting import load
 from ..scenario.reading import presets
 from . import pages
-from .phase_formulas import TOP, contacts, given
+from .phase_formulas import contacts, given, is_movable
 
 
 TITLE = "Tippe top playground"
@@ -33,9 +33,9 @@ def playground() -> str:
 
 
 def _preset(name: str) -> dict[str, Any] | None:
-    """Return a preset of a sliding tippe top as JSON for the page; None for another system."""
+    """Return a preset as JSON for the page; None of a body that it cannot integrate."""
     problem = load(name)
-    if problem.system.name != TOP.name:
+    if not is_movable(problem):
         return None
     law = next(law for law, record in BY_NAME.items() if record is type(problem.friction))
     about = given(problem)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import capitalised, flag_names, flag_words, flagged, greek, require, units_text
+from ..columns import capitalised, flag_words, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
 from ..mechanics.contact.surroundings import dotted_numbers, moving_axes
 from ..mechanics.systems import find
@@ -176,7 +176,7 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     table = groups["phases"]
     columns = {
         **{name: table[name].values.tolist() for name in ("start", "end")},
-        **{name: flag_names(table[name]) for name in ("phase", "ball") if name in table},
+        **{name: flag_words(table[name]).tolist() for name in ("phase", "ball") if name in table},
     }
     return [row for row in _records(columns) if row["end"] >= begin and row["start"] <= end]
 

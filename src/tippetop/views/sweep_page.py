@@ -7,7 +7,6 @@ import numpy as np
 
 from ..columns import greek, units_text
 from ..errors import InputError
-from ..problem import Problem
 from ..runs.shape import shape
 from ..scenario import build
 from ..sweeps import maps
@@ -17,7 +16,7 @@ from ..sweeps.sweep_summary import open_sweep, plan_of
 from . import pages
 from .borders import borders
 from .encoding import encode
-from .phase_formulas import NO_PHASES, NO_POTENTIAL, TOP, contacts, given
+from .phase_formulas import NO_PHASES, NO_POTENTIAL, contacts, given, is_movable
 
 
 MOST = 100_000  # tops of a page
@@ -84,18 +83,6 @@ def page_of_sweep(path: Path) -> str:
     heading = f"A sweep: {plan.base.system.title}"
     return pages.page(
         heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about
-    )
-
-
-def is_movable(base: Problem) -> bool:
-    """Return whether a page can integrate a problem: a sliding tippe top, restitution by energy."""
-    law = type(base.friction)
-    contact = base.contact
-    return (
-        base.system.name == TOP.name
-        and not base.surroundings
-        and law.with_parts is not None
-        and (contact is None or contact.restitution == "energetic")
     )
 
 

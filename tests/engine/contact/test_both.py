@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from examples import CANONICAL
+from limits import assert_below
 from scipy.integrate import solve_ivp
 from test_phases_of_runs import run
 from touching import LEINE_GLOCKER, table_of
@@ -24,7 +25,7 @@ def finished(until, drift=1e-12, parameters=LEINE_GLOCKER, stem=STEM, **tables):
     """
     done = run(parameters, stem=stem, until=until, **tables)
     assert done.status is Status.FINISHED, done.reason
-    assert max(done.report["drift"].values()) < drift
+    assert_below(drift, done.report["drift"])
     columns = done.columns()
     z, theta = columns["z"].values, columns["theta"].values
     sphere = z - parameters["R"] * (1 - parameters["alpha"] * np.cos(theta))

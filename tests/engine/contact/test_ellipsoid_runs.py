@@ -1,60 +1,26 @@
-"""Runs of bodies without an axis of symmetry: against multi-precision references, closed forms,
-mirror images, and the tippe top; `test_surroundings.py` has them against Newton and Euler.
+"""Runs of bodies without an axis of symmetry: against closed forms, mirror images, and the tippe
+top; `test_outlined_runs.py` has them against multi-precision references, and `test_surroundings.py`
+against Newton and Euler.
 """
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from nightly import at_night
 
 import tippetop as tt
 from tippetop.friction import Coulomb, Viscous
 from tippetop.runs.certificate import certificate_violations
 
 
-REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "ellipsoids.json").read_text())
 BOAT = tt.Ellipsoid(**tt.load("rattleback").parameters)
 START = {"tilt": 0.01, "roll": 0.02, "heading": 0.3, "spin": -5.0}
 EULER = {"theta": 0.2, "phi": 0.3, "psi": 1.0, "phi_dot": -5.0, "omega3": -4.0}
 
 
-@pytest.mark.parametrize("name", [name for name in REFERENCE if name != "source"])
-def test_a_motion_is_that_of_the_reference(name: str) -> None:
-    """To rounding; errors grow where a rattleback reverses."""
-    case = REFERENCE[name]
-    law = Viscous(mu=case["mu"]) if case["mu"] else None
-    tolerance = 1e-11 if name == "rattleback-rolling" else 1e-12
-    times = [row[0] for row in case["rows"]]
-    options = {"start": case["initial"], "until": times[-1], "output_times": times}
-    rows = tt.run(tt.Ellipsoid(**case["parameters"]), law, **options).trajectory
-    for i, (_, *expected) in enumerate(case["rows"]):
-        found = [rows[n].values[i] for n in ("axis", "L", "energy", "normal_force", "x")]
-        for mine, theirs in zip(found, expected, strict=True):
-            atol = tolerance * np.max(np.abs(theirs))
-            np.testing.assert_allclose(mine, theirs, rtol=0, atol=atol)
-
-
 # --- phases, closed forms and limits ------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("mu", "start", "until"),
-    [
-        (0.05, START | {"gap": 1e-3}, 0.15),
-        (0.3, START | {"gap": 1e-3}, 0.15),  # it rolls, and slides for milliseconds
-        # near the edge of the cone, where explicit steps were too stiff
-        at_night(0.3, {"theta": 0.01, "psi": 1 - BOAT.delta, "phi_dot": -5.0, "omega3": -5.0}, 2.2),
-    ],
-)
-def test_every_phase_keeps_its_balance(mu: float, start: dict, until: float) -> None:
-    start = start if "spin" in start else start | {"nu_x": 0.0}
-    run = tt.run(BOAT, Coulomb(mu=mu), start=start, until=until, contact={"e_n": 0.4})
-    assert run.summary.status == "finished"
-    assert run.drift["energy_balance"] < 1e-13
 
 
 @pytest.mark.parametrize(("name", "half", "inertia"), [("tilt", "a", "I2"), ("roll", "b", "I1")])
@@ -110,7 +76,7 @@ def test_mirror_images_are_exact(law: Any) -> None:
 
 def test_a_run_certifies_and_its_end_is_a_start(tmp_path: Path) -> None:
     law, store = Coulomb(mu=0.1), tmp_path / "a.zarr"
-    run = tt.run(BOAT, law, start=START, until=0.1, out=store)
+    run = tt.run(BOAT, law, start=START, until=0.03, out=store)
     begins = tt.run(BOAT, law, start=store, until=1e-3).trajectory.orientation[0]
     np.testing.assert_array_equal(begins, run.trajectory.orientation[-1])
     assert certificate_violations(run.certify()) == []

@@ -14,19 +14,34 @@ import tippetop as tt
 from tippetop.exchange.simulators import text_of
 
 
-REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "outlines.json").read_text())
+FOLDER = Path(__file__).parents[2] / "reference"
 EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0.0, I1=1.56e-5, I3=9.6e-6, g=9.81)
 JUMPS = {"theta": 1.5, "phi_dot": 190.0}
 
 
 # --- references ---------------------------------------------------------------------------------
 
+KINDS = {"ring": tt.Disc, "delta": tt.Ellipsoid}
+REFERENCE = {
+    name: case
+    for file in ("outlines", "ellipsoids")
+    for name, case in json.loads((FOLDER / f"{file}.json").read_text()).items()
+    if name != "source"
+}
+MOTIONS = [
+    (name, form)
+    for name, case in REFERENCE.items()
+    if "rows" in case
+    for form in (["vector"] if "delta" in case["parameters"] else ["vector", "euler"])
+]
 
-@pytest.mark.parametrize("form", ["vector", "euler"])
-@pytest.mark.parametrize("name", ["spheroid-gliding", "disc-rolling", "tippe-top-gliding"])
+
+@pytest.mark.parametrize(("name", "form"), MOTIONS)
 def test_a_motion_is_that_of_the_reference(name: str, form: str) -> None:
+    """To rounding; errors grow where a rattleback reverses."""
     case = REFERENCE[name]
-    kind = tt.Disc if "ring" in case["parameters"] else tt.Spheroid
+    tolerance = 1e-11 if name == "rattleback-rolling" else 1e-12
+    kind = next((kind for key, kind in KINDS.items() if key in case["parameters"]), tt.Spheroid)
     law = tt.friction.Viscous(mu=case["mu"]) if case["mu"] else None
     times = [row[0] for row in case["rows"]]
     options = {"until": times[-1], "output_times": times, "form": form}
@@ -34,7 +49,8 @@ def test_a_motion_is_that_of_the_reference(name: str, form: str) -> None:
     for i, (_, *expected) in enumerate(case["rows"]):
         found = [rows[n].values[i] for n in ("axis", "L", "energy", "normal_force", "x")]
         for mine, theirs in zip(found, expected, strict=True):
-            np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-12 * np.max(np.abs(theirs)))
+            atol = tolerance * np.max(np.abs(theirs))
+            np.testing.assert_allclose(mine, theirs, rtol=0, atol=atol)
 
 
 def test_an_egg_jumps_when_the_reference_does() -> None:
@@ -45,27 +61,39 @@ def test_an_egg_jumps_when_the_reference_does() -> None:
     np.testing.assert_allclose(phases.end.values[:2], expected, rtol=0, atol=1e-15)
 
 
-@pytest.mark.parametrize("e_n", [0.0, 0.5])
-def test_many_jumps_of_an_egg_keep_its_balance(e_n: float) -> None:
-    run = tt.run(EGG, tt.friction.Viscous(mu=1.0), start=JUMPS, until=1.0, contact={"e_n": e_n})
-    assert run.summary.event_counts["liftoff"] == 24
-    assert run.drift["energy_balance"] < 1e-13
+BOAT = tt.Ellipsoid(**tt.load("rattleback").parameters)
+TURNS = {"theta": 1.0, "phi_dot": 20.0, "omega3": 10.0, "nu_x": 0.1, "gap": 1e-3}
+ROCKS = {"tilt": 0.01, "roll": 0.02, "heading": 0.3, "spin": -5.0}
+SKEW = {"theta": 0.01, "psi": 1 - BOAT.delta, "phi_dot": -5.0, "omega3": -5.0, "nu_x": 0.0}
 
 
 @pytest.mark.parametrize(
-    "law",
+    ("body", "law", "start", "until", "precision"),
     [
-        tt.friction.Coulomb(mu=0.3),
-        tt.friction.Contensou(mu=0.3, patch=1e-4),
-        tt.friction.Coulomb(mu=0.2, mu_r=1e-5),
+        *(
+            (EGG, law, TURNS, 0.2, precision)
+            for law in (
+                tt.friction.Coulomb(mu=0.3),
+                tt.friction.Contensou(mu=0.3, patch=1e-4),
+                tt.friction.Coulomb(mu=0.2, mu_r=1e-5),
+            )
+            for precision in ("double", "longdouble")
+        ),
+        (BOAT, tt.friction.Coulomb(mu=0.05), ROCKS | {"gap": 1e-3}, 0.15, "double"),
+        # it rolls, and slides for milliseconds
+        (BOAT, tt.friction.Coulomb(mu=0.3), ROCKS | {"gap": 1e-3}, 0.15, "double"),
+        # near the edge of the cone, where explicit steps were too stiff
+        at_night(BOAT, tt.friction.Coulomb(mu=0.3), SKEW, 2.2, "double"),
     ],
 )
-@pytest.mark.parametrize("precision", ["double", "longdouble"])
-def test_every_phase_keeps_its_balance(law: Any, precision: str) -> None:
-    start = {"theta": 1.0, "phi_dot": 20.0, "omega3": 10.0, "nu_x": 0.1, "gap": 1e-3}
-    run = tt.run(EGG, law, start=start, until=0.2, contact={"e_n": 0.4}, precision=precision)
-    assert run.summary.event_counts["impact"] > 0
-    assert run.drift["energy_balance"] < (1e-14 if precision == "double" else 1e-16)
+def test_every_phase_keeps_its_balance(
+    body: Any, law: Any, start: dict[str, float], until: float, precision: str
+) -> None:
+    run = tt.run(body, law, start=start, until=until, contact={"e_n": 0.4}, precision=precision)
+    assert run.summary.status == "finished"
+    assert run.summary.event_counts["impact"] > 0 or start is SKEW
+    rounding = {"double": 1e-13 if body is BOAT else 1e-14, "longdouble": 1e-16}[precision]
+    assert run.drift["energy_balance"] < rounding
 
 
 # --- closed forms -------------------------------------------------------------------------------

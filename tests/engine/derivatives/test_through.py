@@ -133,6 +133,12 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
             np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
 
 
+def assert_slopes(found: Any, ahead: Any, behind: Any, apart: float, bound: float) -> None:
+    """Compare derivatives with differences of values that are `apart` in the number."""
+    slope = (np.asarray(ahead) - np.asarray(behind)) / apart
+    np.testing.assert_allclose(found, slope, rtol=0, atol=bound * np.abs(slope).max())
+
+
 def test_columns_along_a_run_are_those_of_differences() -> None:
     times = np.linspace(0.0, 1.0, 9)[1:].tolist()
 
@@ -149,15 +155,12 @@ def test_columns_along_a_run_are_those_of_differences() -> None:
     assert not found.sentences
     assert (found.trajectory.valid_within > 1e-3).all()
     for name in ("theta", "omega3", "L", "energy", "x", "normal_force", "orientation"):
-        slope = ((ahead.trajectory[name] - behind.trajectory[name]) / (2 * h)).values
-        mine = found.trajectory[name].isel(parameter=0).values
-        np.testing.assert_allclose(
-            mine, slope, rtol=0, atol=1e-6 * np.abs(slope).max(), err_msg=name
-        )
+        mine = found.trajectory[name].isel(parameter=0)
+        assert_slopes(mine, ahead.trajectory[name], behind.trajectory[name], 2 * h, 1e-6)
     for table, column in (("events", "time"), ("events", "theta"), ("phases", "start")):
-        slope = (getattr(ahead, table)[column] - getattr(behind, table)[column]).values / (2 * h)
         own = getattr(found, table)["time" if column == "start" else column].values[:, 0]
-        np.testing.assert_allclose(own, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
+        both = (getattr(run, table)[column] for run in (ahead, behind))
+        assert_slopes(own, *both, 2 * h, 1e-6)
 
 
 SURROUNDINGS: dict[str, dict[str, dict[str, float]]] = {
@@ -169,26 +172,34 @@ SURROUNDINGS: dict[str, dict[str, dict[str, float]]] = {
 }
 
 
-@pytest.mark.parametrize("around", SURROUNDINGS.values(), ids=SURROUNDINGS)
-def test_derivatives_by_surroundings_are_those_of_differences(around: dict) -> None:
+@pytest.mark.parametrize(
+    ("preset", "name"),
+    [
+        *(("cohen-coulomb", name) for name in SURROUNDINGS),
+        ("inverting", "vibrates"),
+        ("rolling", "vibrates"),
+    ],
+)
+def test_derivatives_by_surroundings_are_those_of_differences(preset: str, name: str) -> None:
     options: dict[str, Any] = {"until": 0.3, "output_times": [0.1, 0.2, 0.3]}
+    around = SURROUNDINGS[name]
     wrt = [f"{table}.{name}" for table, numbers in around.items() for name in numbers]
-    found = tt.derivatives.sensitivities("cohen-coulomb", wrt, **around, **options)
-    assert found.phases.sizes["interval"] == 2
+    found = tt.derivatives.sensitivities(preset, wrt, **around, **options)
+    if preset == "cohen-coulomb":
+        assert found.phases.sizes["interval"] == 2
     for key in wrt:
         table, name = key.split(".")
         h = 1e-4 * around[table][name]
 
         def run(move: float, table: str = table, name: str = name) -> Any:
             numbers = around[table] | {name: around[table][name] + move}
-            return tt.run("cohen-coulomb", **around | {table: numbers}, **options)
+            return tt.run(preset, **around | {table: numbers}, **options)
 
         ahead, behind = run(h), run(-h)
         mine = found.trajectory.sel(parameter=key)
         for column in ("theta", "omega3", "x", "energy"):
-            slope = (ahead.trajectory[column] - behind.trajectory[column]).values / (2 * h)
-            bound = 1e-4 * np.abs(slope).max()
-            np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
+            both = (run.trajectory[column] for run in (ahead, behind))
+            assert_slopes(mine[column], *both, 2 * h, 1e-4)
 
 
 def test_times_of_the_last_hops_scale_with_the_unit_of_time() -> None:
@@ -240,9 +251,7 @@ def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
         (made.trajectory.theta, ahead.trajectory.theta, behind.trajectory.theta),
         (made.phases.time, ahead.phases.start, behind.phases.start),
     ):
-        slope = (one.values - other.values) / (2 * h)
-        bound = 1e-6 * np.abs(slope).max()
-        np.testing.assert_allclose(mine.values[:, 0], slope, rtol=0, atol=bound)
+        assert_slopes(mine.values[:, 0], one, other, 2 * h, 1e-6)
 
 
 def test_a_law_that_another_number_changes_has_no_derivative() -> None:

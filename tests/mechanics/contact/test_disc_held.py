@@ -6,33 +6,15 @@ from functools import cache
 
 import numpy as np
 import pytest
+from nightly import at_night
 from scipy.integrate import quad
-from touching import inertia
 
-from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.response import direction, margin
 from tippetop.mechanics.friction import Contensou
 from tippetop.mechanics.operand import Vector
 
 
 Z = np.array([0.0, 0.0, 1.0])
-
-
-def state(seed):
-    """A ball, and its 3hat, L, velocity: numpy vectors, and the tensor of inertia."""
-    rng = np.random.default_rng(seed)
-    low, high = (0.5, 0.5, -1.5, 0.3, 0.3, 0.5), (2, 1.5, 1.5, 0.6, 0.6, 2)
-    ball = Touch(*rng.uniform(low, high), Contensou(0.3, 0.1, 0.0))
-    u = rng.normal(size=3)
-    u /= np.linalg.norm(u)
-    return (
-        ball,
-        u,
-        inertia(u, ball),
-        rng.normal(size=3),
-        rng.normal(size=3),
-        ball.c * u - ball.R * Z,
-    )
 
 
 @cache
@@ -58,7 +40,7 @@ def limits(x):
     return force, torque
 
 
-@pytest.mark.parametrize("x", [0.3, 1.7])
+@pytest.mark.parametrize("x", [at_night(0.3), 1.7])
 def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
     force, torque = limits(x)
     law, N = Contensou(0.3, 0.1, 0.0), 2.0
@@ -73,7 +55,7 @@ def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
     assert margin(Vector(0.5999, 0.0, N), 0.0, law) > 0 > margin(Vector(0.6, 0.0, N), 1e-9, law)
 
 
-@pytest.mark.parametrize("x", [0.3, 1.7])
+@pytest.mark.parametrize("x", [at_night(0.3), 1.7])
 def test_a_disc_that_gives_way_slides_against_its_friction(x):
     force, torque = limits(x)
     v, edge = direction(Vector(0.0, force * 0.6, 2.0), -torque * 0.06, Contensou(0.3, 0.1, 0.0))

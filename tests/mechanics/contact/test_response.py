@@ -33,10 +33,6 @@ def cross(a: Any, b: Any) -> Any:
     return column(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def dot(a: Any, b: Any) -> Any:
-    return mp.fsum(x * y for x, y in zip(a, b, strict=True))
-
-
 def vector(a: Any) -> Vector:
     return Vector(*a)
 

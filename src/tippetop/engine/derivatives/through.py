@@ -168,10 +168,11 @@ class Motion(NamedTuple):
         def of_numbers(_: Any, numbers: tuple) -> tuple:
             return function(self.formulas.body(iter(numbers)), numbers[count:]), None
 
-        count, columns = self.pars.shape
+        count = len(self.pars)
+        columns = 1 + (self.pars.shape[1] - 1) // self.order
         size = len(self.variables.names)
         numbers = np.zeros((count + size, state.shape[1]))
-        numbers[:count, :columns] = self.pars[:, : state.shape[1]]
+        numbers[:count, :columns] = self.pars[:, : min(columns, state.shape[1])]
         numbers[count:] = state[:size]
         return evaluated((self.formulas, self.variables, what), of_numbers, numbers)[0]
 

@@ -24,7 +24,7 @@ from ..units import (
 )
 from . import frame
 from .frame import Asymmetric, Frame
-from .outline import Ball, Bent, at
+from .outline import Ball, Place, at
 
 
 class Touch(NamedTuple):
@@ -44,6 +44,12 @@ class Touch(NamedTuple):
     lever: Operand = ()
     outline: Any = Ball()
     around: Any = ()  # record of `surroundings`
+
+
+class Bent(Touch):
+    """A body with an outline, as the ball by which it touches, which changes with its axis."""
+
+    __slots__ = ()
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
@@ -69,12 +75,12 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
 
     s2 is sin(theta)^2, which 1 - z^2 is not exactly. A sphere is always that ball.
     """
-    if isinstance(b.outline, Ball):
+    if not isinstance(b, Bent):
         return b
     shape = shape_of(b)
     f = at(z, s2, shape.height)
-    bent = Bent(shape, -f.second, -f.third, f.value)
-    return b._replace(R=f.value - z * f.first, c=-f.first, outline=bent)
+    place = Place(shape, -f.second, f.value)
+    return b._replace(R=f.value - z * f.first, c=-f.first, outline=place)
 
 
 def shape_of(b: Touch) -> Any:
@@ -82,7 +88,7 @@ def shape_of(b: Touch) -> Any:
     return getattr(b.outline, "shape", b.outline)
 
 
-def by_axis(u: Vector, b: Touch) -> Touch:
+def by_axis(u: Any, b: Touch) -> Touch:
     """Return the touching ball of a body with this axis."""
     return touching_ball(u.z, u.x * u.x + u.y * u.y, b)
 
@@ -92,22 +98,23 @@ def by_scalars(s: Any, b: Touch) -> Touch:
     return touching_ball(s.z, s.s2, b) if hasattr(s, "s2") else b
 
 
-def of_outline(of_ball: Any, of_others: Any) -> Any:
-    """Return a formula that is chosen by its last argument, an outline."""
-    return select(lambda outline: of_ball if outline is Ball else of_others)
-
-
-def or_of_frame(of_frame: Callable) -> Callable:
-    """Return a decorator of formulas that have another one for bodies without an axis of symmetry.
+def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
+    """Return a decorator of formulas of a sphere that have others for other bodies.
 
     Their last argument is the body.
     """
+    others = {Bent: of_outline, Asymmetric: of_frame}
 
-    def chosen(of_axis: Callable) -> Any:
-        by_body = select(lambda body: of_frame if body is Asymmetric else of_axis)
-        return update_wrapper(by_body, formula(of_axis))
+    def chosen(of_sphere: Callable) -> Any:
+        by_type = select(lambda body: others.get(body) or of_sphere)
+        return update_wrapper(by_type, formula(of_sphere))
 
     return chosen
+
+
+def as_sphere(b: Touch, **numbers: Any) -> Touch:
+    """Return the touching ball of a body as a sphere, with other numbers."""
+    return Touch._make(b._replace(**numbers))
 
 
 def as_ball(b: Any) -> Any:
@@ -123,15 +130,6 @@ def size(b: Any) -> Any:
     That of a tip is its distance from the centre of mass.
     """
     return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
-
-
-def height_range(b: Any) -> Any:
-    """Return a bound of the difference of two heights of the centre of mass [m]."""
-    if isinstance(b.outline, Ball):
-        return 2 * abs(b.c)
-    if isinstance(b, Asymmetric):
-        return 2 * b.outline.reach
-    return 2 * (shape_of(b).size + abs(getattr(shape_of(b), "c", 0.0)))
 
 
 class Top(Record, abstract=True):
@@ -246,21 +244,16 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 # --- geometry and velocities --------------------------------------------------------------------
 
 
-chosen_height = of_outline(
-    formula(lambda z, b, outline: b.R - b.c * z), lambda z, b, outline: outline.height
-)
-
-
-@formula
+@by_body(of_outline=lambda z, b: b.outline.height)
 def height(z, b):
     """Return the height of the centre of mass above the plane, s_z = R - c z [m].
 
     The body touches the plane.
     """
-    return chosen_height(z, b, b.outline)
+    return b.R - b.c * z
 
 
-@or_of_frame(frame.height)
+@by_body(of_frame=frame.height)
 def height_of(u, b):
     """Return the height of the centre of mass of a body that lies so and touches the plane [m]."""
     return height(u.z, b)
@@ -272,16 +265,12 @@ def gap(x, b):
     return x.height - height_of(x.u, b)
 
 
-chosen_arm = of_outline(
-    formula(lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)),
-    lambda u, b, outline: Vector(b.c * u.x, b.c * u.y, -outline.height),
+@by_body(
+    of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.outline.height), of_frame=frame.arm
 )
-
-
-@or_of_frame(frame.arm)
 def arm(u, b):
     """Return a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
-    return chosen_arm(u, b, b.outline)
+    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
 
 
 @formula
@@ -293,19 +282,19 @@ def arm2(z, b):
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
-@or_of_frame(frame.axis_rate)
+@by_body(of_frame=frame.axis_rate)
 def axis_rate(x, b):
     """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(x.L, x.u))
 
 
-@or_of_frame(frame.angular_velocity)
+@by_body(of_frame=frame.angular_velocity)
 def angular_velocity(x, b):
     """Return omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
     return angular_velocity_of(x, dot(x.L, x.u), b)
 
 
-@or_of_frame(frame.momentum)
+@by_body(of_frame=frame.momentum)
 def momentum_of(omega, u, b):
     """Return L = I omega, (3,)."""
     return plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, u), u))
@@ -317,23 +306,15 @@ def angular_velocity_of(x, L3, b):
     return plus(times(1 / b.I1, x.L), times((1 / b.I3 - 1 / b.I1) * L3, x.u))
 
 
-@formula
-def arm_velocity_of_ball(x, b, outline):
-    """Return `arm_velocity` of a sphere."""
+@by_body(
+    of_outline=lambda x, b: cross(angular_velocity(x, b), arm(x.u, b)),
+    of_frame=frame.arm_velocity,
+)
+def arm_velocity(x, b):
+    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
     u_dot = axis_rate(x, b)
     w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
-
-
-chosen_arm_velocity = of_outline(
-    arm_velocity_of_ball, lambda x, b, outline: cross(angular_velocity(x, b), arm(x.u, b))
-)
-
-
-@or_of_frame(frame.arm_velocity)
-def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
-    return chosen_arm_velocity(x, b, b.outline)
 
 
 @formula
@@ -398,15 +379,20 @@ def rolling_velocity(e, s, z, b):
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
-    """Return a sentence if I3 exceeds 2 I1: about its centre of mass, no rigid body has more."""
-    I1 = parameters["I1"]
-    I3 = parameters["I3"]
-    if I3 > 2 * I1:
-        return [
-            f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but "
-            f"is {I3:.6g}."
-        ]
-    return []
+    """Return a sentence if a moment of inertia exceeds the sum of the others.
+
+    About its centre of mass, no rigid body has such moments.
+    """
+    moments = {name: parameters.get(name, parameters["I1"]) for name in ("I1", "I2", "I3")}
+    name = max(moments, key=moments.__getitem__)
+    others = sum(moments.values()) - moments[name]
+    if moments[name] <= others * (1 + 1e-12):
+        return []
+    words = "the sum of the other moments" if "I2" in parameters else "2*I1"
+    return [
+        f"`parameters.{name}` must be at most {words} = {others:.6g} (no rigid body has more), but "
+        f"is {moments[name]:.6g}."
+    ]
 
 
 def outside_faults(*centre: float) -> list[str]:
@@ -471,7 +457,10 @@ def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
     return L3 / b.I1 * phi_dot_s2 - z * axis_speed2
 
 
-sine2 = of_outline(formula(lambda s, outline: 1 - s.z * s.z), lambda s, outline: s.s2)
+@by_body(of_outline=lambda s, b: s.s2)
+def sine2(s, b):
+    """Return sin(theta)^2."""
+    return 1 - s.z * s.z
 
 
 @formula
@@ -481,19 +470,13 @@ def contact_mobility(s, b):
     [denominator of T 3.16]
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
-    return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b.outline) - height(s.z, b) * slip)
+    return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b) - height(s.z, b) * slip)
 
 
-pull_on = of_outline(
-    formula(lambda z_dot, b, outline: b.g),
-    lambda z_dot, b, outline: b.g - outline.bend * (z_dot * z_dot),
-)
-
-
-@formula
+@by_body(of_outline=lambda z_dot, b: b.g - b.outline.bend * (z_dot * z_dot))
 def pull(z_dot, b):
     """Return gravity less the upward acceleration of the contact by its bend, c' z'^2 [m/s^2]."""
-    return pull_on(z_dot, b, b.outline)
+    return b.g
 
 
 @formula
@@ -528,26 +511,17 @@ def push_u(s, b):
     return swing / b.I1 + drag(s, b) * s.v_u * (1 / b.m + h**2 / b.I1)
 
 
-@formula
-def bias_n_of_ball(s, b, outline):
-    """Return `bias_n` of a sphere."""
-    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
-    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
-
-
-def bent_bias_n(s, b, outline):
+def bent_bias_n(s, b):
     """Return `bias_n` of a body with an outline."""
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
-    return bias_n_of_ball(s, b, outline) + outline.bend * (s.z_dot * s.s2 * turn)
+    return bias_n(s, as_sphere(b)) + b.outline.bend * (s.z_dot * s.s2 * turn)
 
 
-chosen_bias_n = of_outline(bias_n_of_ball, bent_bias_n)
-
-
-@formula
+@by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
     """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
-    return chosen_bias_n(s, b, b.outline)
+    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
+    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula
@@ -594,7 +568,7 @@ def jellett_of(Lz, L3, b):
     return b.R * Lz - b.c * L3
 
 
-@formula
+@by_body(of_frame=lambda s, b: s.rotation)
 def rotation_energy(s, b):
     """Return half omega.L [J], about the centre of mass."""
     return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2

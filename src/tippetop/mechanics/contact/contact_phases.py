@@ -616,11 +616,11 @@ def phases_under(
     if law.set_valued:
         return under_coulomb(lies, surrounded)
     flies = flight(lies, surrounded)
-    if lies is not AXIS:  # with one contact, a point
-        return {("slip",): slip_under(law, lies=lies), ("flight",): flies}
     if not law.regions:
-        slip = slip_under(law) if law.torque or surrounded else SLIP
-        return {("slip",): slip, ("flight",): flies, ("both",): slide_on_both(law)}
+        general = law.torque or surrounded or lies is not AXIS
+        slip = slip_under(law, lies=lies) if general else SLIP
+        known: dict[tuple[str, ...], Phase] = {("slip",): slip, ("flight",): flies}
+        return known | ({("both",): slide_on_both(law)} if lies is AXIS else {})
     return {
         **{("slip", name): slip_under(law, name) for name in law.regions},
         ("flight",): flies,

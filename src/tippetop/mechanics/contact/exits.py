@@ -69,7 +69,7 @@ friction may vanish."""
 MOST_STRIKES = 256
 """Impacts at one instant: balls that throw each other down strike ever more slowly."""
 
-DIFFERENCE = 2.0**-10
+DIFFERENCE = 2.0**-16
 """Time, internal units, of a difference whose sign decides."""
 
 SPAN, SLOW = 0.03, 0.5
@@ -184,7 +184,9 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     A step that goes far beyond it would find the landing less exactly.
     """
     v = x.velocity.z
-    highest = abs(contact.gap(x, b)) + contact.height_range(b)
+    highest = x.height  # the centre of mass stays above the plane; of a ball, less
+    if isinstance(b.outline, Ball):
+        highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
     g = mean_gravity(b)
     if b.around and b.around.shake:
         _, c, s, rate = b.around.shake
@@ -195,29 +197,19 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 
 
 def gap_rate(x: Moving, b: Any, order: int) -> Any:
-    """Return the first, second or third time derivative of the gap of a ball in flight."""
+    """Return the first, second or third time derivative of the gap of a ball in flight.
+
+    The third is a difference, of which the sign counts.
+    """
     if order == 1:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
-    if b.around or isinstance(b, Asymmetric):
-        return bias_rate(x, b)
-    u_dot = contact.axis_rate(x, b)
-    third = -(b.c * dot(x.L, x.L) / b.I1**2 * u_dot.z)
-    if not isinstance(b.outline, Ball):
-        swing = cross(x.L, u_dot).z / b.I1
-        _, bend, twist, _ = b.outline
-        third += 3 * bend * (u_dot.z * swing) + twist * (u_dot.z * u_dot.z * u_dot.z)
-    return third
-
-
-def bias_rate(x: Moving, b: Any) -> Any:
-    """Return the rate of the second derivative of the gap in flight, by a difference."""
 
     def bias(time: float) -> Any:
         u = moved(x.u, contact.axis_rate(x, b), time)
         L = moved(x.L, around_torque(x, b), time) if b.around else x.L
-        body = b if isinstance(b, Asymmetric) else contact.by_axis(u, b)
+        body = contact.by_axis(u, b)
         if b.around and b.around.shake:
             _, c, s, rate = b.around.shake
             known = x.carried

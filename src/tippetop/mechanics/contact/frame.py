@@ -68,11 +68,6 @@ class Ellipsoid(NamedTuple):
         """Return the size [m]."""
         return self.c
 
-    @property
-    def reach(self) -> Operand:
-        """Return a bound of the distance of its points from the centre of mass [m]."""
-        return self.a + self.b + self.c + abs(self.x) + abs(self.y) + abs(self.z)
-
     def half_axes(self, v: Vector) -> Vector:
         """Return the components of a vector along its half axes."""
         along = self.cos * v.x + self.sin * v.y

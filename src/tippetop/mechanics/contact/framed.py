@@ -14,7 +14,7 @@ from ..form import Form, Phase, Quantity
 from ..friction import Frictionless
 from ..number import Alternative, Number
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
-from ..units import JOULE, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
+from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, VELOCITY, Moving, Turning, filled, state
@@ -107,11 +107,8 @@ def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmet
     return Row(*x.u, *x.L, *x.velocity, *numbers), b
 
 
-Scalars: Any = namedtuple(
-    "Scalars",
-    "z s2 z_dot phi_dot_s2 axis_speed2 L3 v v_u v_n v2 rise speed2 gap power height force "
-    "friction_force2 phase ball u up turns spin rotation",
-)
+OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
+Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *NUMBERS, *OWN))))
 """As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
 energy of rotation.
 """
@@ -121,35 +118,21 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     """Return the scalars of a row."""
     x = rows.moving(q, ())
     u = x.u
-    u_dot = contact.axis_rate(x, b)
     up = frame.up(u)
     omega = frame.turns(x, b)
     v = contact.contact_velocity(x, b)
-    values = (
-        u.z,
-        u.x * u.x + u.y * u.y,
-        u_dot.z,
-        u.x * u_dot.y - u.y * u_dot.x,
-        dot(u_dot, u_dot),
-        dot(x.L, u),
-        v,
-        *contact.slip_scalars(u, v),
-        v.z,
-        dot(x.velocity, x.velocity),
-        contact.gap(x, b),
-        0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled,
-        q.height,
-        q.force,
+    power = 0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled
+    return Scalars(
+        *rows.motion(x, v, power, contact.gap(x, b), b),
+        *(getattr(q, name) for name in NUMBERS),
         q.Fx * q.Fx + q.Fy * q.Fy,
-        q.phase,
-        q.ball,
+        v,
         u,
         up,
         cross(omega, up),
         dot(up, omega),
         dot(omega, frame.parts(x.L, u)) / 2,
     )
-    return Scalars._make(values)
 
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
@@ -229,29 +212,16 @@ def roll_rate(s: Any, b: Asymmetric) -> Any:
     return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 
 
-def energy(s: Any, b: Asymmetric) -> Any:
-    """Return the energy E [J]; E' = F.v_A."""
-    return b.m * s.speed2 / 2 + s.rotation + b.m * (b.g * s.height)
-
-
-def of_scalar(name: str) -> Any:
-    """Return the formula of a scalar itself."""
-    return lambda s, b: getattr(s, name)
-
-
 SPIN = "angular velocity about the vertical"
 COMMON = (
-    Quantity("energy", "E", JOULE, "energy", energy),
-    Quantity("normal_force", "g_n", NEWTON, "normal force", of_scalar("force")),
-    Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, of_scalar("spin")),
+    rows.ENERGY,
+    rows.NORMAL_FORCE,
+    Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, lambda s, b: s.spin),
     Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
     Quantity("tilt", "", RADIAN, "elevation of half axis a", tilt),
     Quantity("roll", "", RADIAN, "turn about half axis a, in (-pi, pi]", roll),
 )
-QUANTITIES = (
-    *COMMON,
-    Quantity("friction_power", "-E'", WATT, "power dissipated by friction", of_scalar("power")),
-)
+QUANTITIES = (*COMMON, rows.FRICTION_POWER)
 _, HORIZONTAL, NEEDED = rolling.REACTION
 ROLLING_QUANTITIES = (
     *COMMON,
@@ -263,7 +233,7 @@ OF_AXES = (
     Event(
         "spin_reversal",
         "the spin about the vertical changes its sign",
-        of_scalar("spin"),
+        lambda s, b: s.spin,
         kept=(
             Kept("reversed_at", "first", "the spin first changes its sign; NaN: never"),
             Kept("last_reversed_at", "last", "the spin last changes its sign; NaN: never"),
@@ -279,6 +249,6 @@ OF_AXES = (
     gliding.EQUATOR,
     gliding.INVERTED,
 )
-LIFTOFF = replace(gliding.LIFTOFF, formula=of_scalar("force"))
+LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
 ROLLING_EVENTS = (*OF_AXES, LIFTOFF)
 EVENTS = (*ROLLING_EVENTS, gliding.SETTLED)

@@ -136,7 +136,6 @@ ANGLES = filled(
 """Public variables: the state, phi, and the integrals."""
 
 EulerState = type(EULER_UNITS)
-Angles = type(ANGLES)
 
 
 @formula

@@ -134,7 +134,7 @@ def phases_of(
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
         if opening.outlined:
             phase = outlined_phase(phase)
-        gaps = ("land",) if opening.framed and label == "flight" else phase.form.resolved
+        gaps = ("land",) if opening.framed or opening.outlined else ()
         form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(
             phase,

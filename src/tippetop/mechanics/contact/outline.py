@@ -27,11 +27,6 @@ class Series(Dual):
         """Return the second derivative."""
         return self.parts[2]
 
-    @property
-    def third(self) -> Any:
-        """Return the third derivative."""
-        return self.parts[3]
-
 
 def root(x: Series) -> Series:
     """Return the square root, for the height of an outline.
@@ -52,12 +47,11 @@ class Ball(NamedTuple):
     """The outline of a sphere, whose R and c are numbers of the body."""
 
 
-class Bent(NamedTuple):
+class Place(NamedTuple):
     """The outline of a body where it touches, and how its ball changes there."""
 
     shape: Any
     bend: Operand  # c'(z)
-    twist: Operand  # c''(z)
     height: Operand  # R - c z, which cancels where a disc is nearly flat
 
 

@@ -47,7 +47,7 @@ def outlined_phase(phase: Phase) -> Phase:
     """Return a phase of the contact for bodies with an outline."""
     return replace(
         phase,
-        forms=replace(outlined_form(phase.form), resolved=("land",)),
+        forms=outlined_form(phase.form),
         events=tuple(map(in_scalars, phase.events)),
         enter=lambda x, b: phase.enter(x, by_axis(x.u, b)),
         leave=in_states(phase.leave),

@@ -38,11 +38,11 @@ from .body import (
     angular_velocity,
     arm,
     arm2,
+    as_sphere,
     axis_rate,
+    by_body,
     gained,
     momentum_of,
-    of_outline,
-    or_of_frame,
     velocities,
 )
 from .frame import Asymmetric
@@ -61,12 +61,13 @@ def gains(u, F, torque, b):
     return plus(times(1 / b.m, F), cross(turns, arm(u, b))), turns
 
 
-chosen_arm2 = of_outline(
-    formula(lambda u, b, outline: arm2(u.z, b)), lambda u, b, outline: dot(arm(u, b), arm(u, b))
-)
+@by_body(of_outline=lambda u, b: dot(arm(u, b), arm(u, b)))
+def arm_square(u, b):
+    """Return |a|^2 [m^2]."""
+    return arm2(u.z, b)
 
 
-@or_of_frame(frame.mobility_inverse_times)
+@by_body(of_frame=frame.mobility_inverse_times)
 def mobility_inverse_times(u, x, b):
     """Return K^-1 x, (3,): the force or impulse for x at the contact."""
     return inverse_times(u, x, b, 0)
@@ -81,7 +82,7 @@ def inverse_times(u, x, b, less):
     """
     excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - less
     a = arm(u, b)
-    kappa = 1 / b.m + chosen_arm2(u, b, b.outline) / b.I1
+    kappa = 1 / b.m + arm_square(u, b) / b.I1
     across = u.x * x.y - u.y * x.x  # k.x
     along_k = -(excess * across) / (kappa + excess * (u.x * u.x + u.y * u.y))
     along_a = b.m * dot(a, x) / b.I1
@@ -92,29 +93,20 @@ def inverse_times(u, x, b, less):
     )
 
 
-@formula
-def bias_of_ball(x, b, outline):
-    """Return `bias_vector` of a sphere."""
+def bent_bias(x, b):
+    """Return `own_bias` of a body with an outline, with omega x (c' z' (3hat - z zhat))."""
+    bends = b.outline.bend * axis_rate(x, b).z
+    moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
+    return plus(own_bias(x, as_sphere(b)), cross(angular_velocity(x, b), moves))
+
+
+@by_body(of_outline=bent_bias, of_frame=frame.bias_vector)
+def own_bias(x, b):
+    """Return `bias_vector` of a body on a level plane in still air."""
     u_dot = axis_rate(x, b)
     free = times(b.c / b.I1, cross(x.L, u_dot))
     spin = b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
     return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
-
-
-def bent_bias(x, b, outline):
-    """Return `bias_vector` of a body with an outline, with omega x (c' z' (3hat - z zhat))."""
-    bends = outline.bend * axis_rate(x, b).z
-    moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
-    return plus(bias_of_ball(x, b, outline), cross(angular_velocity(x, b), moves))
-
-
-chosen_bias = of_outline(bias_of_ball, bent_bias)
-
-
-@or_of_frame(frame.bias_vector)
-def own_bias(x, b):
-    """Return `bias_vector` of a body on a level plane in still air."""
-    return chosen_bias(x, b, b.outline)
 
 
 def bias_vector(x, b):
@@ -230,7 +222,7 @@ def stopping(x, b):
     return impulses(x.u, times(-1, v), -omega.z, b)
 
 
-@or_of_frame(frame.resting)
+@by_body(of_frame=frame.resting)
 def own_resting(x, b):
     """Return `resting` of a body on a level plane in still air."""
     free = own_turn(x, b)

@@ -123,7 +123,6 @@ ANGLES = filled(**EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, impulse=N
 """Public variables: the state, phi, and the integrals."""
 
 EulerState = type(EULER_UNITS)
-Angles = type(ANGLES)
 
 
 @formula

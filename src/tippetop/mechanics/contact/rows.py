@@ -24,7 +24,7 @@ from . import gliding
 from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
 from .body_axes import by_angles, carried_along
 from .contact_phases import PHASES
-from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
+from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate, turning
 from .integrals import integral
 from .rolling import spin
 
@@ -77,7 +77,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
 
 # --- scalars ------------------------------------------------------------------------------------
 
-FIELDS = (
+MOTION = (
     *contact.Kinematics._fields,
     "v_u",  # v_A.3hat of the horizontal part
     "v_n",  # (3hat x v_A).zhat
@@ -86,15 +86,15 @@ FIELDS = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
-    *NUMBERS,
 )
+FIELDS = (*MOTION, *NUMBERS)
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 
 
 def ball_of(q, b):
     """Return the ball of a row, or of its scalars."""
-    return b._replace(R=q.radius, c=q.offset, outline=contact.Ball())
+    return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
@@ -102,19 +102,19 @@ def lowest_velocity(q, b):
     return contact.contact_velocity(moving(q, ()), ball_of(q, b))
 
 
+def motion(x, v, power, gap, b):
+    """Return the scalars of a body that moves; v is v_A."""
+    moves = kinematics(x, contact.axis_rate(x, b), b)
+    return *moves, *slip_scalars(x.u, v), v.z, dot(x.velocity, x.velocity), power, gap
+
+
 def row_scalars(q, b):
     """Return the scalars of a row."""
-    u = axis(q)
     v = lowest_velocity(q, b)
-    return Scalars(
-        *kinematics(turning(q), axis_rate(q, b), b),
-        *slip_scalars(u, v),
-        v.z,
-        q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
-        q.drilled - (q.Fx * v.x + q.Fy * v.y),
-        q.height - q.radius + q.offset * u.z,
-        *(getattr(q, name) for name in NUMBERS),
-    )
+    power = q.drilled - (q.Fx * v.x + q.Fy * v.y)
+    gap = q.height - q.radius + q.offset * q.uz
+    numbers = (getattr(q, name) for name in NUMBERS)
+    return Scalars(*motion(moving(q, ()), v, power, gap, b), *numbers)
 
 
 # --- angles -------------------------------------------------------------------------------------
@@ -219,19 +219,20 @@ def energy(s, b):
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
+ENERGY, MODIFIED_ENERGY, NORMAL_FORCE, FRICTION_POWER = map(
+    lambda one, formula: replace(one, formula=formula),
+    gliding.QUANTITIES,
+    (energy, of_ball(contact.modified_energy), lambda s, b: s.force, lambda s, b: s.power),
+)
+
+
 def columns(jellett: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """Return the columns of rows.
 
     `jellett`: whether Jellett's integral is conserved on a ball; `routh`: Routh's function of a
     gliding body, if its system has one.
     """
-    formulas = {
-        "energy": energy,
-        "modified_energy": of_ball(contact.modified_energy),
-        "normal_force": lambda s, b: s.force,
-        "friction_power": lambda s, b: s.power,
-    }
-    quantities = [replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES]
+    quantities = [ENERGY, MODIFIED_ENERGY, NORMAL_FORCE, FRICTION_POWER]
     if routh is not None:
         text = "Routh's function of the ball in contact"
         quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))

@@ -4,7 +4,7 @@ Everything is seen from the plane: z is its normal, and x and y turn with it. A 
 across the plane as `g`, and the rest in its record of surroundings.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from ...errors import InputError
@@ -160,31 +160,26 @@ def dotted_numbers(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     return {f"{t}.{name}": v for t in TABLES for name, v in tables.get(t, {}).items()}
 
 
-def require_still(tables: Collection[str], what: str) -> None:
-    """Raise InputError for what holds on a level plane in still air only, if there are tables of
-    surroundings.
+def require_still(tables: Mapping[str, Any], what: str, *, tilted: bool = False) -> None:
+    """Raise InputError for what holds on a level plane at rest in still air only, if there are
+    other surroundings; the plane may be `tilted`.
     """
-    if given := [f"[{name}]" for name in TABLES if name in tables]:
+    moves = [next(iter(GROUPS[name])) for name in groups_in(tables) if name != "tilt" or not tilted]
+    if moves:
         raise InputError(
-            f"{what} must be on a level plane at rest in still air, but has {' and '.join(given)}."
+            f"{what} must be on a {'' if tilted else 'level '}plane at rest in still air, but has "
+            f"{' and '.join(map('`{}`'.format, moves))}, which must be removed."
         )
-
-
-WORDS = {
-    "tilt": "falls by {0:.4g} rad towards the azimuth {1:.4g} rad",
-    "vibration": "vibrates with the amplitude {0:.4g} m and {1:.4g} Hz",
-    "turntable": "turns with {0:.4g} rad/s",
-}
 
 
 def moving_axes(numbers: Mapping[str, Any]) -> list[str]:
     """Return a note on a picture in the axes of a plane that is not level, or moves."""
-    words = [
-        text.format(*map(numbers.get, GROUPS[name]))
-        for name, text in WORDS.items()
-        if name in groups_of(numbers)
+    given = [
+        f"{name} = {numbers[key]:.4g} {rule.unit.symbol}"
+        for name, rule in RULES["plane"].items()
+        if (key := f"plane.{name}") in numbers
     ]
-    return [f"The picture is in the axes of the plane, which {' and '.join(words)}."] * bool(words)
+    return [f"The picture is in the axes of the plane: {', '.join(given)}."] * bool(given)
 
 
 # --- the record of a body -----------------------------------------------------------------------

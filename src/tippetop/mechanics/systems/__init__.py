@@ -114,24 +114,6 @@ def opening_systems() -> dict[str, System]:
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
 
-def opened_by_name(name: str, record: Any, balls: int, around: tuple[str, ...] = ()) -> System:
-    """Return a system whose contact opens, as a pickle has it.
-
-    Raises InputError if this process does not know it.
-    """
-    system = by_name(name)
-    if not friction.is_known(record, system.laws):
-        raise InputError(
-            [f"the law of `{record.__name__}` is not known in this process: register it first."]
-        )
-    return opened(system, record, balls, around)
-
-
-def rolling_by_name(name: str, around: tuple[str, ...]) -> System:
-    """Return a rolling system in surroundings, as a pickle has it. Raises InputError."""
-    return surrounded_rolling(by_name(name), around)
-
-
 def surroundable_systems() -> dict[str, System]:
     """Return the systems that may be in surroundings, by name."""
     return {n: s for n, s in SYSTEMS.items() if s.opening is not None or rolls(s)}
@@ -148,30 +130,49 @@ def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
     return known
 
 
-def by_name(name: str) -> System:
+def by_name(name: str, contact: tuple = (), around: tuple[str, ...] = ()) -> System:
     """Return the system of a name, as a pickle has it.
 
-    Raises InputError if this process does not know it.
+    Raises InputError if this process does not know it, or the law of its contact.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    contact
+        Its law, balls and surroundings, if its contact may open.
+    around
+        The groups of its surroundings otherwise.
     """
-    if (system := find(name)) is None:
-        raise InputError([f"the system `{name}` is not known in this process: register it first."])
-    return system
+    system = find(name)
+    if system is None:
+        raise InputError(f"the system `{name}` is not known in this process: register it first.")
+    if not contact:
+        return surrounded_rolling(system, around) if around else system
+    law, *_ = contact
+    if not friction.is_known(law, system.laws):
+        raise InputError(
+            f"the law of `{law.__name__}` is not known in this process: register it first."
+        )
+    return opened(system, *contact)
+
+
+def place_of(system: System) -> tuple:
+    """Return the arguments of `by_name` for the registered system of which one is made."""
+    contact = system.contact or ()
+    return system.name, contact, () if contact else groups_of(system.surroundings)
 
 
 def _pickled(system: System) -> tuple:
     """Reduce a system to its name: a pickle contains no formulas."""
-    if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
-        return opened_by_name, (system.name, *system.contact)
-    around = groups_of(system.surroundings)
-    if around and surrounded_rolling(SYSTEMS[system.name], around) is system:
-        return rolling_by_name, (system.name, around)
-    if SYSTEMS.get(system.name) is not system:
+    place = place_of(system)
+    if system.name not in SYSTEMS or by_name(*place) is not system:
         raise pickle.PicklingError(
             f"a `{system.name}` that is not registered, or has events or columns of your own, "
             "cannot be pickled: its "
             "formulas are functions. Save the run, or pickle what `run` was given."
         )
-    return by_name, (system.name,)
+    return by_name, place
 
 
 copyreg.pickle(System, _pickled)

@@ -8,12 +8,13 @@ does not cost digits.
 """
 
 from collections import ChainMap
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
 from ..contact import gliding
-from ..contact.body import Top, Touch
+from ..contact.body import Top, Touch, filled
 from ..contact.body_axes import by_angles
 from ..contact.integrals import integral
 from ..event import Event
@@ -118,30 +119,20 @@ class Scalars(NamedTuple):
     friction_force2: Operand = 0  # of a body that rolls
 
 
-class State(NamedTuple):
-    """sin(theta), cos(theta), theta', nu_x."""
+UNITS = filled(s=ONE, z=ONE, theta_dot=RADIAN_PER_SECOND, nu_x=METRE_PER_SECOND)
+"""sin(theta), cos(theta), theta', nu_x."""
 
-    s: Operand
-    z: Operand
-    theta_dot: Operand
-    nu_x: Operand
+ANGLES = filled(
+    theta=RADIAN,
+    theta_dot=RADIAN_PER_SECOND,
+    nu_x=METRE_PER_SECOND,
+    x=METRE,
+    work=JOULE,
+    impulse=NEWTON_SECOND,
+)
+"""theta, not wrapped, theta', nu_x and the place of the centre of mass; then the integrals."""
 
-
-UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND)
-
-
-class Angles(NamedTuple):
-    """theta, not wrapped, theta', nu_x and the place of the centre of mass; then the integrals."""
-
-    theta: Operand
-    theta_dot: Operand
-    nu_x: Operand
-    x: Operand
-    work: Operand
-    impulse: Operand
-
-
-ANGLES = Angles(RADIAN, RADIAN_PER_SECOND, METRE_PER_SECOND, METRE, JOULE, NEWTON_SECOND)
+State = type(UNITS)
 
 
 @formula
@@ -225,15 +216,19 @@ def of_angles(e, s, z, b):
     return State(s, z, e.theta_dot, e.nu_x)
 
 
-@formula
-def to_angles(q, carried, b):
-    """Return the angle record of a state."""
-    return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
+def to_angles(units: Any) -> Callable:
+    """Return to_angles(q, carried, b) of a form whose state and integrals have these angles."""
+
+    def angles(q: Any, carried: Any, b: Any) -> Any:
+        known = {**q._asdict(), **carried._asdict()}
+        return type(units)(*(known[name] for name in units._fields))
+
+    return angles
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
     """Return the angle record of the given initial values; centre_at_rest may replace nu_x."""
-    e = Angles(*(data.get(name, 0) for name in Angles._fields))
+    e = type(ANGLES)(*(data.get(name, 0) for name in ANGLES._fields))
     return (
         e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))
         if data.get("centre_at_rest")
@@ -274,7 +269,7 @@ FORM = Form(
     rates,
     scalars,
     of_angles,
-    to_angles,
+    to_angles(ANGLES),
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
         integral("x", lambda q, carried, b: q.nu_x + q.theta_dot * contact.height(q.z, b)),

@@ -90,15 +90,7 @@ class Ellipsoid(Top):
         along = shape.half_axes(Vector(shape.x, shape.y, shape.z))
         halves = zip(along, shape[:3], strict=True)
         faults = contact.outside_faults(*(float(x) / float(half) for x, half in halves))
-        inertia = {name: parameters[name] for name in ("I1", "I2", "I3")}
-        name = max(inertia, key=inertia.__getitem__)
-        others = sum(inertia.values()) - inertia[name]
-        if inertia[name] > others * (1 + 1e-12):
-            faults.append(
-                f"`parameters.{name}` must be at most the sum of the other moments = "
-                f"{others:.6g} (no rigid body has more), but is {inertia[name]:.6g}."
-            )
-        return faults
+        return faults + contact.inertia_faults(parameters)
 
 
 METRE2 = Unit("m2")

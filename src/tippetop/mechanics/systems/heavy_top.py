@@ -187,14 +187,10 @@ def vertical_reaction(q, carried, b):
 ANGLES = contact.filled(**rolling.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEWTON_SECOND)
 """theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
 
-Angles = type(ANGLES)
 
-
-@formula
 def vector_of_angles(e, s, z, b):
     """Return the state about the fixed tip of the angles. [section 1]"""
-    u, L = gliding.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return rolling.VectorState(*u, *L)
+    return rolling.vector_of_angles(e, s, z, b._replace(I1=tip_inertia(b)))
 
 
 angles_of_vector = gliding.angles_by(ANGLES, fixed_scalars)

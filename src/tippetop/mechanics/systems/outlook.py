@@ -61,10 +61,11 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
     [T Theorem 3.3.2, corrected]
     """
-    now = regime(start["jellett"], b)
+    limits = thresholds(b) | thresholds_of_surface(b)
     if is_frictionless(b.friction):
         fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
-        return Outlook(FREE, fate, {**thresholds(b), **thresholds_of_surface(b)})
+        return Outlook(FREE, fate, limits)
+    now = regime(start["jellett"], b)
     acts = nowhere_vanishes(b.friction)
     if start["at_pole"]:
         fate = STAYS
@@ -75,7 +76,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
     else:
         fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
     sentence = now.sentence() if acts else SOMEWHERE_FREE
-    return Outlook(sentence, fate, {**thresholds(b), **thresholds_of_surface(b)})
+    return Outlook(sentence, fate, limits)
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
-from ..contact.body import Top, Touch, touching_ball
+from ..contact.body import Bent, Top, touching_ball
 from ..contact.outlined import in_scalars, outlined_form
 from ..event import Event
 from ..friction import LAWS
@@ -24,10 +24,10 @@ class Outlined(Top, abstract=True):
     shape: ClassVar[Any]
     faults = staticmethod(contact.inertia_faults)
 
-    def seen(self: Any, friction: Any) -> Touch:
+    def seen(self: Any, friction: Any) -> Bent:
         """Return the body that formulas take."""
         shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
-        return Touch(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
+        return Bent(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 
 
 class Spheroid(Outlined):
@@ -205,7 +205,9 @@ def systems(
         title,
         slides,
         rolls,
-        body_units=lambda law: contact.body_units(law)._replace(R=(), c=(), outline=units),
+        body_units=lambda law: Bent._make(
+            contact.body_units(law)._replace(R=(), c=(), outline=units)
+        ),
         long_names=gliding.LONG_NAMES,
         source=source,
         classes=classes,

@@ -3,40 +3,25 @@
 [T 6.11]
 """
 
-from typing import NamedTuple
-
 from ..contact import body as contact
 from ..contact import gliding, rolling
+from ..contact.body import filled
 from ..contact.body_axes import by_angles
 from ..contact.integrals import integral
-from ..operand import Operand, formula
+from ..operand import formula
 from ..system import Form, of_one_phase
 from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import cylinder, outlook
 from .tippe_top import SOURCE
 
 
-class RollingState(NamedTuple):
-    """sin(theta), cos(theta), theta'."""
+ROLLING_UNITS = filled(s=ONE, z=ONE, theta_dot=RADIAN_PER_SECOND)
+"""sin(theta), cos(theta), theta'."""
 
-    s: Operand
-    z: Operand
-    theta_dot: Operand
+ROLLING_ANGLES = filled(theta=RADIAN, theta_dot=RADIAN_PER_SECOND, x=METRE, impulse=NEWTON_SECOND)
+"""theta, not wrapped, theta', x of the centre of mass, the integral of the normal force."""
 
-
-ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND)
-
-
-class RollingAngles(NamedTuple):
-    """theta, not wrapped, theta', x of the centre of mass, the integral of the normal force."""
-
-    theta: Operand
-    theta_dot: Operand
-    x: Operand
-    impulse: Operand
-
-
-ROLLING_ANGLES = RollingAngles(RADIAN, RADIAN_PER_SECOND, METRE, NEWTON_SECOND)
+RollingState = type(ROLLING_UNITS)
 
 
 @formula
@@ -70,19 +55,13 @@ def rolling_of_angles(e, s, z, b):
     return RollingState(s, z, e.theta_dot)
 
 
-@formula
-def rolling_to_angles(q, carried, b):
-    """Return the angle record of a rolling state."""
-    return RollingAngles(carried.theta, q.theta_dot, carried.x, carried.impulse)
-
-
 ROLLING_FORM = Form(
     "angle",
     ROLLING_UNITS,
     rolling_rates,
     rolling_scalars,
     rolling_of_angles,
-    rolling_to_angles,
+    cylinder.to_angles(ROLLING_ANGLES),
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
         integral("x", lambda q, carried, b: q.theta_dot * contact.height(q.z, b)),

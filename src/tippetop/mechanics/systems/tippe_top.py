@@ -17,6 +17,7 @@ from ..operand import formula, sqrt
 from ..potential_coefficients import PotentialCoefficients
 from ..system import Landscape, Momentum, Opening, Quantity, of_one_phase
 from ..theory.spinning import d
+from ..theory.thresholds import two_wells_from
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -161,27 +162,13 @@ def coefficients(b) -> PotentialCoefficients:
     )
 
 
-@formula
-def two_minima(b):
-    """Return a number that is negative iff V can have a second minimum: gamma > gamma*.
-
-    [section 5, item 4]
-    """
-    gamma = b.I1 / b.I3
-    sigma = b.m * b.R**2 / b.I3
-    alpha = abs(b.c) / b.R
-    far = sigma * (1 + alpha)
-    chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
-    return (gamma + far * (1 + alpha)) * (1 + far) + 2 * far * chi
-
-
 LANDSCAPE = Landscape(
     momenta=(
         Momentum("D", ANGULAR_MOMENTUM, "Routh's function D", PER_SECOND, "routh"),
         Momentum("lambda", JELLETT, "Jellett's integral lambda", PER_METRE_SECOND, "jellett"),
     ),
     coefficients=coefficients,
-    two_wells=two_minima,
+    two_wells=lambda b: two_wells_from(b) < b.I1 / b.I3,
 )
 
 MOMENTA = (

@@ -7,34 +7,30 @@ The scalars take 3hat and L, not D and lambda: that D and lambda of these stay c
 check.
 """
 
-from typing import NamedTuple
-
 from ..contact import body as contact
 from ..contact import gliding, rolling
+from ..contact.body import AXIS, filled
 from ..contact.body_axes import carried_along
 from ..contact.gliding import axis
 from ..contact.integrals import integral
 from ..contact.rolling import VectorState
-from ..operand import Operand, Vector, cross, formula, plus, times
+from ..operand import Vector, cross, formula, plus, times
 from ..system import Form
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE
 from . import tippe_top
 from .tippe_top_reduced import spin_momentum
 
 
-class ContactState(NamedTuple):
-    """3hat, M_x and M_y about the contact, Routh's function D, Jellett's integral lambda."""
+CONTACT_UNITS = filled(
+    **dict.fromkeys(AXIS, ONE),
+    Mx=ANGULAR_MOMENTUM,
+    My=ANGULAR_MOMENTUM,
+    D=ANGULAR_MOMENTUM,
+    lam=JELLETT,
+)
+"""3hat, M_x and M_y about the contact, Routh's function D, Jellett's integral lambda."""
 
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Mx: Operand
-    My: Operand
-    D: Operand
-    lam: Operand
-
-
-CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, JELLETT))
+ContactState = type(CONTACT_UNITS)
 
 
 @formula

@@ -6,14 +6,15 @@ step.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..contact import body as contact
 from ..contact import rolling
+from ..contact.body import filled
 from ..contact.body_axes import by_angles
 from ..contact.gliding import AWAY_FROM_POLE, angles_by
 from ..contact.integrals import integral, place
-from ..operand import Operand, atan2, cos, formula, sin, sqrt
+from ..operand import atan2, cos, formula, sin, sqrt
 from ..system import Form
 from ..theory.spinning import d
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE, PER_SECOND
@@ -29,16 +30,10 @@ random.
 """
 
 
-class ReducedState(NamedTuple):
-    """z = cos(theta), z', Routh's function D, Jellett's integral lambda."""
+REDUCED_UNITS = filled(z=ONE, z_dot=PER_SECOND, D=ANGULAR_MOMENTUM, lam=JELLETT)
+"""z = cos(theta), z', Routh's function D, Jellett's integral lambda."""
 
-    z: Operand
-    z_dot: Operand
-    D: Operand
-    lam: Operand
-
-
-REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT)
+ReducedState = type(REDUCED_UNITS)
 
 
 @formula

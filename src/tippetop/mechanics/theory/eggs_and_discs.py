@@ -78,8 +78,9 @@ def limits(b: Touch) -> dict[str, Threshold]:
         theta = THETA[i] + (THETA[i + 1] - THETA[i]) * c[i] / (c[i] - c[i + 1])
         kind = "least" if ball.outline.bend[i] < 0 else "greatest"
         rest(f"height_tilted_{k}" if k else "height_tilted", theta, f", where it is {kind}")
-    bound = painleve_bound(b.m, b.I1, c, ball.R)
-    found["mu_unique"] = Threshold(bound, ONE, "Coulomb friction with one contact force below")
+    found["mu_unique"] = Threshold(
+        painleve_bound(b), ONE, "Coulomb friction with one contact force below"
+    )
     return found
 
 

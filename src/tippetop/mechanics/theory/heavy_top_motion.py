@@ -1,39 +1,16 @@
-"""The heavy top with a fixed tip in closed form, and the names of its motions."""
+"""The swing of the heavy top with a fixed tip, and the names of its motions."""
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
 
-class ClosedForm(NamedTuple):
-    """z(t) = z1 + (z2 - z1) sn^2(W (t - t0), k) of a heavy top with a fixed tip. [section 8]"""
-
-    z1: float
-    z2: float
-    z3: float
-    W: float
-    k2: float
-
-    @property
-    def period(self) -> float:
-        """Return 2 K(k)/W [s]."""
-        from scipy.special import ellipk
-
-        return 2 * float(ellipk(self.k2)) / self.W
-
-    def z(self, t: Any) -> np.ndarray:
-        """Return z = cos(theta) at times since a maximum of theta (z = z1)."""
-        from scipy.special import ellipj
-
-        sn, *_ = ellipj(self.W * np.asarray(t, dtype=float), self.k2)
-        return self.z1 + (self.z2 - self.z1) * sn**2
-
-
-def closed_form(
+def turning_heights(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
-) -> ClosedForm:
-    """Return the closed form of theta(t) by the integrals. [section 8]
+) -> np.ndarray:
+    """Return z1 < z2 < z3, where z'^2 of a heavy top with a fixed tip vanishes. [section 8]
+
+    z = cos(theta) swings between the first two.
 
     Parameters
     ----------
@@ -59,10 +36,7 @@ def closed_form(
         slope = np.polyval(np.polyder(f), roots)
         simple = np.abs(slope) > 1e-5 * np.abs(f).max()
         roots = roots - np.divide(np.polyval(f, roots), slope, out=np.zeros(3), where=simple)
-    z1, z2, z3 = (float(z) for z in roots)
-    return ClosedForm(
-        z1, z2, z3, math.sqrt(weight * (z3 - z1) / (2 * inertia)), (z2 - z1) / (z3 - z1)
-    )
+    return roots
 
 
 # of order one: turning angles, or a cusp, that are this close are one; a double root has eight
@@ -73,22 +47,22 @@ NEAR = 1e-7
 def heavy_top_motion(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
 ) -> str:
-    """Return the name of the motion of a heavy top with a fixed tip; arguments as of `closed_form`.
+    """Return the name of the motion of a heavy top with a fixed tip; see `turning_heights`.
 
     [T ch. 2]
     """
-    form = closed_form(energy, Lz, L3, inertia, I3, weight)
+    low, high, _ = turning_heights(energy, Lz, L3, inertia, I3, weight)
     scale = math.sqrt(inertia * weight)
     if abs(L3) < NEAR * scale:
         if abs(Lz) < NEAR * scale:
-            return "planar pendulum" if form.z2 - form.z1 > NEAR else "at rest"
-        return "spherical pendulum" if form.z2 - form.z1 > NEAR else "conical pendulum"
-    if form.z2 - form.z1 < NEAR:
-        return "spinning" if 1 - abs(form.z1) < NEAR else "regular precession"
+            return "planar pendulum" if high - low > NEAR else "at rest"
+        return "spherical pendulum" if high - low > NEAR else "conical pendulum"
+    if high - low < NEAR:
+        return "spinning" if 1 - abs(low) < NEAR else "regular precession"
     turn = Lz / L3  # phi' = (L_z - L_3 z)/(I1* sin^2) changes sign at this z
-    if form.z1 + NEAR < turn < form.z2 - NEAR:
+    if low + NEAR < turn < high - NEAR:
         return "nutation with loops"
-    if abs(turn - form.z1) <= NEAR or abs(turn - form.z2) <= NEAR:
+    if abs(turn - low) <= NEAR or abs(turn - high) <= NEAR:
         return (
             "nutation through the vertical" if abs(abs(turn) - 1) < NEAR else "nutation with cusps"
         )
