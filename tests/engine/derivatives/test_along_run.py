@@ -193,12 +193,3 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
     for i, (name, size) in enumerate(zip(wrt, (0.1, 0.01), strict=True)):
         expected, *_ = difference(problem, name, size)
         assert np.abs(found[:, i] - expected["nu_y"]).max() < 1e-8 * np.abs(expected["nu_y"]).max()
-
-
-def test_times_of_events_do_not_depend_on_the_order() -> None:
-    first, second = (
-        tt.derivatives.sensitivities("inverting", ["R", "friction.mu"], until=0.3, order=order)
-        for order in (1, 2)
-    )
-    assert first.events.sizes["event"] > 2
-    np.testing.assert_allclose(first.events.time, second.events.time, rtol=1e-9)
