@@ -549,8 +549,9 @@ static void state_at(const Loop *l, integer lane, real time, real *out) {
 
 typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
 
-/* Write TIMES rows of the present step, from number `at` on. The sums are compensated, and have the
-   bits of those that a compiled step that fuses makes of one time. */
+/* Write TIMES rows of the present step of the only lane, from row `at` on. (A top that is alone has
+   slot 0, where its rows begin.) The sums are compensated; their bits are those of the dense output
+   of a compiled step that fuses. */
 FUSES static void sum_rows(const Loop *l, integer at) {
     integer size = l->size, n = l->variables;
     for (integer group = 0; group < n; group += TOGETHER) {
@@ -588,8 +589,10 @@ static bool is_row_before(const Loop *l, integer top, real time) {
            l->row_times[top * count + l->rows_made[top]] < time;
 }
 
-/* Write the rows of a lane that lie in its present step. Return whether all are written.
-   `moved`: this call has made a step; the end of one that was made before it has its row. */
+/* Write the rows of a lane that lie in its present step. Return whether all rows of its top are
+   written. `moved` is false before the first step of a call: the row at the start of the call was
+   written by the call before. A row at the end of a step belongs to the next step; at the end of a
+   run or phase, to this one. */
 static bool write_rows(const Loop *l, integer lane, bool moved) {
     const Tally *tally = tally_of(l, lane);
     integer count = l->row_count, n = l->lanes, in_lane = l->in_lane[lane];

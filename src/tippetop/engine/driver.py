@@ -108,6 +108,7 @@ class Workspace:
     """
 
     def __init__(self, run: "Driver", compiled: Compiled, rows: EventRows):
+        """Allocate the arrays of an integrator, and bind the loop to them."""
         made = compiled.integrator
         self.compiled = compiled
         self.rows = rows
@@ -150,6 +151,7 @@ class Driver:
         functions: np.ndarray,
         end: Any,
     ):
+        """Allocate the arrays of the run, and set body, start, time 0 and end."""
         self.at_start = functions
         self.end = end
         self.variables = len(start)

@@ -89,6 +89,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     folds = {name: v for name, v in system.folds(form).items() if name in pattern._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
+        """Return the values of the phase's own events at a state, then of those of the system."""
         state = form.scalars(q, b)
         values = [event.formula(state, b) for event in own]
         if common:
@@ -280,6 +281,7 @@ class PhaseSolver:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
+        """Compile the phase, number its events and exits as the run does, and allocate arrays."""
         problem = run.problem
         phase = run.phases[name]
         self.name = name
@@ -391,6 +393,10 @@ class HybridDriver(Driver):
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
+        """Assemble the body and its phases, number all events, and begin the run.
+
+        Each phase is compiled when it is first entered.
+        """
         system = problem.system
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster

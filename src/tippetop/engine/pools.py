@@ -272,6 +272,7 @@ class HybridPools(Pools, HybridDriver):
     def __init__(
         self, problem: Problem, room: int, row_count: int, stop: threading.Event | None = None
     ):
+        """Set how long the loop steps between two looks at its tops, and begin the first top."""
         settled_for = SETTLED_FOR if problem.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, ENDLESS, EVERY, 0, settled_every=EVERY)
         self.sizes = room, row_count
@@ -406,6 +407,7 @@ class HybridPools(Pools, HybridDriver):
         self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
+        """Log a passage of a top, and count the turnings of theta."""
         super()._note(number, time, sign, phase, state)
         sense = self.all_events.events["sense"][number]
         if sense:  # of a single run the log counts turnings

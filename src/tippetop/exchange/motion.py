@@ -145,6 +145,10 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
 
 
 def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
+    """Return rows of a vector, named `what` in messages, scaled to length 1.
+
+    Raises InputError if a row is incomplete, or its length differs from 1 by more than `UNIT`.
+    """
     gaps = np.isnan(rows)
     if (partial := gaps.any(axis=1) & ~gaps.all(axis=1)).any():
         raise InputError(

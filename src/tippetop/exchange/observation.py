@@ -74,6 +74,10 @@ class Observation:
         noise: float | None = None,
         chip: Sequence[float] = (0.0, 0.0, 0.0),
     ):
+        """Check times and free numbers, and sort the measurements into groups.
+
+        A missing measurement (NaN) is not compared.
+        """
         self.free = tuple(free)
         self.t = seen["t"]
         self.noise = noise
@@ -188,6 +192,7 @@ class Observation:
         return self.predicted.read(own, clock, self.columns)
 
     def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
+        """Return the measurements of a group minus its predictions; angles within half a turn."""
         model = self._model(group, read)
         if group in residuals.OF_ATTITUDES:
             return residuals.OF_ATTITUDES[group](seen, model)

@@ -31,6 +31,7 @@ def _sum(a: Sequence, b: Sequence) -> list:
 
 
 def _product(a: Sequence, b: Sequence) -> list:
+    """Return a product and its derivatives, by Leibniz's rule."""
     if len(a) == len(b) == 2:  # most products, in a third of the time
         return [a[0] * b[0], a[1] * b[0] + a[0] * b[1]]
     if len(b) == 1:
@@ -46,6 +47,7 @@ def _product(a: Sequence, b: Sequence) -> list:
 
 
 def _quotient(a: Sequence, b: Sequence) -> list:
+    """Return a quotient and its derivatives: Leibniz's rule for a = (a/b) b, solved for a/b."""
     made = list[Any]()
     for n in range(max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
@@ -56,6 +58,7 @@ def _quotient(a: Sequence, b: Sequence) -> list:
 
 
 def _root(a: Sequence) -> list:
+    """Return a square root and its derivatives: Leibniz's rule for a = r r, solved for r."""
     made = [sqrt(a[0])]
     for n in range(1, len(a)):
         rest = a[n]
@@ -133,6 +136,11 @@ class Dual(NDArrayOperatorsMixin):
         return self.__array_ufunc__(np.power, "__call__", self, power)
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        """Apply a numpy function by the product and chain rules; a comparison compares values.
+
+        Of duals at several levels, the highest level is differentiated, and the rest are its
+        numbers.
+        """
         name = function.__name__
         if name in COMPARISONS:
             COMPARED.get()(np.subtract(*inputs))

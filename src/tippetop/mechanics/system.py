@@ -240,6 +240,7 @@ class System(metaclass=Described):
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        """Check the phases, derive what follows from them, and make mappings read-only."""
         if not (self.phases and all_are(self.phases, Mapping, Phase)):
             found: Any = self.phases
             if isinstance(found, Mapping):

@@ -69,6 +69,7 @@ class Integration:
     def __init__(
         self, problem: Problem, stop: threading.Event | None = None, driver: Driver | None = None
     ):
+        """Compile the problem, unless a driver is passed, and begin at its start."""
         clock = time.perf_counter()
         self.problem = problem
         self.driver = driver or driver_of(problem, stop)
@@ -288,6 +289,7 @@ class Integration:
         return {"slice": self._encoded(start) if start else {}, "end": end}
 
     def _state(self) -> dict[str, Any]:
+        """Return what decides how the run continues: of the driver, the monitors and the log."""
         return {
             "driver": self.driver.snapshot(),
             "filled": self.filled,

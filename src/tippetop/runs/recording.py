@@ -50,6 +50,7 @@ class Recorder(Writer, Sink):
     keeps_rows = True
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
+        """Make an empty table for each of the store, which rows are added to."""
         super().__init__(store)
         self.problem = problem
         self.view = Observables(problem)

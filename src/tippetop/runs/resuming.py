@@ -79,6 +79,7 @@ def resume(
         state = kept["integration"] if tail else (store.state.end or {}).get("slice")
 
         def take_up(recorder: Recorder) -> None:
+            """Bring integration and store to the state from which the run continues."""
             recorder.begun_with = kept.get("begun_with", [])
             if state is not None:
                 _put_back(target, integration, state)

@@ -239,6 +239,10 @@ def columns() -> list[Section]:
 
 
 def _columns(system: System) -> list[tuple[str, ...]]:
+    """Return a row (column, unit, meaning) for each column of a system.
+
+    Systems that share a column have equal rows, so that a set of them has each once.
+    """
     names = system.long_names
     turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
     if system.undefined_at_poles:

@@ -209,6 +209,7 @@ class Ledger:
     """
 
     def __init__(self, path: Path):
+        """Prepare the ledger of a store; the class methods lock it, and read or make it."""
         self.folder = Folder(path)
         self.path = path
         self.state: Acknowledged
@@ -322,7 +323,12 @@ class Ledger:
         self.release()
 
     @contextlib.contextmanager
-    def _whole(self) -> Iterator[None]:
+    def _unless_broken(self) -> Iterator[None]:
+        """Let the block write if no write has failed yet, and the store is in its place.
+
+        After an error of the disk nothing more is written. Nothing is rolled back: what no commit
+        has acknowledged does not count.
+        """
         if self.broken is not None:
             raise self.broken
         self.check()
@@ -338,6 +344,7 @@ class Ledger:
             self.folder.mkdir(path)
 
     def _describe(self, *, derived: bool = False) -> None:
+        """Write the documents of root, groups and arrays that differ from their files."""
         for path, document in self.state.documents().items():
             name = f"{path}/{DOCUMENT}".lstrip("/")
             data = zarr3.dump(document)
@@ -390,7 +397,7 @@ class Ledger:
         """Write a chunk from the values of its columns; the next commit acknowledges it."""
         members = self.state.header["members"]
         files = {}
-        with self._whole():
+        with self._unless_broken():
             for name in self.state.files(key):
                 path = name.rpartition("/")[0]
                 files[name] = zarr3.encode(values[path.rpartition("/")[2]], members[path])
@@ -399,7 +406,7 @@ class Ledger:
 
     def commit(self, tail: bytes | None = None, **record: Any) -> None:
         """Acknowledge the chunks since the last commit, and a tail; data first, then the record."""
-        with self._whole():
+        with self._unless_broken():
             old = self.state.tail
             record |= {"chunks": self.pending, "tail": self._write_tail(tail)}
             self.folder.sync()
@@ -422,7 +429,7 @@ class Ledger:
 
     def derive(self, files: Mapping[str, bytes]) -> None:
         """Write documents and further files for readers, which `recover` can make again."""
-        with self._whole():
+        with self._unless_broken():
             for name, data in files.items():
                 self.folder.write(name, data, derived=True)
             self._describe(derived=True)
@@ -432,7 +439,7 @@ class Ledger:
 
         The ledger becomes its sum, so that equal stores have equal ledgers.
         """
-        with self._whole():
+        with self._unless_broken():
             record |= {"chunks": self.pending, "tail": "", "changed": changed, "seal": True}
             self.state.add(record)
             self._describe()
@@ -444,7 +451,7 @@ class Ledger:
         self, head: PlainData, keys: Collection[str], tail: bytes | None = None, **record: Any
     ) -> None:
         """Replace header, chunks and tail in one step, to continue from an earlier state."""
-        with self._whole():
+        with self._unless_broken():
             record["tail"] = self._write_tail(tail)
             self.folder.sync()
             record["chunks"] = {k: v for k, v in self.state.chunks.items() if k in keys}
@@ -533,6 +540,7 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
     _tail(folder, state)
 
     def keys() -> Iterator[str]:
+        """Yield the acknowledged chunks, then those of tables that grow which a tail contains."""
         yield from state.chunks
         for table in state.rows:  # further chunks are derived from the tail
             path = state.header["tables"][table][0]

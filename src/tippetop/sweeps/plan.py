@@ -272,6 +272,7 @@ def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
 
 
 def _axis(axis: Any) -> Axis:
+    """Return an axis of a sweep, with the values of `linspace` or `geomspace` written out."""
     values = axis.values or ()
     if ends := axis.linspace or axis.geomspace:
         spread: Any = np.linspace if axis.linspace else np.geomspace

@@ -117,6 +117,7 @@ def _of_law(law: Any) -> str:
         return TOP.body_of(by_name, law._make(by_name[name] for name in law.parameters))
 
     def start(s: Any, z: Any, d: Sequence[Any], b: Any) -> list:
+        """Return the state of a flight that begins with the initial numbers d."""
         data = dict(zip(INITIAL, d, strict=True))
         angles: Any = row_of_angles(TOP.start(data, s, z, b), s, z, b)
         lifted = angles._replace(
@@ -137,6 +138,8 @@ def _of_law(law: Any) -> str:
         return [*v, patch_speed2(omega, b) if law.regions else 0 * v.x]
 
     def friction(of: Any) -> Any:
+        """Return a formula of force and torque per normal force under the law `of`."""
+
         def per_force(y: Any, b: Any) -> list:
             v, omega = slip(y, b)
             force, torque = of(omega, v, y[0].uz, b)

@@ -120,6 +120,7 @@ def on_ball(
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
+        """Return the rates of 3hat and L under the forces of the plane, and those by `changes`."""
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:

@@ -199,14 +199,16 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 def gap_rate(x: Moving, b: Any, order: int) -> Any:
     """Return the first, second or third time derivative of the gap of a ball in flight.
 
-    The third is a difference, of which the sign counts.
+    The second is the vertical acceleration of the contact point without a force there; the third
+    is its central difference over `DIFFERENCE`, of which the sign alone is exact.
     """
     if order == 1:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
 
-    def bias(time: float) -> Any:
+    def gap_acceleration(time: float) -> Any:
+        """Return the acceleration after a short time; it does not depend on the velocity."""
         u = moved(x.u, contact.axis_rate(x, b), time)
         L = moved(x.L, around_torque(x, b), time) if b.around else x.L
         body = contact.by_axis(u, b)
@@ -217,7 +219,8 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
             body = body._replace(g=b.g + time * rate * turns)
         return bias_vector(x._replace(u=u, L=L), body).z
 
-    return (bias(DIFFERENCE) - bias(-DIFFERENCE)) / (2 * DIFFERENCE)
+    later = gap_acceleration(DIFFERENCE)
+    return (later - gap_acceleration(-DIFFERENCE)) / (2 * DIFFERENCE)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
@@ -397,6 +400,10 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
+        """Return the rates of the state and of its speed w, and w beta'.
+
+        The slide is found with the direction beta as the unknown: where w = 0, beta' = 0/0.
+        """
         q, carried = read((*state, beta))
         speed = 1 + 0 * beta  # of which the forces are independent, but on a table
         if b.around and b.around.table:

@@ -269,6 +269,7 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
     """
 
     def to_angles(q: Any, carried: Any, b: Any) -> Any:
+        """Return the angles and their rates at a state; other fields are carried ones."""
         c = scalars(q, b)
         s = sqrt(c.s2)
         known = {
@@ -362,6 +363,7 @@ def start_of(angles: Any) -> Callable:
     """
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+        """Return angles and rates of a start from what the user gave."""
         e = type(angles)(*(data.get(name, 0) for name in angles._fields))
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)

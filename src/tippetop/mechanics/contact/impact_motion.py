@@ -101,9 +101,11 @@ def stages(law: Any) -> dict[str, Stage]:
     """
 
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
+        """Return the motion in one region of the law: its form, and the events that end it."""
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):
+            """Return force and torque of the plane per normal impulse, and the velocities there."""
             none = 0 * q.v_n
             w = b.speed * (exp(q.grown) if is_directed else 1)
             p = Vector(q.p_x, q.p_y, q.p_n)
@@ -121,6 +123,11 @@ def stages(law: Any) -> dict[str, Stage]:
             return Acts(force, torque, v, omega)
 
         def rates(q, b):
+            """Return the rates of all variables by the clock of the impact.
+
+            The clock is the normal impulse where the sliding speed stays finite, else the logarithm
+            of this speed.
+            """
             by = acts(q, b)
             none = 0 * q.turn
             across, turns = responses(b, by)

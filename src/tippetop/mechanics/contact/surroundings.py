@@ -191,6 +191,10 @@ def surrounded_body(body: Callable) -> Callable:
     """
 
     def surrounded(parameters: Mapping[str, Any], friction: Any) -> Any:
+        """Return the body in its surroundings: air, slope, vibration and turntable as `around`.
+
+        Each is () if the parameters do not have it; g becomes the part along the plane's normal.
+        """
         b = body(parameters, friction)
         given: Any = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
         g = b.g
