@@ -196,8 +196,11 @@ class Lanes:
         self.under_way += len(slots)
         return is_more
 
-    def _checked(self, tops: list[int]) -> dict[int, Any]:
-        """Return the problems of the tops that can be integrated; mark the others as invalid."""
+    def _checked(self, tops: list[int]) -> dict[int, Problem]:
+        """Return the problems of the tops that can be integrated; mark the others as invalid.
+
+        After a stop, the rest of the tops are neither.
+        """
         found = {}
         for top in tops:
             if self.stop.is_set():

@@ -214,6 +214,7 @@ class Observation:
         model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
         if group == "marker":
             axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
+            # axes of the body, components in space, points, rows; the marker is fixed to the body
             model = model + np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
         return model
 

@@ -31,17 +31,20 @@ def _sum(a: Sequence, b: Sequence) -> list:
 
 
 def _product(a: Sequence, b: Sequence) -> list:
-    """Return a product and its derivatives, by Leibniz's rule."""
+    """Return the parts of a product, its value and derivatives, by Leibniz's rule.
+
+    A part that is missing at the end of a factor is 0.
+    """
     if len(a) == len(b) == 2:  # most products, in a third of the time
         return [a[0] * b[0], a[1] * b[0] + a[0] * b[1]]
     if len(b) == 1:
         return [one * b[0] for one in a]
     made = []
     for n in range(max(len(a), len(b))):
-        some = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
-        terms = (a[n - k] * b[k] for k in some)
+        present = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
+        terms = (a[n - k] * b[k] for k in present)
         if n > 1:
-            terms = (PASCAL[n][k] * term for k, term in zip(some, terms, strict=True))
+            terms = (PASCAL[n][k] * term for k, term in zip(present, terms, strict=True))
         made.append(reduce(operator.add, terms))
     return made
 

@@ -91,7 +91,10 @@ class _Columns(Sink):
 def _timed(
     problem: Problem, size: int, slices: int, clock: Callable[[], float]
 ) -> tuple[float, RunProgress]:
-    """Return the time of the first slices of a run, rows as columns included, and its progress."""
+    """Return the seconds that the first `slices` slices of `size` steps take, and the progress.
+
+    They include the setup of the run and the conversion of its rows to columns.
+    """
     began = clock()
     integration = Integration(problem)
     integration.part(

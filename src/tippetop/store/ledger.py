@@ -354,9 +354,10 @@ class Ledger:
                 self.folder.unsynced |= {name, path}
 
     def _compact(self) -> None:
-        """Replace the ledger by its sum: the disk may not have what another process appended.
+        """Replace the ledger by two records: the header, and the sum of all others.
 
-        The new file is locked before it is renamed.
+        The disk may not have what another process appended. The new file is locked before it is
+        renamed.
         """
         state = self.state
         state.failed = {}
@@ -450,7 +451,22 @@ class Ledger:
     def restart(
         self, head: PlainData, keys: Collection[str], tail: bytes | None = None, **record: Any
     ) -> None:
-        """Replace header, chunks and tail in one step, to continue from an earlier state."""
+        """Replace the content of the store in one step, to continue from an earlier state.
+
+        Everything else that was acknowledged is dropped: other chunks, the end, the seal, changed
+        attributes. No chunk may be pending.
+
+        Parameters
+        ----------
+        head
+            The new header, with the same members.
+        keys
+            The chunks that stay.
+        tail
+            The new tail.
+        record
+            Further fields of the record, such as `rows`.
+        """
         with self._unless_broken():
             record["tail"] = self._write_tail(tail)
             self.folder.sync()

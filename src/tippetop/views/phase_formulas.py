@@ -65,7 +65,11 @@ def is_movable(problem: Problem) -> bool:
 
 
 def given(problem: Problem) -> dict[str, Any]:
-    """Return the numbers of a tippe top: its parameters with those of the law, and its start."""
+    """Return what a page integrates: the numbers of top, law and start, and how long.
+
+    A number of the start that is absent is 0 on the page. With `atRest` the page computes nu_x and
+    nu_y such that the centre of mass rests.
+    """
     data = dict(problem.initial)
     contact = problem.contact
     theta = data.get("theta", 0.0)

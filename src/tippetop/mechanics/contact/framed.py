@@ -155,7 +155,12 @@ OF_ROW = replace(
 
 
 def form_of(phase: Phase, label: str, angles: Any) -> Form:
-    """Return the form of a body that stays in a phase."""
+    """Return the form of a body that stays in a phase.
+
+    `label` is one of `PHASES`, which numbers the phase in rows. `angles` are the fields of the
+    angles with their units: those that the scalars do not determine are integrals, and other
+    integrals of the phase are left out.
+    """
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:
