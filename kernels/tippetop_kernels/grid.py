@@ -120,7 +120,7 @@ def turnings(prepare, slope, value, excess, bend, inertia):
         """Write eight numbers of each point to `out`, and its Level to `status`.
 
         They are the crossings around the minimum, its q and F, the curvature there, the period, and
-        the crossings around another minimum below the level, NaN if there is none.
+        the crossings around another minimum below the level, or NaN.
         """
         turns = np.empty(MOST_EXTREMES)
         for i in range(xs.size):

@@ -60,7 +60,7 @@ class Passages(NamedTuple):
 
 @dataclass
 class Slice:
-    """The result of `Driver.advance`: what was found in some consecutive steps."""
+    """The result of `Driver.advance`: the state after some consecutive steps, and events in them."""
 
     steps: int
     time: Any  # reached, internal, in the working precision

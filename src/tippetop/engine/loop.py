@@ -182,7 +182,7 @@ class Loop:
     motion
         The lanes.
     rows, tallies, log, samples
-        The events to find, and the arrays for what is found.
+        The events to find, and the arrays that the loop fills.
     rules
         When a run ends or is sampled.
     stepper

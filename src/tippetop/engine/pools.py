@@ -202,7 +202,7 @@ class Pools:
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
-        """Make the jump of a top that the loop cannot make. Return what it waits for next."""
+        """Make a jump that the loop cannot make. Return the next reason for which the top waits."""
         return NOTHING
 
     @QUIET

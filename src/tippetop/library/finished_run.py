@@ -322,7 +322,7 @@ class Run:
         return f"<b>{html.escape(self._headline)}</b><table>{rows}</table>{self._closed_page()}"
 
     def _closed_page(self) -> str:
-        """Return the page as a folded part of a notebook, or the reason why there is none."""
+        """Return the page as a folded part of a notebook, or the reason why it cannot be shown."""
         try:
             if (rows := self.trajectory.sizes.get("time", 0)) > SHOWN:
                 return f"<p>In motion: .view() makes the page of its {rows} rows.</p>"

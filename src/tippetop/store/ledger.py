@@ -378,7 +378,7 @@ class Ledger:
     def _tidy(self) -> None:
         """Set aside chunks and tails that are not acknowledged; remove them from a sealed store.
 
-        What is set aside has the name of a file that is being written, and is replaced by it.
+        A file that is set aside gets the name of one that is being written, which replaces it.
         """
         members = self.state.header["members"]
         kept = {name for key in self.state.chunks for name in self.state.files(key)}

@@ -55,8 +55,7 @@ SIMPSON = np.array([1, 4, 1]) / 6
 BRIEF = 1e-9
 """Time of a jump in which the state stays; there are no derivatives in a longer one."""
 NOISE = 1e-12
-"""Event functions nearer to zero are rounding: of the last hops of a ball, nobody knows the number.
-"""
+"""Event functions nearer to zero are rounding: the number of a ball's last hops is not known."""
 PROJECTED_AT = 1e-2, 1e-5, 1e-9
 """Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
 

@@ -33,8 +33,13 @@ which on an explicit integrator needs a multiple of the steps."""
 def first_slip(
     rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
 ) -> tuple[Any, Callable, bool] | None:
-    """Return the duration of a slow slide, at(t), the state and beta at times t since its start,
-    and whether it is slow at its end too, or stops there; None if nothing begins to slide.
+    """Compute a slow slide as a series in time.
+
+    Returns
+    -------
+    tuple
+        Its duration; at(t) -> the state and beta at times t since its start; and whether it is slow
+        at its end too, or stops there. None if nothing begins to slide.
 
     Parameters
     ----------
@@ -71,8 +76,11 @@ def first_slip(
 
 
 def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tuple | None:
-    """Return at(t), w/t as a function of time, and the duration in units of the time in which the
-    direction changes, where the sweeps converge; otherwise None.
+    """Return the slide over a whole duration, found by repeated corrections at the nodes.
+
+    They are: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration in
+    units of the time in which the direction follows the forces. None if the corrections do not
+    converge, or the series is not resolved.
     """
     pi = np.arccos(-start.dtype.type(1))
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)

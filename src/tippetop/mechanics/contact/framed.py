@@ -131,7 +131,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
         up,
         cross(omega, up),
         dot(up, omega),
-        dot(omega, frame.parts(x.L, u)) / 2,
+        dot(omega, frame.along_axes(x.L, u)) / 2,
     )
 
 
