@@ -552,7 +552,7 @@ class HybridDriver(Driver):
         return replace(super().advance(request, most), tables=self.tables.take_rows())
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
-        """Make at most `most` steps, through as many phases as they take."""
+        """Advance by at most `most` steps, through as many phases as they take."""
         self.changes = 0
         steps = 0
         while True:
@@ -642,7 +642,7 @@ class HybridDriver(Driver):
         if not math.isfinite(sum(state)):
             self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
-        if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
+        if self.request.rows_at_steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self.add(np.array([when]), last[None])
         self._enter(begun, now, solver)
         self.changes += 1
@@ -651,7 +651,7 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make_steps(self, most: int) -> int:
-        """Make at most `most` steps and their rows, with the jumps that have programs."""
+        """Let the loop in C make at most `most` steps, and the jumps that have programs."""
         self.add_in_jump()
         if self.jump_programs is None or self.output.steps:
             return super().make_steps(most)

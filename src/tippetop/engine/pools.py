@@ -284,7 +284,7 @@ class HybridPools(Pools, HybridDriver):
         programs = self.programs
         programs.patience = PATIENCE
         phases = len(self.phases)
-        self.request: Any = SimpleNamespace(steps=False)
+        self.request: Any = SimpleNamespace(rows_at_steps=False)
         self.problems: dict[int, Problem] = {}
         self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)

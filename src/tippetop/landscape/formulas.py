@@ -1,7 +1,5 @@
 """The potential of a top, in a variable that is exact at both poles, and its minimal surface.
 
-[section 5, 8]
-
 Instead of z = cos(theta) the formulas take q = tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 +
 z = 2/(1 + q), and dz/dln(q) = -(1 - z^2)/2. X = lambda sqrt(d) + R(alpha - z) D is carried by its
 values at the poles, a ~ X(+1) and b ~ X(-1): with K from d = (1 - z^2)(h^2 + K), h linear in

@@ -52,8 +52,6 @@ class Momentum(NamedTuple):
 class Landscape:
     """Formulas of the effective potential V(z; first, second momentum) of a system.
 
-    [section 5, 8]
-
     Law: V of the coefficients at q = (1 - up z)/(1 + up z) is `System.potential` at z, where q = 0,
     z = up = +1 or -1 is the pole at which the centre of mass is lowest.
     """

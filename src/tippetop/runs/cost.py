@@ -83,7 +83,7 @@ class _Columns(Sink):
     def __init__(self, view: Observables):
         self.view = view
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Convert rows to columns."""
         self.view.columns(times, states)
 

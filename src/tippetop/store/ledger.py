@@ -162,7 +162,7 @@ def records_of(raw: bytes) -> list[PlainData]:
     return records
 
 
-def begins_in(path: Path) -> bool:
+def has_ledger(path: Path) -> bool:
     """Return whether a folder contains a ledger of ours, damaged or not."""
     with contextlib.suppress(OSError):
         return Folder(path).read(LEDGER)[DIGITS:].startswith(b' {"format":')

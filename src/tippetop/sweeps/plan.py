@@ -137,7 +137,7 @@ class Plan:
             _read_texts(axis, f"axis.{i}", rule.unit if rule else ONE)
             sentences += _axis_faults(axis, f"axis.{i}", rule is not None and rule.nonzero)
         sentences += _design_faults(shape, keys)
-        sentences += derived_axes.faults(base, keys) + ensemble.base_faults(base)
+        sentences += derived_axes.faults(base, keys) + ensemble.lanes_faults(base)
         if sentences:
             raise InputError(sentences)
         plain_data = shape.model_dump(exclude_none=True, exclude={"set"})

@@ -64,7 +64,7 @@ def is_movable(problem: Problem) -> bool:
     )
 
 
-def given(problem: Problem) -> dict[str, Any]:
+def numbers_for_page(problem: Problem) -> dict[str, Any]:
     """Return what a page integrates: the numbers of top, law and start, and how long.
 
     A number of the start that is absent is 0 on the page. With `atRest` the page computes nu_x and

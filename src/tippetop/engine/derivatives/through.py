@@ -307,7 +307,7 @@ class Pass:
         What could turn out otherwise.
     """
 
-    steps = False
+    rows_at_steps = False
 
     @QUIET
     def __init__(

@@ -307,7 +307,7 @@ def momentum_of(omega, u, b):
 
 @formula
 def angular_velocity_of(x, L3, b):
-    """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""
+    """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat."""
     return plus(times(1 / b.I1, x.L), times((1 / b.I3 - 1 / b.I1) * L3, x.u))
 
 
@@ -373,10 +373,7 @@ def moment(u, F, b):
 
 @formula
 def rolling_velocity(e, s, z, b):
-    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
-
-    [section 3.2]
-    """
+    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0."""
     return e.theta_dot * height(z, b), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
 
 
@@ -415,7 +412,7 @@ def outside_faults(*centre: float) -> list[str]:
 
 Kinematics: Any = namedtuple("Kinematics", "z s2 z_dot z_ddot_free phi_dot_s2 axis_speed2 L3 Lz")
 """How the axis moves, and L: functions of the state that do not depend on the form; all are smooth
-at the poles (section 3.4).
+at the poles.
 
 z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
 no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
@@ -524,17 +521,14 @@ def bent_bias_n(s, b):
 
 @by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
+    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]."""
     turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
     return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula
 def mobility_n(s, b):
-    """Return the acceleration of the contact point across the lean, per force [1/kg].
-
-    [K_22 of contact 1]
-    """
+    """Return the acceleration of the contact point across the lean, per force [1/kg]."""
     return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
@@ -607,8 +601,6 @@ def arm_speed2(s, b):
     """Return |omega x a|^2 [m^2/s^2].
 
     It is the square of the speed that the centre of mass would have if the body rolled.
-
-    [section 3.3]
     """
     w3 = s.L3 / b.I3
     q = b.c - b.R * s.z

@@ -183,10 +183,7 @@ def ending(name: str, long_name: str, function: Callable, direction: int = -1) -
 
 
 def other_gap(s, b):
-    """Return the gap of the other ball, while this one touches the plane [m].
-
-    [contact 4.1]
-    """
+    """Return the gap of the other ball, while this one touches the plane [m]."""
     return b.clearance + b.lever * s.z
 
 
@@ -201,7 +198,7 @@ Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings. [contact 3.1]"""
+    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings."""
     still = 0 * q.uz
     if not b.around:
         return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
@@ -319,7 +316,7 @@ def direction(q: Any) -> Vector:
 
 
 def directed_changes(q, G):
-    """Return beta' and w' of v_A = w (cos beta, sin beta), where G = v_A'. [contact 1, 2.1]"""
+    """Return beta' and w' of v_A = w (cos beta, sin beta), where G = v_A'."""
     across, along = across_and_along(G, direction(q))
     return across / q.w, along
 
@@ -327,7 +324,7 @@ def directed_changes(q, G):
 STICK = ending(
     "stick",
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
-    lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
+    lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not
 )
 
 
@@ -515,7 +512,7 @@ REST = without_slip((LIFTOFF, TOUCH, GIVES))
 # On both balls the axis keeps its angle, and each ball slides, or both roll, and carries its share.
 # The motion is that of a body on its first ball, the sphere, which feels the force of both and the
 # torque of the other about the sphere's contact point. Two conditions, that theta and the height
-# stay, give the two normal forces, whatever each contact does per normal force. [contact 4.3]
+# stay, give the two normal forces, whatever each contact does per normal force.
 
 
 def shared(x, v, frictions, total, swing, b):

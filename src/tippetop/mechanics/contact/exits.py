@@ -2,7 +2,7 @@
 the common state.
 
 `world` is that of `form.Exit`, of which `body` is the body seen from each ball; in addition it has
-struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
+struck(x, b, e_n), an impact of a ball.
 """
 
 import math

@@ -1,5 +1,5 @@
 """How a point slides while it is so slow that its direction follows the forces: from rest, at the
-edge of the friction cone or outside it, and to the next rest. [contact 2.4, 2.5]
+edge of the friction cone or outside it, and to the next rest.
 
 The direction has the equation w beta' = Q, which is singular at w = 0, and so stiff nearby that no
 explicit step begins there. Its smooth solution is found on a whole interval at once, at the nodes
@@ -45,7 +45,8 @@ def first_slip(
     ----------
     rates
         rates(state, beta) -> (the state's rate, Q) of slip in the direction beta, an angle from a
-        fixed axis; of arrays (k, n), (n,). The last of the state is w, whose rate is P.
+        fixed axis; of arrays (k, n), (n,). The last of the state is the speed w, whose rate is P;
+        Q = w beta' (see `exits.pushed`).
     state
         At the start, (k,).
     beta
@@ -65,7 +66,7 @@ def first_slip(
         if found:
             at, pace, stiffness = found
             first, *times = BRIEF * duration, *np.linspace(0, duration, 2 * NODES)[1:]
-            if not max(pace(first), pace(times[0])) > 0:
+            if not max(pace(first), pace(times[0])) > 0:  # only rounding moves it
                 return None
             stop = zero_of(pace, first, *times)
             end = duration if stop is None else stop

@@ -5,7 +5,7 @@ phases of contact, per normal force, and the axis stays. The clock is v_n, which
 that can hold the contact at rest, the clock of sliding is sigma, dp = w dsigma, and the slip is its
 direction and the logarithm of its size w, in which nothing is singular where sliding stops. The
 units of slip and of v_n are powers of two near them, so that steps are as exact for slow impacts as
-for fast ones. [contact 3.2, 3.3]
+for fast ones.
 """
 
 from collections import namedtuple

@@ -1,5 +1,5 @@
 """The response of a body to forces, torques and impulses at its contact; and the forces of a
-contact that slides, that sticks, and of a disc that neither slides nor turns. [contact 1, 2, 5]
+contact that slides, that sticks, and of a disc that neither slides nor turns.
 
 K is the acceleration of the contact point per force there, or velocity per impulse [1/kg].
 Everything is singular only where the contact jams (Painleve: K_zz - mu n_e K_ez = 0, which

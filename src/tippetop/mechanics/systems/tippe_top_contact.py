@@ -130,7 +130,7 @@ def vectors(q, b):
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """Return the state about the contact of the angles. [section 1]"""
+    """Return the state about the contact of the angles."""
     v = rolling.vector_of_angles(e, s, z, b)
     x = gliding.turning(v)
     k = contact.kinematics(x, contact.axis_rate(x, b), b)
