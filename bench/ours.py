@@ -40,7 +40,7 @@ ENDLESS = 1 << 62  # steps
 class NoRows:
     """A request for nothing."""
 
-    steps = False
+    rows_at_steps = False
 
     def next_times(self) -> np.ndarray:
         """No times."""

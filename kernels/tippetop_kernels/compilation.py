@@ -134,11 +134,11 @@ def private_folder(path: Path) -> Path | None:
 
 
 def code_folder(function: Callable) -> Path | None:
-    """Return the folder of the machine code of a function, or None if it must not be kept.
+    """Make the folder of a function's machine code; return None if it must not be kept.
 
-    Functions that enclose others have different folders: two processes that write one index of
-    numba at the same time can exchange the code of two functions. Code that is not signed, and
-    folders of other sources, except for those that were used last, are removed.
+    There is one folder for each function with those that it encloses: two processes that write one
+    index of numba at the same time can exchange the code of two functions. The folder is emptied if
+    its content is not signed; of all folders the `KEPT` ones that were used last remain.
     """
     functions = function, *inspect.getclosurevars(function).nonlocals.values()
     base = cache_folder()

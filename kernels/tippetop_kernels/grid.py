@@ -37,7 +37,7 @@ def scanned(prepare, slope, value, x, y, r, status, j):
     return F, q
 
 
-def minima(prepare, guess, slopes, slope, value, ends):
+def minima(prepare, guess, slopes, slope, value, reaches_pole):
     """Return the kernel of the minimum over q at every (x, y).
 
     It fills F, q (float64) and status (int8), each (xs.size, ys.size).
@@ -45,6 +45,12 @@ def minima(prepare, guess, slopes, slope, value, ends):
 
     @kernel
     def row(several, x, ys, r, F, q, status, last):
+        """Fill F, q and status of all points (x, y) with one x.
+
+        All points make the same first steps, which LLVM turns into vectors; those that have not
+        converged continue one by one. A point at an end, or of a top with several minima, is
+        scanned.
+        """
         for j in range(ys.size):
             q[j] = clipped(guess(prepare(x, ys[j], r), r))
         for _ in range(STEPS):
@@ -58,7 +64,7 @@ def minima(prepare, guess, slopes, slope, value, ends):
         for j in range(ys.size):
             F[j] = value(q[j], prepare(x, ys[j], r), r)
         for j in range(ys.size):
-            lower, upper = ends(x, ys[j], prepare(x, ys[j], r), r)
+            lower, upper = reaches_pole(x, ys[j], prepare(x, ys[j], r), r)
             rest = 0 if last[j] <= AT_REST else 4
             status[j] = 1 if lower else (2 if upper else rest)
         for j in range(ys.size):
@@ -111,6 +117,11 @@ def turnings(prepare, slope, value, excess, bend, inertia):
 
     @entry
     def turnings(allowance, xs, ys, levels, at, r, b, status, out):
+        """Write eight numbers of each point to `out`, and its Level to `status`.
+
+        They are the crossings around the minimum, its q and F, the curvature there, the period, and
+        the crossings around another minimum below the level, or NaN.
+        """
         turns = np.empty(MOST_EXTREMES)
         for i in range(xs.size):
             p = prepare(xs[i], ys[i], r)

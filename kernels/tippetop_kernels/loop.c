@@ -68,10 +68,16 @@ enum { CONFIRMS = 1, WAITS = 2 };
 typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc, void *tape);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
+/* An event, as in `engine.tallies.EventRows`. */
 typedef struct {
-    integer row, shift, direction, ends, sense, first, last;
+    integer row, shift;  /* its function: variable `row` (shift 0) or the rate of it (1), + offset */
+    integer direction;   /* of the sign changes that count: +1, -1, or 0 for both */
+    integer ends;        /* the status of a run or phase that it ends; 0: it ends none */
+    integer sense;       /* of theta, if it is a turning */
+    integer first, last; /* the `numbers` that it keeps are first, ..., last - 1 */
     real scale, offset;
-    bool lasting, extremes, watched, ranged;
+    bool lasting, extremes;
+    bool watched, ranged; /* whether its zeros are searched, and its extremes */
 } Event;
 
 typedef struct {
@@ -370,8 +376,8 @@ static bool keeps_sign(const Tally *tally, const Function *f) {
     return roots(tally, f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
 }
 
-/* Write the coefficients of an event function over a step, in time over h, and its sign changes.
-   Return their number. */
+/* Write the coefficients of an event function over a step, in time over h, to `p`, which extremes
+   need too, and its sign changes to `zeros`. Return the number of these. */
 static integer search(const Loop *l, integer e, integer lane, real *p, real *zeros) {
     const Event *event = l->event_rows + e;
     const Function *f = function(l, e, lane);
@@ -505,7 +511,9 @@ static real find_events(const Loop *l, integer lane, real t, real h) {
     }
 
     l->ended_by[lane] = ending;
-    for (integer i = 1; i <= events; i++) { /* last: the event that ends the run */
+    /* The event that ends the run or phase is logged last: callers read the end from the last
+       passage. Another one at the same time is left to the next phase. */
+    for (integer i = 1; i <= events; i++) {
         integer e = (ending + i) % events;
         const Event *event = l->event_rows + e;
         Function *f = function(l, e, lane);
@@ -549,8 +557,9 @@ static void state_at(const Loop *l, integer lane, real time, real *out) {
 
 typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
 
-/* Write TIMES rows of the present step, from number `at` on. The sums are compensated, and have the
-   bits of those that a compiled step that fuses makes of one time. */
+/* Write TIMES rows of the present step of the only lane, from row `at` on. (A top that is alone has
+   slot 0, where its rows begin.) The sums are compensated; their bits are those of the dense output
+   of a compiled step that fuses. */
 FUSES static void sum_rows(const Loop *l, integer at) {
     integer size = l->size, n = l->variables;
     for (integer group = 0; group < n; group += TOGETHER) {
@@ -588,8 +597,10 @@ static bool is_row_before(const Loop *l, integer top, real time) {
            l->row_times[top * count + l->rows_made[top]] < time;
 }
 
-/* Write the rows of a lane that lie in its present step. Return whether all are written.
-   `moved`: this call has made a step; the end of one that was made before it has its row. */
+/* Write the rows of a lane that lie in its present step. Return whether all rows of its top are
+   written. `moved` is false before the first step of a call: the row at the start of the call was
+   written by the call before. A row at the end of a step belongs to the next step; at the end of a
+   run or phase, to this one. */
 static bool write_rows(const Loop *l, integer lane, bool moved) {
     const Tally *tally = tally_of(l, lane);
     integer count = l->row_count, n = l->lanes, in_lane = l->in_lane[lane];

@@ -202,6 +202,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
     """
 
     def decorated(function: F) -> F:
+        """Return the function with the other one's keywords in its signature and docstring."""
         own = inspect.signature(function)
         kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
         others = inspect.signature(source).parameters.values()

@@ -80,6 +80,7 @@ class Column(NamedTuple):
 def column(
     values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",), **extra: str
 ) -> Column:
+    """Return values as a column of doubles with its unit and meaning."""
     return Column(
         dims,
         np.asarray(values, dtype=np.float64),
@@ -192,6 +193,7 @@ def plain_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:
+    """Return the attributes of a column of codes: the name of each code, and the meaning."""
     return {
         "flag_values": list(range(len(names))),
         "flag_meanings": " ".join(names),

@@ -151,6 +151,7 @@ class InputError(_Sentences, ValueError):
     """
 
     def __init__(self, faults: str | Sequence[Any], sentence: Callable[[Any], str] = str):
+        """Make the sentences of the first faults, and one that counts the others."""
         faults = [faults] if isinstance(faults, str) else faults
         more = len(faults) - MOST_FAULTS
         if more > 1:
@@ -209,6 +210,7 @@ class NamedFormula:
         self.of = of
 
     def __call__(self, *arguments: Any) -> Any:
+        """Return the value of the formula. Raises InputError if it fails, or is not one number."""
         try:
             value = self.formula(*arguments)
         except Exception as error:

@@ -36,6 +36,7 @@ class Bar:
     """
 
     def __init__(self, things: str, count: str = "{done}/{of} {things}"):
+        """Decide whether a bar is shown: in a notebook or at a terminal, unless TIPPETOP_QUIET."""
         self.things = things
         self.count = count
         self.bar: Any = None

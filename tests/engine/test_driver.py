@@ -46,7 +46,7 @@ class Rows:
     """A request: rows at given internal times, or at the ends of steps."""
 
     def __init__(self, times: np.ndarray | None = None, room: int = 1 << 16):
-        self.steps, self.left, self.room = times is None, times, room
+        self.rows_at_steps, self.left, self.room = times is None, times, room
         self.times: list[np.ndarray] = []
         self.states: list[np.ndarray] = []
 

@@ -21,7 +21,7 @@ def problem() -> Problem:
     ("side", "factor"), [(s, f) for s in ("upright", "inverted") for f in (0.9, 1.1)]
 )
 def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Problem) -> None:
-    """Upright below lambda_u, inverted above lambda_s [section 6]; the spin is in
+    """Upright below lambda_u, inverted above lambda_s; the spin is in
     internal units.
     """
     body, upright = problem.body(float), side == "upright"

@@ -21,7 +21,7 @@ from tippetop.scenario import build
 class Nothing:
     """No rows."""
 
-    steps = False
+    rows_at_steps = False
 
     def next_times(self) -> np.ndarray:
         return np.zeros(0)

@@ -55,7 +55,7 @@ def z_of(q):
 
 
 def critical(z, D, lam, b):
-    """N(z), of the sign of dV/dz in (-1, 1) [section 5]; it is regular on [-1, 1], with
+    """N(z), of the sign of dV/dz in (-1, 1); it is regular on [-1, 1], with
     N(-1) <= 0 <= N(1).
     """
     X, w, root = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z), mp.sqrt(tippe_top.d(z, b))

@@ -54,7 +54,7 @@ def test_surface_does_not_know_the_grid():
 
 
 def test_upright_line_lies_on_the_surface():
-    """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda. [section 5]"""
+    """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda."""
     lam = np.linspace(-8e-6, 8e-6, 41)
     lines = marked_lines.marked_lines(TOP, lam)
     for i, value in enumerate(lam):
@@ -105,7 +105,7 @@ def test_what_is_not_finite_is_undefined():
 
 
 def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
-    """L3 = Lz: theta = 0 is the infimum iff L3^2 >= 4 m g l I1*. [section 8]"""
+    """L3 = Lz: theta = 0 is the infimum iff L3^2 >= 4 m g l I1*."""
     threshold = np.sqrt(
         4 * HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * (HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2)
     )

@@ -12,7 +12,7 @@ from tippetop.mechanics.theory import spinning
 from tippetop_kernels.level_crossings import Level
 
 
-PARAMETERS = oracle.parameters(0.3, 3.0, 4.0)  # gamma above gamma* [section 5, item 4]
+PARAMETERS = oracle.parameters(0.3, 3.0, 4.0)  # gamma above gamma*
 TOP = bodies.top(PARAMETERS)
 
 

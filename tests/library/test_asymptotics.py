@@ -71,7 +71,7 @@ def test_rates_are_columns_when_a_run_asks_for_them(source: str, start: dict, pa
 
 def test_thresholds_of_the_surface_stand_beside_the_others() -> None:
     limits = tt.theory.thresholds("inverting")
-    assert limits["lambda_pi"].value == pytest.approx(1.70683e-6, rel=1e-5)  # [section 14]
+    assert limits["lambda_pi"].value == pytest.approx(1.70683e-6, rel=1e-5)  #
     assert limits["gamma_star"].value == pytest.approx(2.1213, abs=1e-4)
 
 

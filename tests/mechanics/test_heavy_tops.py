@@ -19,7 +19,7 @@ from tippetop.runs.run import solve
 
 
 class Swing(NamedTuple):
-    """z(t) = z1 + (z2 - z1) sn^2(W t, k), since a maximum of theta. [section 8]"""
+    """z(t) = z1 + (z2 - z1) sn^2(W t, k), since a maximum of theta."""
 
     z1: float
     z2: float

@@ -45,7 +45,7 @@ def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> N
 
 @every_body
 def test_critical_function_is_the_slope_of_the_potential(name: str) -> None:
-    """V_z = N/(gamma I1 R^2 (1 - z^2)^2), and N(-1) <= 0 <= N(1). [section 5]"""
+    """V_z = N/(gamma I1 R^2 (1 - z^2)^2), and N(-1) <= 0 <= N(1)."""
     b = oracle.body(BODIES[name])
     for z, D, lam in (("0.3", "1e-4", "2e-6"), ("-0.9", "-3e-4", "5e-6")):
         z, D, lam = mp.mpf(z), mp.mpf(D), mp.mpf(lam)
@@ -74,7 +74,7 @@ def bend(gamma: Any, alpha: float, sigma: float) -> Any:
 def test_a_second_minimum_appears_where_the_potential_bends_down_at_its_level_end(
     alpha: float, sigma: float
 ) -> None:
-    """gamma*, found from V alone, is what `two_wells_from` gives. [section 5]"""
+    """gamma*, found from V alone, is what `two_wells_from` gives."""
     star = mp.findroot(
         lambda gamma: bend(gamma, alpha, sigma)[1], (1 + alpha, 4), solver="anderson", tol=1e-30
     )

@@ -22,7 +22,7 @@ class Largest(Memory):
 
     most = count = 0
 
-    def rows(self, times, states) -> None:
+    def add_rows(self, times, states) -> None:
         self.most, self.count = max(self.most, len(times)), self.count + len(states)
 
 
@@ -67,13 +67,13 @@ def test_a_slice_of_many_rows_is_interrupted_before_its_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its rows, some 1e10, would take hours."""
-    stop, rows = threading.Event(), recording.Recorder.rows
+    stop, rows = threading.Event(), recording.Recorder.add_rows
 
     def stopped_at_the_first(self: recording.Recorder, *block: Any) -> None:
         stop.set()
         rows(self, *block)
 
-    monkeypatch.setattr(recording.Recorder, "rows", stopped_at_the_first)
+    monkeypatch.setattr(recording.Recorder, "add_rows", stopped_at_the_first)
     monkeypatch.setattr(recording, "PATIENCE", 0.2)
     problem = starting.load("inverting", ["run.output_step=1e-10"], until=8.0)
     with pytest.raises(Interrupted):

@@ -1,4 +1,4 @@
-"""What is wrong with a contact that may open, each in one sentence. [contact 6]"""
+"""What is wrong with a contact that may open, each in one sentence."""
 
 import copy
 from typing import Any

@@ -16,7 +16,7 @@ from tippetop.mechanics.contact.body import BALLS
 from tippetop.mechanics.contact.contact_phases import PHASES
 from tippetop.mechanics.contact.uniqueness import painleve_bound
 from tippetop.scenario import build
-from tippetop.views.phase_formulas import given
+from tippetop.views.phase_formulas import numbers_for_page
 from tippetop.views.playground import BY_NAME, playground
 
 
@@ -43,7 +43,7 @@ def in_page(tab: Any, problem: tt.Problem, times: np.ndarray) -> dict[str, Any]:
     """theta at some times, phases and events, integrated in the page."""
     (law,) = (name for name, law in BY_NAME.items() if law is type(problem.friction))
     call = "([top, times]) => tippetop.followed(top, times)"
-    found = tab.evaluate(call, [given(problem) | {"law": law}, times.tolist()])
+    found = tab.evaluate(call, [numbers_for_page(problem) | {"law": law}, times.tolist()])
     return found | {"thetas": np.array(found["thetas"], dtype=float)}
 
 

@@ -146,6 +146,6 @@ def _named(name: str) -> Case:
         given["title"],
         given["text"].strip(),
         data("laws.toml")[given["law"]],
-        starting.problem(tables, name),
+        starting.problem_from_tables(tables, name),
         data("certificates.json").get(name, {}),
     )

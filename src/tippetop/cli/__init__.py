@@ -78,7 +78,7 @@ def _warn(message: Warning | str, *_: Any) -> None:
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
-    """Return the exit code of `main`."""
+    """Call the command; turn its errors into sentences and an exit code."""
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:
         from .application import called

@@ -32,6 +32,7 @@ def topics() -> dict[str, Any]:
     from ..sweeps.plan_reference import plan
 
     def measurements() -> list[Section]:
+        """Return the columns that a table of measurements may have, with their units."""
         from ..exchange.headers import KINDS, LEAN, SCALARS
 
         columns = [(name, unit.symbol, text) for name, (unit, text) in SCALARS.items()]

@@ -99,7 +99,7 @@ def check(
             raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
         facts, units = sweep_command.examine(tables, Path(scenario).parent)
         return _print_facts(facts, units, as_json)
-    problem = starting.problem(build.ending(tables, until), scenario)
+    problem = starting.problem_from_tables(build.ending(tables, until), scenario)
     resolved = build.resolved(problem)
     facts = {**resolved, **forecast.assessment(problem), "warnings": warn(doubts(problem))}
     if problem.precision == "double":  # wider numbers compile for a minute
@@ -183,9 +183,9 @@ def systems(*, as_json: bool = False) -> int:
     as_json
         Print the list as one JSON object.
     """
-    from ..scenario.scenario_reference import systems
+    from ..scenario.scenario_reference import systems_table
 
-    (section,) = systems()
+    (section,) = systems_table()
     listing = {name: dict(zip(section.head[1:], row, strict=True)) for name, *row in section.rows}
     if as_json:
         return print_json(listing)

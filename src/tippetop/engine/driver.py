@@ -60,7 +60,7 @@ class Passages(NamedTuple):
 
 @dataclass
 class Slice:
-    """The result of `Driver.advance`: what was found in some consecutive steps."""
+    """The result of `Driver.advance`: the state after some steps, and the events in them."""
 
     steps: int
     time: Any  # reached, internal, in the working precision
@@ -72,9 +72,12 @@ class Slice:
 
 
 class Request(Protocol):
-    """The caller of `Driver.advance`, which asks for rows and receives them."""
+    """The caller of `Driver.advance`, from which it gets times of rows, and which receives them.
 
-    steps: bool  # at the ends of steps, rather than at given times
+    `runs.integration.Integration` implements it.
+    """
+
+    rows_at_steps: bool  # whether rows are at the ends of steps, rather than at given times
 
     def next_times(self) -> np.ndarray:
         """Return the internal times of the rows that are wanted next, (k,) doubles; for steps, an
@@ -108,6 +111,7 @@ class Workspace:
     """
 
     def __init__(self, run: "Driver", compiled: Compiled, rows: EventRows):
+        """Allocate the arrays of an integrator, and bind the loop to them."""
         made = compiled.integrator
         self.compiled = compiled
         self.rows = rows
@@ -150,6 +154,7 @@ class Driver:
         functions: np.ndarray,
         end: Any,
     ):
+        """Allocate the arrays of the run, and set body, start, time 0 and end."""
         self.at_start = functions
         self.end = end
         self.variables = len(start)
@@ -239,8 +244,10 @@ class Driver:
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
-        """Make at most `most` steps. Return their number, the time and the state reached, and how
-        the run ends there; None if it continues.
+        """Advance by at most `most` steps, as subclasses do through their phases.
+
+        Return the number of steps, the time and the state reached, and how the run ends there; None
+        if it continues.
         """
         before = self.steps[0]
         self.drive(most)
@@ -257,7 +264,7 @@ class Driver:
         self.logged[0] = self.sampled_so_far[0] = 0
 
     def drive(self, most: int) -> int:
-        """Make at most `most` steps and their rows, and return the number of steps."""
+        """Provide room for rows while at most `most` steps are made; return their number."""
         steps = 0
         while True:
             if self.made[0] == self.output.length:
@@ -274,7 +281,7 @@ class Driver:
         filled = np.zeros(1, np.int64)
         states = np.empty((n, self.width), self.number)
         phases = np.empty(n, np.int64)
-        self.set_output(Rows(times, states, phases, filled, self.request.steps, n))
+        self.set_output(Rows(times, states, phases, filled, self.request.rows_at_steps, n))
 
     def deliver_rows(self) -> None:
         """Hand the rows that were filled since the last call to the request."""
@@ -290,7 +297,7 @@ class Driver:
         return states[:, : self.variables]
 
     def make_steps(self, most: int) -> int:
-        """Make at most `most` steps, write their rows, and return the number of steps."""
+        """Let the loop in C make at most `most` steps and their rows; return their number."""
         self.loop.fill(self.output)
         return self.loop.drive(most)
 

@@ -89,6 +89,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     folds = {name: v for name, v in system.folds(form).items() if name in pattern._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
+        """Return the values of the phase's own events at a state, then of those of the system."""
         state = form.scalars(q, b)
         values = [event.formula(state, b) for event in own]
         if common:
@@ -280,6 +281,7 @@ class PhaseSolver:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
+        """Compile the phase, number its events and exits as the run does, and allocate arrays."""
         problem = run.problem
         phase = run.phases[name]
         self.name = name
@@ -391,6 +393,10 @@ class HybridDriver(Driver):
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
+        """Assemble the body and its phases, number all events, and begin the run.
+
+        Each phase is compiled when it is first entered.
+        """
         system = problem.system
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
@@ -546,7 +552,7 @@ class HybridDriver(Driver):
         return replace(super().advance(request, most), tables=self.tables.take_rows())
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
-        """Make at most `most` steps, through as many phases as they take."""
+        """Advance by at most `most` steps, through as many phases as they take."""
         self.changes = 0
         steps = 0
         while True:
@@ -636,7 +642,7 @@ class HybridDriver(Driver):
         if not math.isfinite(sum(state)):
             self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
-        if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
+        if self.request.rows_at_steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self.add(np.array([when]), last[None])
         self._enter(begun, now, solver)
         self.changes += 1
@@ -645,7 +651,7 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make_steps(self, most: int) -> int:
-        """Make at most `most` steps and their rows, with the jumps that have programs."""
+        """Let the loop in C make at most `most` steps, and the jumps that have programs."""
         self.add_in_jump()
         if self.jump_programs is None or self.output.steps:
             return super().make_steps(most)

@@ -111,6 +111,7 @@ class ImpactMotions:
         stop: threading.Event | None = None,
         body: Any = None,
     ):
+        """Prepare the stages of an impact; each is compiled when it is first needed."""
         self.law = law
         self.restitution = restitution
         self.precision = precision

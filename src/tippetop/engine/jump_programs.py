@@ -124,6 +124,7 @@ class JumpPrograms:
     patience = PATIENCE
 
     def __init__(self, run: Any):
+        """Allocate the table in which the loop looks up programs; it is empty."""
         self.run = weakref.proxy(run)
         self.events = len(run.numbers)
         self.known = list[JumpProgram]()

@@ -120,6 +120,7 @@ def filled(record: Any) -> ctypes.Structure:
 
 
 def _field(value: Any) -> Any:
+    """Return a field as C takes it: a number, a structure, or the address of an array."""
     if isinstance(value, tuple):
         return filled(value)
     if not isinstance(value, np.ndarray):
@@ -181,7 +182,7 @@ class Loop:
     motion
         The lanes.
     rows, tallies, log, samples
-        The events to find, and the arrays for what is found.
+        The events to find, and the arrays that the loop fills.
     rules
         When a run ends or is sampled.
     stepper
@@ -198,6 +199,7 @@ class Loop:
         rules: Rules,
         stepper: Stepper,
     ):
+        """Describe all arrays in one structure of C, and keep a reference to each."""
         code: list[Any] = []
         variables, size, lanes = motion.tc.shape
         self.out = np.zeros((variables, lanes))  # a state in every lane
@@ -253,6 +255,8 @@ def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -
     """
 
     def called(work: Callable[[], None], count: int) -> Any:
+        """Return a C function of `count` pointers that does the work, or ends the runs."""
+
         def function(*_: int) -> None:
             try:
                 if not failures:

@@ -202,7 +202,7 @@ class Pools:
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
-        """Make the jump of a top that the loop cannot make. Return what it waits for next."""
+        """Make a jump that the loop cannot make. Return the next reason for which the top waits."""
         return NOTHING
 
     @QUIET
@@ -272,6 +272,7 @@ class HybridPools(Pools, HybridDriver):
     def __init__(
         self, problem: Problem, room: int, row_count: int, stop: threading.Event | None = None
     ):
+        """Set how long the loop steps between two looks at its tops, and begin the first top."""
         settled_for = SETTLED_FOR if problem.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, ENDLESS, EVERY, 0, settled_every=EVERY)
         self.sizes = room, row_count
@@ -283,7 +284,7 @@ class HybridPools(Pools, HybridDriver):
         programs = self.programs
         programs.patience = PATIENCE
         phases = len(self.phases)
-        self.request: Any = SimpleNamespace(steps=False)
+        self.request: Any = SimpleNamespace(rows_at_steps=False)
         self.problems: dict[int, Problem] = {}
         self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
@@ -406,6 +407,7 @@ class HybridPools(Pools, HybridDriver):
         self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
 
     def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
+        """Log a passage of a top, and count the turnings of theta."""
         super()._note(number, time, sign, phase, state)
         sense = self.all_events.events["sense"][number]
         if sense:  # of a single run the log counts turnings

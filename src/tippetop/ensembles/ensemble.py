@@ -166,7 +166,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     InputError
         If the problem cannot run in lanes, or a key or a shape is wrong.
     """
-    sentences = base_faults(base)
+    sentences = lanes_faults(base)
     if orientation and base.form.orientation is None:
         sentences.append("`orientation` must be false: the form does not integrate it.")
     if sentences:
@@ -174,7 +174,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     return Problems.vary(base, variations, orientation)
 
 
-def base_faults(base: Problem) -> list[str]:
+def lanes_faults(base: Problem) -> list[str]:
     """Return why a problem cannot run in lanes, in sentences; empty if it can.
 
     Parameters

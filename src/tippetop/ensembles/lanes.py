@@ -56,6 +56,7 @@ class PoolOfOne(Pools):
         events: bool,
         most: int,
     ):
+        """Compile the equations, select the events to find, and allocate lanes and tops."""
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
         code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
@@ -113,6 +114,7 @@ class Lanes:
         events: bool = False,
         most: int = MOST_STEPS,
     ):
+        """Set up lanes without tops; equations whose contact may change are compiled later."""
         self.outcomes = outcomes
         self.functions = functions
         self.ended = ended
@@ -194,8 +196,11 @@ class Lanes:
         self.under_way += len(slots)
         return is_more
 
-    def _checked(self, tops: list[int]) -> dict[int, Any]:
-        """Return the problems of the tops that can be integrated; mark the others as invalid."""
+    def _checked(self, tops: list[int]) -> dict[int, Problem]:
+        """Return the problems of the tops that can be integrated; mark the others as invalid.
+
+        After a stop, the rest of the tops are neither.
+        """
         found = {}
         for top in tops:
             if self.stop.is_set():

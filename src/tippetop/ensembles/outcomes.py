@@ -80,6 +80,7 @@ class Outcomes:
     """The results of an ensemble, as arrays (n,) with one element per top, and its cost."""
 
     def __init__(self, tops: Problems, lyapunov: bool = False, times: np.ndarray | None = None):
+        """Allocate the results, NaN where a top has not ended; invalid tops have a status."""
         self.tops = tops
         n = tops.n
         # internal times of rows, ascending (n, k), and their states, NaN where a top has none

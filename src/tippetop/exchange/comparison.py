@@ -20,7 +20,7 @@ from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 from ..runs.shape import angular_velocity, frames, lowest, moments
 from .headers import CAMERA, KIND
-from .motion import Convention, angle_between, lean, motion
+from .motion import Convention, angle_between, angle_in_picture, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .simulators import gravity, motion_of
@@ -107,7 +107,11 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         columns["gyroscope"] = _in_body_axes(columns["omega"], columns)
     theirs = {name: part[:rows] for name, part in motion(table, convention).items()}
     if "axis" in columns:
-        columns |= {name: lean(columns["axis"], name) for name in theirs if CAMERA.fullmatch(name)}
+        columns |= {
+            name: angle_in_picture(columns["axis"], name)
+            for name in theirs
+            if CAMERA.fullmatch(name)
+        }
     if "accelerometer" in theirs:
         columns["accelerometer"] = specific_force(run, columns, convention.chip)
     known = {"t"} | theirs.keys() & columns

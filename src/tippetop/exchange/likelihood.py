@@ -32,6 +32,7 @@ class LogLikelihood:
     """
 
     def __init__(self, observation: Observation):
+        """Prepare the predictions, and keep the start and the unit of each free number."""
         self._observation = observation
         observation.predicted.refine()
         self.free = observation.free
@@ -74,6 +75,10 @@ class LogLikelihood:
         return (values, slopes) if given.ndim > 1 else (float(values[0]), slopes[0])
 
     def _values(self, points: np.ndarray) -> np.ndarray:
+        """Return the logarithm of the likelihood at each point.
+
+        It is -inf outside the interval of a number, and where a measured time is before the start.
+        """
         observation = self._observation
         found = np.full(len(points), -np.inf)
         inside = np.isfinite(points).all(axis=1)

@@ -50,6 +50,7 @@ class Misfit:
     """
 
     def __init__(self, observation: Observation, space: Space, loss: str):
+        """Give each group the weight 1, and a floor of rounding error."""
         choice("loss", loss, WEIGHTS)
         self.observation = observation
         self.space = space

@@ -145,6 +145,10 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
 
 
 def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
+    """Return rows of a vector, named `what` in messages, scaled to length 1.
+
+    Raises InputError if a row is incomplete, or its length differs from 1 by more than `UNIT`.
+    """
     gaps = np.isnan(rows)
     if (partial := gaps.any(axis=1) & ~gaps.all(axis=1)).any():
         raise InputError(
@@ -177,8 +181,8 @@ def theta_of(q: np.ndarray) -> np.ndarray:
     return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
 
-def lean(axis: np.ndarray, name: str) -> np.ndarray:
-    """Return the directions of axes (..., 3) in the picture of a camera [rad], (...)."""
+def angle_in_picture(axis: np.ndarray, name: str) -> np.ndarray:
+    """Return the angles [rad], (...), of axes (..., 3) in the picture of the camera of a column."""
     match = CAMERA.fullmatch(name)
     assert match is not None
     a, e = np.deg2rad([float(angle or 0) for angle in match.groups()])

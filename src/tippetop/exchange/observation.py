@@ -13,7 +13,7 @@ from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
-from .motion import lean, theta_of
+from .motion import angle_in_picture, theta_of
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
@@ -74,6 +74,10 @@ class Observation:
         noise: float | None = None,
         chip: Sequence[float] = (0.0, 0.0, 0.0),
     ):
+        """Check times and free numbers, and sort the measurements into groups.
+
+        A missing measurement (NaN) is not compared.
+        """
         self.free = tuple(free)
         self.t = seen["t"]
         self.noise = noise
@@ -176,7 +180,7 @@ class Observation:
         """Return the predictions of `dots`, also between them: times [s], and curves by group."""
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
         read = self._read([values], t)
-        curves = {group: self._model(group, read)[0] for group in self.groups}
+        curves = {group: self._predicted_rows(group, read)[0] for group in self.groups}
         if "orientation" in curves:
             curves["orientation"] = theta_of(curves["orientation"])
         return t, {group: curve.reshape(len(t), -1) for group, curve in curves.items()}
@@ -188,7 +192,8 @@ class Observation:
         return self.predicted.read(own, clock, self.columns)
 
     def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
-        model = self._model(group, read)
+        """Return the measurements of a group minus its predictions; angles within half a turn."""
+        model = self._predicted_rows(group, read)
         if group in residuals.OF_ATTITUDES:
             return residuals.OF_ATTITUDES[group](seen, model)
         off = seen - model
@@ -196,10 +201,10 @@ class Observation:
             off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
         return off
 
-    def _model(self, group: str, read: Arrays) -> np.ndarray:
+    def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts)."""
         if CAMERA.fullmatch(group):
-            return lean(read["axis"], group)[..., None]
+            return angle_in_picture(read["axis"], group)[..., None]
         if group == "accelerometer":
             return at_chip(read, self.chip)
         names = _names(group)
@@ -209,6 +214,7 @@ class Observation:
         model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
         if group == "marker":
             axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
+            # axes of the body, components in space, points, rows; the marker is fixed to the body
             model = model + np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
         return model
 

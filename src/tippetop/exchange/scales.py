@@ -31,7 +31,10 @@ TURNED = (
 
 
 class Scale(NamedTuple):
-    """The coordinate of a free number: its logarithm if positive, else the number over `size`."""
+    """The coordinate of a free number, and its bounds `low` and `high`.
+
+    It is the logarithm of a number whose interval is (0, oo), of others the number over `size`.
+    """
 
     logarithmic: bool
     size: float
@@ -56,9 +59,10 @@ class Scale(NamedTuple):
 
 
 def scale_of(rule: Number, value: float, unit: float = 1.0) -> Scale:
-    """Return the scale of a number, by its interval and where it starts.
+    """Return the coordinate of a number that starts at a value.
 
-    `unit`: of numbers that start at 0.
+    Its `size` is |value|, or `unit` for a number that starts at 0. Its bounds are those of the
+    number's interval; of a logarithm, a factor of 20 to both sides.
     """
     low = max((b for b in (rule.above, rule.least) if b is not None), default=-np.inf)
     high = min((b for b in (rule.below, rule.most) if b is not None), default=np.inf)
@@ -101,6 +105,7 @@ class Space:
     """
 
     def __init__(self, start: dict[str, float], scales: Sequence[Scale], within: float = FAR):
+        """Choose the coordinates of single numbers, then of pairs that are searched as vectors."""
         self.names = tuple(start)
         self.scales = tuple(scales)
         pairs = zip(scales, start.values(), strict=True)

@@ -301,6 +301,7 @@ def _ellipsoid(surface: Surface) -> str:
 
 
 def _mjcf(model: Model) -> str:
+    """Return the text of a model of MuJoCo (MJCF); the start is its keyframe."""
     body, start, (mu, torsion, rolling) = model.body, model.start, model.friction
     frame = next(iter(model.surfaces.values())).centre  # or the fixed tip
     inertia = (
@@ -357,6 +358,7 @@ def _mjcf(model: Model) -> str:
 
 
 def _urdf(model: Model) -> str:
+    """Return the text of a URDF file; start, gravity and friction are in its comment."""
     body = model.body
     sentences = [
         "URDF has no start, gravity or friction: set them in the simulator, as follows; "
@@ -403,6 +405,7 @@ def _sdf_geometry(surface: Surface) -> str:
 
 
 def _sdf(model: Model) -> str:
+    """Return the text of a world of Gazebo (SDF); the initial velocity is in its comment."""
     body, fixed, (mu, torsion, _) = model.body, model.fixed, model.friction
     sentence = (
         "SDF has no initial velocity: set it in the simulator, as follows; the body frame is at "

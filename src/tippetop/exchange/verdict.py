@@ -35,6 +35,7 @@ class Verdict:
         return plain | {"orders": self.orders} if self.orders else plain
 
     def __str__(self) -> str:
+        """Return the table of differences, remarks on files, and orders of convergence, as text."""
         lines = _table(self.motions)
         for m in self.motions:
             if "reference_ended" in m.numbers:

@@ -1,7 +1,5 @@
 """The potential of a top, in a variable that is exact at both poles, and its minimal surface.
 
-[section 5, 8]
-
 Instead of z = cos(theta) the formulas take q = tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 +
 z = 2/(1 + q), and dz/dln(q) = -(1 - z^2)/2. X = lambda sqrt(d) + R(alpha - z) D is carried by its
 values at the poles, a ~ X(+1) and b ~ X(-1): with K from d = (1 - z^2)(h^2 + K), h linear in
@@ -251,14 +249,16 @@ def guess(p, c):
 
 
 @formula
-def ends(first, second, p, c):
-    """Return whether the infimum is approached at q -> 0, and at q -> oo.
+def reaches_pole(first, second, p, c):
+    """Return whether V approaches its infimum at the pole q = 0, and at the pole q = oo.
 
-    So it is on the marked lines, to a rounding of D and lambda.
+    The first happens on the marked line a = 0, the second on b = 0 if also a^2 >= gamma gain: near
+    q = oo, V exceeds its limit by (a^2/gamma - gain)/q. Here a number is 0 if it is within four
+    rounding errors of the part by lambda. `first` (D) is there for the signature of the kernels.
     """
-    little = 4 * 2.220446049250313e-16
+    rounding = 4 * 2.220446049250313e-16
     a = abs(p.a.head + 2 * p.k.head * c.K.head / c.sqrt_d1.head)  # that of `pole_values` for b = 0
     return (
-        abs(p.a.head) <= little * abs(c.a2.head * second),
-        (abs(p.b.head) <= little * abs(c.b2.head * second)) & (a >= c.root_gamma_gain),
+        abs(p.a.head) <= rounding * abs(c.a2.head * second),
+        (abs(p.b.head) <= rounding * abs(c.b2.head * second)) & (a >= c.root_gamma_gain),
     )

@@ -9,9 +9,9 @@ from tippetop_kernels.compilation import Entry, inlined
 from .formulas import (
     at_momenta,
     curvature,
-    ends,
     excess,
     guess,
+    reaches_pole,
     slope,
     slopes,
     surface_gradient,
@@ -19,7 +19,7 @@ from .formulas import (
 )
 
 
-minima = grid.minima(at_momenta, guess, slopes, slope, value, ends)
+minima = grid.minima(at_momenta, guess, slopes, slope, value, reaches_pole)
 gradients = grid.gradients(at_momenta, surface_gradient)
 
 

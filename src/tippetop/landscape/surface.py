@@ -63,7 +63,7 @@ def minimal_surface(
     gradient: bool = True,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """Compute the minimal surface F = inf V [J] over a grid. [T 4.13 with section 5]
+    """Compute the minimal surface F = inf V [J] over a grid. [T 4.13]
 
     Parameters
     ----------

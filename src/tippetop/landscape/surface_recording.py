@@ -68,6 +68,7 @@ def write(
     blocks = list(itertools.product(*firsts))
 
     def chunks() -> Iterator[tuple[str, Arrays]]:
+        """Yield the axes, then each block of the surface: key in the store, values by name."""
         yield "axes/0", {name: values for name, (_, values, _) in axes.items()}
         for done, (i, j) in enumerate(blocks, 1):
             minima = surface.minima(top, x[i : i + chunk], y[j : j + chunk], threads)

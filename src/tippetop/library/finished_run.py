@@ -248,6 +248,7 @@ class Run:
             return Page(self._page(seconds("start", start), seconds("until", until)))
 
     def _page(self, start: float | None, until: float | None) -> str:
+        """Return the page (HTML) of the motion between two times [s]."""
         from ..views.run_page import page, refuse
         from ..views.samples import needed
 
@@ -321,6 +322,7 @@ class Run:
         return f"<b>{html.escape(self._headline)}</b><table>{rows}</table>{self._closed_page()}"
 
     def _closed_page(self) -> str:
+        """Return the page as a folded part of a notebook, or the reason why it cannot be shown."""
         try:
             if (rows := self.trajectory.sizes.get("time", 0)) > SHOWN:
                 return f"<p>In motion: .view() makes the page of its {rows} rows.</p>"

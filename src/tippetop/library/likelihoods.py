@@ -74,6 +74,7 @@ class Posterior:
     """
 
     def __init__(self, fitted: Fitted, points: np.ndarray, weights: np.ndarray):
+        """Compute mean, standard deviation and effective number of weighted draws."""
         self.fit = fitted
         self.free = tuple(fitted.estimates)
         self.points = points

@@ -82,7 +82,7 @@ def problem_of(
         chosen = extended(chosen, events, columns)
         if columns and kept is None and "columns" in tables.get("run", {}):
             tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in columns)]
-        return starting.problem(tables, source, chosen)
+        return starting.problem_from_tables(tables, source, chosen)
 
 
 @lru_cache(maxsize=64)

@@ -21,7 +21,7 @@ from ..mechanics.theory import least_energy as least
 from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.least_energy import AsymptoticState
 from ..mechanics.theory.regimes import Regime
-from ..mechanics.theory.spinning import thresholds_of_surface
+from ..mechanics.theory.spinning import rolling_thresholds
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import JELLETT, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
@@ -78,7 +78,7 @@ def thresholds(top: Top | Run | Problem | str) -> dict[str, Threshold]:
         return Thresholds(eggs_and_discs.limits(body.body()) | spins)
     if isinstance(body, HeavyTop):
         return Thresholds(limits.thresholds_of_sleeping(body.body()))
-    return Thresholds(limits.thresholds(body.body()) | thresholds_of_surface(body.body()))
+    return Thresholds(limits.thresholds(body.body()) | rolling_thresholds(body.body()))
 
 
 def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:

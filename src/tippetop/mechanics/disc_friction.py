@@ -1,4 +1,4 @@
-"""Friction of a contact disc that slides and drills. [contact 5]
+"""Friction of a contact disc that slides and drills.
 
 Coulomb's law acts at each point under the pressure of Hertz.
 

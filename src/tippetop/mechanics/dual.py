@@ -31,21 +31,26 @@ def _sum(a: Sequence, b: Sequence) -> list:
 
 
 def _product(a: Sequence, b: Sequence) -> list:
+    """Return the parts of a product, its value and derivatives, by Leibniz's rule.
+
+    A part that is missing at the end of a factor is 0.
+    """
     if len(a) == len(b) == 2:  # most products, in a third of the time
         return [a[0] * b[0], a[1] * b[0] + a[0] * b[1]]
     if len(b) == 1:
         return [one * b[0] for one in a]
     made = []
     for n in range(max(len(a), len(b))):
-        some = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
-        terms = (a[n - k] * b[k] for k in some)
+        present = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
+        terms = (a[n - k] * b[k] for k in present)
         if n > 1:
-            terms = (PASCAL[n][k] * term for k, term in zip(some, terms, strict=True))
+            terms = (PASCAL[n][k] * term for k, term in zip(present, terms, strict=True))
         made.append(reduce(operator.add, terms))
     return made
 
 
 def _quotient(a: Sequence, b: Sequence) -> list:
+    """Return a quotient and its derivatives: Leibniz's rule for a = (a/b) b, solved for a/b."""
     made = list[Any]()
     for n in range(max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
@@ -56,6 +61,7 @@ def _quotient(a: Sequence, b: Sequence) -> list:
 
 
 def _root(a: Sequence) -> list:
+    """Return a square root and its derivatives: Leibniz's rule for a = r r, solved for r."""
     made = [sqrt(a[0])]
     for n in range(1, len(a)):
         rest = a[n]
@@ -133,6 +139,11 @@ class Dual(NDArrayOperatorsMixin):
         return self.__array_ufunc__(np.power, "__call__", self, power)
 
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        """Apply a numpy function by the product and chain rules; a comparison compares values.
+
+        Of duals at several levels, the highest level is differentiated, and the rest are its
+        numbers.
+        """
         name = function.__name__
         if name in COMPARISONS:
             COMPARED.get()(np.subtract(*inputs))

@@ -342,6 +342,7 @@ class Phase(metaclass=Described):
     axis_stays: bool = False
 
     def __post_init__(self) -> None:
+        """Check the records, and make `forms` a read-only dict by name."""
         forms = {"": self.forms} if isinstance(self.forms, Form) else self.forms
         if not (forms and all_are(forms, Mapping, Form)):
             raise InputError(f"`forms` of a Phase must be a Form or a dict, but is {forms!r:.60}.")

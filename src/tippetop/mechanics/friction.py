@@ -119,6 +119,7 @@ class FrictionLaw(Record, abstract=True):
     mu_d: Number = reuse(DRILLING, default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
+        """Derive a law's names, and `with_parts`, the class of its records with mu_r or mu_d."""
         super().__init_subclass__()
         body = vars(cls)
         doc = (cls.__doc__ or "").partition("\n\nParameters\n")[0]

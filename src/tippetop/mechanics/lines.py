@@ -79,6 +79,7 @@ class Program:
     """
 
     def __init__(self, *inputs: tuple):
+        """Make a symbolic number of each input; there are no lines yet."""
         values = leaves(inputs)
         numbers = (Number(self, k, value) for k, value in enumerate(values))
         self.lines = list[tuple]()

@@ -74,6 +74,7 @@ class Number(metaclass=Described):
         def __set__(self, record: Any, value: float | str | None) -> None: ...
 
     def __post_init__(self) -> None:
+        """Check that the unit is a Unit, and that the default lies in the interval."""
         of = f"of the number `{self.long_name}`"
         unit = cast(Any, self.unit)
         if not isinstance(unit, Unit):
@@ -207,6 +208,7 @@ class RecordType(Described):
     def __new__(
         mcs, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
     ) -> Any:
+        """Make a class of records: fields, signature and docstring are those of its Numbers."""
         own = {key: value for key, value in body.items() if isinstance(value, Number)}
         parts = {key: rule for base in bases for key, rule in getattr(base, "parts", {}).items()}
         before = [key for base in bases for key in getattr(base, "parameters", ())]
@@ -269,20 +271,25 @@ class Record(tuple, metaclass=RecordType, abstract=True):
     else:
 
         def __new__(cls, *values: Any, **named: Any) -> Any:
+            """Return a record of `given`'s class, checked unless a number is an operand.
+
+            Numbers that are omitted have their defaults.
+            """
             refuse_unknown(cls.__name__, named, cls.__signature__.parameters)
             given = dict(zip(cls._fields, values, strict=False)) | named
             kind = cls.given([key for key, value in given.items() if value is not None])
             rules = kind.parameters
             operands = any(map(_is_operand, given.values()))
-            without = (type(None), str) if operands else type(None)  # texts take plain numbers
-            needed = [key for key, rule in rules.items() if isinstance(rule.default, without)]
+            # a default that is a text, such as "2/5*m*R^2", is computed of plain numbers only
+            no_default = (type(None), str) if operands else type(None)
+            needed = [key for key, rule in rules.items() if isinstance(rule.default, no_default)]
             missing = ", ".join(f"`{key}`" for key in needed if key not in given)
             if missing or len(given) < len(values) + len(named):
                 found = f"lacks {missing}" if missing else "was given too many arguments"
                 raise TypeError(f"{cls.__name__}({', '.join(cls._fields)}) {found}.")
-            whole = {key: given.get(key) for key in rules}
-            read = completed(whole, rules) if operands else kind.checked(whole)
-            return kind._make(read.values())
+            in_order = {key: given.get(key) for key in rules}
+            numbers = completed(in_order, rules) if operands else kind.checked(in_order)
+            return kind._make(numbers.values())
 
     @classmethod
     def given(cls, names: Any) -> Any:

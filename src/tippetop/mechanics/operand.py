@@ -62,6 +62,7 @@ def _lift(name: str) -> Callable:
     doubles = DOUBLES if name != "sqrt" else ()  # it is exact everywhere
 
     def lifted(*x: Operand) -> Operand:
+        """Apply the function of the type of its arguments: floats, expressions, or arrays."""
         if type(x[0]) in doubles and type(x[-1]) in doubles:
             try:
                 return np.float64(scalar(*x))
@@ -231,6 +232,7 @@ def teach_numba() -> None:
     from numba.extending import intrinsic, overload, register_jitable
 
     def teach(function: Callable) -> None:
+        """Let numba compile the formula, or the version that its `for_numba` returns."""
         choice = getattr(function, "for_numba", None)
         if choice is None:
             # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7

@@ -1,4 +1,4 @@
-"""Coefficients of the effective potential of a top. [section 5, 8]
+"""Coefficients of the effective potential of a top.
 
 They belong to a variable that keeps its digits at both poles.
 

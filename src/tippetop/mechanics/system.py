@@ -52,8 +52,6 @@ class Momentum(NamedTuple):
 class Landscape:
     """Formulas of the effective potential V(z; first, second momentum) of a system.
 
-    [section 5, 8]
-
     Law: V of the coefficients at q = (1 - up z)/(1 + up z) is `System.potential` at z, where q = 0,
     z = up = +1 or -1 is the pole at which the centre of mass is lowest.
     """
@@ -240,6 +238,7 @@ class System(metaclass=Described):
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        """Check the phases, derive what follows from them, and make mappings read-only."""
         if not (self.phases and all_are(self.phases, Mapping, Phase)):
             found: Any = self.phases
             if isinstance(found, Mapping):

@@ -75,6 +75,7 @@ class Problem(RunOptions):
     checked: ClassVar[bool] = False  # a copy by dataclasses.replace is not checked
 
     def __post_init__(self) -> None:
+        """Derive `output_step` and `output_times`, of which one at most is not None."""
         if isinstance(self.times, np.ndarray):
             object.__setattr__(self, "times", ListedTimes(self.times))
         step, listed = (getattr(self.times, name, None) for name in ("step", "times"))
@@ -83,6 +84,7 @@ class Problem(RunOptions):
         freeze(self, "parameters", "initial", "surroundings", "origin")
 
     def __reduce__(self) -> Any:
+        """Return how to make the problem again: by its fields, with the form by its name."""
         given = {
             f.name: getattr(self, f.name)
             for f in dataclasses.fields(self)

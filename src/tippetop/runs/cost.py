@@ -83,7 +83,7 @@ class _Columns(Sink):
     def __init__(self, view: Observables):
         self.view = view
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Convert rows to columns."""
         self.view.columns(times, states)
 
@@ -91,7 +91,10 @@ class _Columns(Sink):
 def _timed(
     problem: Problem, size: int, slices: int, clock: Callable[[], float]
 ) -> tuple[float, RunProgress]:
-    """Return the time of the first slices of a run, rows as columns included, and its progress."""
+    """Return the seconds that the first `slices` slices of `size` steps take, and the progress.
+
+    They include the setup of the run and the conversion of its rows to columns.
+    """
     began = clock()
     integration = Integration(problem)
     integration.part(

@@ -57,6 +57,7 @@ class EventLog:
     """
 
     def __init__(self, view: Observables, first: np.ndarray, tallies: Tallies):
+        """Number the events of the system, and start with an empty table."""
         problem = view.problem
         self.view = view
         self.second = problem.unit(SECOND)

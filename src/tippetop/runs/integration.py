@@ -69,6 +69,7 @@ class Integration:
     def __init__(
         self, problem: Problem, stop: threading.Event | None = None, driver: Driver | None = None
     ):
+        """Compile the problem, unless a driver is passed, and begin at its start."""
         clock = time.perf_counter()
         self.problem = problem
         self.driver = driver or driver_of(problem, stop)
@@ -123,13 +124,15 @@ class Integration:
                 break
             if problem.output == "keyframes" and self.steps_made % problem.keyframe_steps == 0:
                 row = keyframes.columns(problem, self.driver, self.t_end, self.steps_made)
-                sink.tables({"keyframes": {name: column.values for name, column in row.items()}})
+                sink.add_tables(
+                    {"keyframes": {name: column.values for name, column in row.items()}}
+                )
             present = self.progress()
             sink.slice_done(present, self.snapshot)
             if progress is not None:
                 progress(present)
         self.fill()
-        sink.events(self.log.empty, self.log.finish(self.last))
+        sink.add_events(self.log.empty, self.log.finish(self.last))
         if problem.output == "events":
             self._write(np.array([self.t_end]), self.last)
 
@@ -143,7 +146,7 @@ class Integration:
     def begin(self, sink: Sink) -> None:
         """Connect the run to a sink; set its status if it ends at its start."""
         self.sink, self.requested = sink, self.filled
-        self.steps, self.at_times = (
+        self.rows_at_steps, self.at_times = (
             sink.keeps_rows and self.problem.output == output for output in ("steps", "times")
         )
         self.status = self._ended_at_start() if self.fresh else None
@@ -186,7 +189,7 @@ class Integration:
 
     def next_times(self) -> np.ndarray:
         """Return the internal times of the next rows, or an empty array for the ends of steps."""
-        if self.steps:
+        if self.rows_at_steps:
             return np.empty(ROWS_PER_BLOCK)
         if not self.at_times:
             return np.zeros(0)
@@ -197,7 +200,7 @@ class Integration:
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Pass rows at these internal times to the sink."""
         rows = slice(self.filled, self.filled + len(times))
-        self._write(times * self.second if self.steps else self.problem.times[rows], states)
+        self._write(times * self.second if self.rows_at_steps else self.problem.times[rows], states)
 
     def fill(self) -> None:
         """Write the rows at the very end of the run, which lie in no step: the last good state."""
@@ -209,7 +212,7 @@ class Integration:
 
     def _write(self, times: np.ndarray, states: np.ndarray) -> None:
         """Pass rows to the sink: times [s], internal states."""
-        self.sink.rows(times, states)
+        self.sink.add_rows(times, states)
         self.filled += len(times)
 
     # --- slices ----------------------------------------------------------------------------------
@@ -231,7 +234,7 @@ class Integration:
         self.steps_made += piece.steps
         self._take_tables(piece.tables)
         table, marks, states = self.log.add_zeros(piece.passages)
-        self.sink.events(table, marks)
+        self.sink.add_events(table, marks)
         if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # within a step
             self._write(np.array([self.t_end]), self.last)
         elif self.problem.output == "events" and len(table.time):
@@ -241,7 +244,7 @@ class Integration:
     def _take_tables(self, tables: dict) -> None:
         """Pass rows of phases and impacts to the sink."""
         self.phases.add(tables)
-        self.sink.tables(tables)
+        self.sink.add_tables(tables)
 
     def progress(self) -> RunProgress:
         """Return the present progress and measurements as an immutable record."""
@@ -288,6 +291,7 @@ class Integration:
         return {"slice": self._encoded(start) if start else {}, "end": end}
 
     def _state(self) -> dict[str, Any]:
+        """Return what decides how the run continues: of the driver, the monitors and the log."""
         return {
             "driver": self.driver.snapshot(),
             "filled": self.filled,
@@ -329,7 +333,7 @@ class Integration:
         self.log.restore(state["log"])
         self.phases = PhaseHistory(self.phases.words, **state["story"])
 
-    def take_up(self, row: dict[str, np.ndarray]) -> None:
+    def start_at_keyframe(self, row: dict[str, np.ndarray]) -> None:
         """Continue from a keyframe, a row by column; measurements and log begin anew there."""
         keyframes.restore(self.driver, row)
         self.last = self.driver.present()

@@ -50,6 +50,7 @@ class Recorder(Writer, Sink):
     keeps_rows = True
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
+        """Make an empty table for each of the store, which rows are added to."""
         super().__init__(store)
         self.problem = problem
         self.view = Observables(problem)
@@ -60,7 +61,7 @@ class Recorder(Writer, Sink):
         self.committed_at = time.monotonic()
         self.asked = 0.0
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Write rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
         if self.stop.is_set():
             self.asked = self.asked or time.monotonic()
@@ -68,14 +69,14 @@ class Recorder(Writer, Sink):
                 raise Interrupted
         self.later(lambda: self._append("trajectory", self.view.columns(times, states)))
 
-    def events(self, table: EventTable, marks: list[int]) -> None:
+    def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Write rows of the event log, and mark rows as significant."""
         if len(table.time):
             self.later(lambda: self._append("events", event_columns(table)))
         if marks:
             self.later(lambda: self.mark(marks))
 
-    def tables(self, new: dict[str, Rows]) -> None:
+    def add_tables(self, new: dict[str, Rows]) -> None:
         """Write rows of phases, impacts and keyframes."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
@@ -196,7 +197,7 @@ def record(
     """
     begun: list[Integration] = []
 
-    def head() -> PlainData:
+    def head() -> PlainData:  # called once the folder can be written: compiling takes seconds
         begun.append(Integration(problem, stop))
         return header(begun[0])
 
@@ -237,11 +238,11 @@ def save(
     ):
         for first in range(0, len(solution.times), ROWS_PER_CHUNK):
             some = slice(first, first + ROWS_PER_CHUNK)
-            recorder.rows(solution.times[some], solution.rows[some])
-        recorder.events(solution.events, [])
+            recorder.add_rows(solution.times[some], solution.rows[some])
+        recorder.add_events(solution.events, [])
         for name, parts in solution.others.items():
             for part in parts:
-                recorder.tables({name: part})
+                recorder.add_tables({name: part})
         recorder.finish(attrs, integration.encoded(solution.ending))
 
 

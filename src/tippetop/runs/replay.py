@@ -35,10 +35,10 @@ STEPS = 512
 class _Rows(recording.Recorder):
     """A recorder of rows only: events and phases are copied from the run."""
 
-    def events(self, table: EventTable, marks: list[int]) -> None:
+    def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Ignore rows of the event log."""
 
-    def tables(self, new: dict[str, Rows]) -> None:
+    def add_tables(self, new: dict[str, Rows]) -> None:
         """Ignore rows of phases and impacts."""
 
 
@@ -176,6 +176,8 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
         )
     try:
         row = root.loaded(table.isel(keyframe=at), path)
-        integration.take_up({str(name): value.values for name, value in row.variables.items()})
+        integration.start_at_keyframe(
+            {str(name): value.values for name, value in row.variables.items()}
+        )
     except (ValueError, IndexError, TypeError) as error:
         raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

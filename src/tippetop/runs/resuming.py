@@ -79,20 +79,24 @@ def resume(
         state = kept["integration"] if tail else (store.state.end or {}).get("slice")
 
         def take_up(recorder: Recorder) -> None:
+            """Load the stored state into recorder and integration, then bring the store to it.
+
+            The store is changed only when it is certain that the run can continue.
+            """
             recorder.begun_with = kept.get("begun_with", [])
             if state is not None:
-                _put_back(target, integration, state)
+                _restore(target, integration, state)
             if until is None:  # nothing is changed before it is certain that the run can continue
                 store.recover()
             if state is None:  # it was killed before its first commit
                 return
             if tail:
                 recorder.restore(tail)
-            else:
+            else:  # a finished run, which is cut back to its last slice
                 rows = _rows(integration)
                 for table in recorder.growing.values():
                     table.cut(rows[table.group])
-            # events that are still open here
+            # the rest of the run decides whether these events are significant
             recorder.mark(integration.log.open_rows(), value=False)
             if not tail:
                 chunks = {key for table in recorder.growing.values() for key in table.chunks()}
@@ -164,7 +168,7 @@ def _compare(store: Ledger, wanted: PlainData) -> None:
             )
 
 
-def _put_back(target: Path, integration: Integration, kept: PlainData) -> None:
+def _restore(target: Path, integration: Integration, kept: PlainData) -> None:
     """Restore an integration from a record of its store. Raises StoreError."""
     try:
         integration.restore(kept)

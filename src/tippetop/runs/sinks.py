@@ -16,13 +16,13 @@ class Sink:
     keeps_rows = False
     """True if rows are wanted."""
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Receive rows: times [s] and internal states."""
 
-    def events(self, table: EventTable, marks: list[int]) -> None:
+    def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Receive rows of the event log, and indices of rows now known to be significant."""
 
-    def tables(self, new: dict[str, Rows]) -> None:
+    def add_tables(self, new: dict[str, Rows]) -> None:
         """Receive rows of the tables of phases, impacts and keyframes, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
@@ -41,17 +41,17 @@ class Memory(Sink):
         self.marks: list[int] = []
         self.others: dict[str, list[Rows]] = {}
 
-    def rows(self, times: np.ndarray, states: np.ndarray) -> None:
+    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Keep rows."""
         self.times.append(times)
         self.states.append(states)
 
-    def events(self, table: EventTable, marks: list[int]) -> None:
+    def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Keep rows of the event log, and marks."""
         self.logs.append(table)
         self.marks += marks
 
-    def tables(self, new: dict[str, Rows]) -> None:
+    def add_tables(self, new: dict[str, Rows]) -> None:
         """Keep rows of these tables."""
         for name, columns in new.items():
             self.others.setdefault(name, []).append(columns)

@@ -55,7 +55,7 @@ def load(
         If `initial.from` is not a store from which a run can start.
     """
     tables = reading.override(reading.read(str(path_of("source", source))), assignments)
-    return problem(build.ending(tables, until), source)
+    return problem_from_tables(build.ending(tables, until), source)
 
 
 def load_any(source: str | os.PathLike, assignments: list[str] | None = None) -> Problem:
@@ -72,7 +72,7 @@ def load_any(source: str | os.PathLike, assignments: list[str] | None = None) ->
     return build.problem(reading.override(build.tables_of(attrs), assignments))
 
 
-def problem(tables: PlainData, source: Any, known: System | None = None) -> Problem:
+def problem_from_tables(tables: PlainData, source: Any, known: System | None = None) -> Problem:
     """Return the checked Problem of a scenario's tables, read from `source`.
 
     Their `initial.from` may name the store of a run, from the folder of the source.

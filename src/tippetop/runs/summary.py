@@ -51,7 +51,13 @@ COMPARED = (
 def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
     """Return the name and the text of each line of a summary.
 
-    `seconds` are those of integrating and compiling.
+    Parameters
+    ----------
+    info
+        What `attributes.info` returns. Of its entries, `contact_phases`, `outcome`, `kept`,
+        `normal_force`, `motion`, `start`, `replay` and `certificate` are optional.
+    seconds
+        Durations of integrating and compiling [s], by `integrate` and `compile`.
     """
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
     if seconds is not None:
@@ -113,6 +119,7 @@ def _axis(info: Info, system: Any, events: Info, peg: bool) -> dict[str, str]:
 
 
 def _turnings(info: Info) -> str:
+    """Return the number of turning points, and the band of theta between them."""
     counts = info["event_counts"]
     band = info["nutational_band"]
     if not counts.get("turning"):

@@ -171,7 +171,7 @@ def contact_faults(problem: Problem) -> list[str]:
     coefficients = {getattr(friction, name): name for name in law.bounded_by}
     mu = max(coefficients, default=0.0)
     mu_r = getattr(friction, "mu_r", 0.0)
-    # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
+    # Coulomb friction has one contact force only below Painleve's bound.
     balls = problem.balls
     highest = _highest(problem) if isinstance(body, Asymmetric) else math.inf
     bounds = {name: painleve_bound(ball, highest) for name, ball in balls.items()}

@@ -177,8 +177,8 @@ def _meaning(law: type[FrictionLaw]) -> str:
     return " ".join((law.__doc__ or "").partition("\n\nParameters\n")[0].split())
 
 
-def systems() -> list[Section]:
-    """Return the systems: forms, integrals, source."""
+def systems_table() -> list[Section]:
+    """Return one table of all systems: name, title, forms, integrals, source."""
     load_entry_points()
     rows = [
         (s.name, s.title, ", ".join(s.forms), ", ".join(s.integrals) or "none", s.source)
@@ -239,6 +239,10 @@ def columns() -> list[Section]:
 
 
 def _columns(system: System) -> list[tuple[str, ...]]:
+    """Return a row (column, unit, meaning) for each column of a system.
+
+    Systems that share a column have equal rows, so that a set of them has each once.
+    """
     names = system.long_names
     turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
     if system.undefined_at_poles:
@@ -266,7 +270,7 @@ def _columns(system: System) -> list[tuple[str, ...]]:
 TOPICS = {
     "scenario": scenario,
     "friction": friction,
-    "systems": systems,
+    "systems": systems_table,
     "events": events,
     "columns": columns,
 }

@@ -50,6 +50,10 @@ def template(name: str) -> str:
 
 
 def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
+    """Return the lines of a TOML file with every key of a scenario.
+
+    Keys of the preset have their values; others are comments with an example.
+    """
     system = system_with_contact(system_of(tables), tables)
     examples = {key: option.metadata["example"] for key, option in OPTIONS.items()}
     examples |= {a.name: True for a in system.alternatives if a.flag}

@@ -99,6 +99,8 @@ def _netcdf(tables: dict[str, Any], attrs: dict[str, Any], of: str) -> Any:
 
 
 def _csv(table: Any, path: Path, of: str) -> None:
+    """Write a table as CSV, with units in its header."""
+
     def head(column: str) -> str:
         name = column if column in table else column.rpartition("_")[0]
         units = table[name].attrs.get("units", "1")
@@ -111,6 +113,7 @@ def _csv(table: Any, path: Path, of: str) -> None:
 
 
 def _parquet(table: Any, path: Path, of: str, attrs: PlainData) -> None:
+    """Write a table as Parquet, with attributes as its metadata."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from ..arguments import flag
 from ..errors import StoreError
 from .folder import Folder, NoLocks
-from .ledger import Ledger, begins_in
+from .ledger import Ledger, has_ledger
 
 
 SCRATCH = "[0-9a-f]" * 32  # ends the name of a scratch folder
@@ -82,9 +82,12 @@ def scratch_folder(path: Path) -> Iterator[Path]:
 
 
 def put_back(path: Path) -> None:
-    """Restore a store that a killed writer had moved aside, or remove it if it was replaced."""
+    """Undo or complete a replacement that a killed writer of `path` left.
+
+    The old store, which was moved aside, is renamed back, or removed if the new one is there.
+    """
     old = name_aside(path)
-    if not begins_in(old):
+    if not has_ledger(old):
         return
     if path.exists():
         _removed(old)

@@ -162,7 +162,7 @@ def records_of(raw: bytes) -> list[PlainData]:
     return records
 
 
-def begins_in(path: Path) -> bool:
+def has_ledger(path: Path) -> bool:
     """Return whether a folder contains a ledger of ours, damaged or not."""
     with contextlib.suppress(OSError):
         return Folder(path).read(LEDGER)[DIGITS:].startswith(b' {"format":')
@@ -209,6 +209,7 @@ class Ledger:
     """
 
     def __init__(self, path: Path):
+        """Prepare the ledger of a store; the class methods lock it, and read or make it."""
         self.folder = Folder(path)
         self.path = path
         self.state: Acknowledged
@@ -322,7 +323,12 @@ class Ledger:
         self.release()
 
     @contextlib.contextmanager
-    def _whole(self) -> Iterator[None]:
+    def _unless_broken(self) -> Iterator[None]:
+        """Let the block write if no write has failed yet, and the store is in its place.
+
+        After an error of the disk nothing more is written. Nothing is rolled back: what no commit
+        has acknowledged does not count.
+        """
         if self.broken is not None:
             raise self.broken
         self.check()
@@ -338,6 +344,7 @@ class Ledger:
             self.folder.mkdir(path)
 
     def _describe(self, *, derived: bool = False) -> None:
+        """Write the documents of root, groups and arrays that differ from their files."""
         for path, document in self.state.documents().items():
             name = f"{path}/{DOCUMENT}".lstrip("/")
             data = zarr3.dump(document)
@@ -347,9 +354,10 @@ class Ledger:
                 self.folder.unsynced |= {name, path}
 
     def _compact(self) -> None:
-        """Replace the ledger by its sum: the disk may not have what another process appended.
+        """Replace the ledger by two records: the header, and the sum of all others.
 
-        The new file is locked before it is renamed.
+        The disk may not have what another process appended. The new file is locked before it is
+        renamed.
         """
         state = self.state
         state.failed = {}
@@ -370,7 +378,7 @@ class Ledger:
     def _tidy(self) -> None:
         """Set aside chunks and tails that are not acknowledged; remove them from a sealed store.
 
-        What is set aside has the name of a file that is being written, and is replaced by it.
+        A file that is set aside gets the name of one that is being written, which replaces it.
         """
         members = self.state.header["members"]
         kept = {name for key in self.state.chunks for name in self.state.files(key)}
@@ -390,7 +398,7 @@ class Ledger:
         """Write a chunk from the values of its columns; the next commit acknowledges it."""
         members = self.state.header["members"]
         files = {}
-        with self._whole():
+        with self._unless_broken():
             for name in self.state.files(key):
                 path = name.rpartition("/")[0]
                 files[name] = zarr3.encode(values[path.rpartition("/")[2]], members[path])
@@ -399,7 +407,7 @@ class Ledger:
 
     def commit(self, tail: bytes | None = None, **record: Any) -> None:
         """Acknowledge the chunks since the last commit, and a tail; data first, then the record."""
-        with self._whole():
+        with self._unless_broken():
             old = self.state.tail
             record |= {"chunks": self.pending, "tail": self._write_tail(tail)}
             self.folder.sync()
@@ -422,7 +430,7 @@ class Ledger:
 
     def derive(self, files: Mapping[str, bytes]) -> None:
         """Write documents and further files for readers, which `recover` can make again."""
-        with self._whole():
+        with self._unless_broken():
             for name, data in files.items():
                 self.folder.write(name, data, derived=True)
             self._describe(derived=True)
@@ -432,7 +440,7 @@ class Ledger:
 
         The ledger becomes its sum, so that equal stores have equal ledgers.
         """
-        with self._whole():
+        with self._unless_broken():
             record |= {"chunks": self.pending, "tail": "", "changed": changed, "seal": True}
             self.state.add(record)
             self._describe()
@@ -443,8 +451,23 @@ class Ledger:
     def restart(
         self, head: PlainData, keys: Collection[str], tail: bytes | None = None, **record: Any
     ) -> None:
-        """Replace header, chunks and tail in one step, to continue from an earlier state."""
-        with self._whole():
+        """Replace the content of the store in one step, to continue from an earlier state.
+
+        Everything else that was acknowledged is dropped: other chunks, the end, the seal, changed
+        attributes. No chunk may be pending.
+
+        Parameters
+        ----------
+        head
+            The new header, with the same members.
+        keys
+            The chunks that stay.
+        tail
+            The new tail.
+        record
+            Further fields of the record, such as `rows`.
+        """
+        with self._unless_broken():
             record["tail"] = self._write_tail(tail)
             self.folder.sync()
             record["chunks"] = {k: v for k, v in self.state.chunks.items() if k in keys}
@@ -533,6 +556,7 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
     _tail(folder, state)
 
     def keys() -> Iterator[str]:
+        """Yield the acknowledged chunks, then those of tables that grow which a tail contains."""
         yield from state.chunks
         for table in state.rows:  # further chunks are derived from the tail
             path = state.header["tables"][table][0]

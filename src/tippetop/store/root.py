@@ -175,7 +175,7 @@ def new_store(
         lock = None
         if path.exists():
             files.refuse_existing(path, overwrite)
-            if not ledger.begins_in(path):
+            if not ledger.has_ledger(path):
                 raise StoreError(f"`{path}` {_no_store(path)}.")
             lock = stack.enter_context(Ledger.locked(path))
         files.remove_stale(path)

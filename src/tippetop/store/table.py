@@ -18,6 +18,7 @@ class Table:
     """
 
     def __init__(self, ledger: Ledger, name: str):
+        """Begin with no rows, and an empty list of waiting ones for each column."""
         self.ledger = ledger
         self.name = name
         self.group = name.removesuffix(LATE)
@@ -42,6 +43,7 @@ class Table:
             self._put()
 
     def _put(self) -> None:
+        """Write the waiting rows of one chunk; the last chunk may have fewer."""
         chunk = {}
         for column in self.documents:
             values = self._joined(column)

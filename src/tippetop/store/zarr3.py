@@ -46,7 +46,7 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
     whole = [(n, max(n, 1)) for n in column.values.shape]
     each = [sizes.get(dim, size) for dim, size in zip(column.dims, whole, strict=True)]
     endian = {"configuration": {"endian": "little"}} if dtype.itemsize > 1 else {}
-    blosc = {
+    blosc = {  # as `encode` compresses: change both
         "typesize": dtype.itemsize,
         "cname": "lz4",
         "clevel": 1,

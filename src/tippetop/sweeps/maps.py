@@ -182,7 +182,10 @@ def shown_classes(path: Path, table: Any) -> np.ndarray:
 
 
 def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
-    """Return the cells of an axis: one for each number, or bins of drawn numbers."""
+    """Return the cells of an axis: one for each number, or bins of drawn numbers.
+
+    `attrs` are the attributes of its column, with its name in words and its unit.
+    """
     values = np.unique([v for v in axis.values if np.isfinite(v)] if axis.values else axis.between)
     if not len(values):
         raise InputError(f"the figure must have numbers on `{axis.key}`, but there are none.")
@@ -190,7 +193,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
     scaled = np.log(values) if log else values
     if axis.sampled:
         drawn = sum(a.sampled for a in plan.design.axes)
-        count = (plan.n / TOPS_PER_CELL) ** (1 / min(drawn, 2))
+        count = (plan.n / TOPS_PER_CELL) ** (1 / min(drawn, 2))  # a map has two axes at most
         edges = np.linspace(scaled[0], scaled[-1], int(np.clip(count, *CELLS)) + 1)
     elif len(values) == 1:
         edges = scaled[0] + np.array([-0.5, 0.5])

@@ -137,7 +137,7 @@ class Plan:
             _read_texts(axis, f"axis.{i}", rule.unit if rule else ONE)
             sentences += _axis_faults(axis, f"axis.{i}", rule is not None and rule.nonzero)
         sentences += _design_faults(shape, keys)
-        sentences += derived_axes.faults(base, keys) + ensemble.base_faults(base)
+        sentences += derived_axes.faults(base, keys) + ensemble.lanes_faults(base)
         if sentences:
             raise InputError(sentences)
         plain_data = shape.model_dump(exclude_none=True, exclude={"set"})
@@ -272,6 +272,7 @@ def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
 
 
 def _axis(axis: Any) -> Axis:
+    """Return an axis of a sweep, with the values of `linspace` or `geomspace` written out."""
     values = axis.values or ()
     if ends := axis.linspace or axis.geomspace:
         spread: Any = np.linspace if axis.linspace else np.geomspace

@@ -40,6 +40,7 @@ def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
 
 
 def _header(plan: Plan) -> PlainData:
+    """Return the header of the store of a sweep: its attributes and arrays."""
     coordinates = _coordinates(plan)
     columns = chunk.column_schema(plan.base, plan.keep)
     sizes = {"top": (plan.n, plan.chunk), "row": (0, PER_FILE), "part": (plan.chunks, 1)}

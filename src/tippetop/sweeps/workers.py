@@ -81,6 +81,7 @@ def _flow(
     flying: dict[Any, Task] = {}
 
     def send() -> None:
+        """Submit further chunks, until enough are under way, or the pool is broken."""
         for task in itertools.islice(tasks, max(0, workers.ahead() - len(flying))):
             try:
                 flying[executor.submit(chunk.compute_chunk, task)] = task

@@ -64,8 +64,12 @@ def is_movable(problem: Problem) -> bool:
     )
 
 
-def given(problem: Problem) -> dict[str, Any]:
-    """Return the numbers of a tippe top: its parameters with those of the law, and its start."""
+def numbers_for_page(problem: Problem) -> dict[str, Any]:
+    """Return what a page integrates: the numbers of top, law and start, and how long.
+
+    A number of the start that is absent is 0 on the page. With `atRest` the page computes nu_x and
+    nu_y such that the centre of mass rests.
+    """
     data = dict(problem.initial)
     contact = problem.contact
     theta = data.get("theta", 0.0)
@@ -117,6 +121,7 @@ def _of_law(law: Any) -> str:
         return TOP.body_of(by_name, law._make(by_name[name] for name in law.parameters))
 
     def start(s: Any, z: Any, d: Sequence[Any], b: Any) -> list:
+        """Return the state of a flight that begins with the initial numbers d."""
         data = dict(zip(INITIAL, d, strict=True))
         angles: Any = row_of_angles(TOP.start(data, s, z, b), s, z, b)
         lifted = angles._replace(
@@ -137,6 +142,8 @@ def _of_law(law: Any) -> str:
         return [*v, patch_speed2(omega, b) if law.regions else 0 * v.x]
 
     def friction(of: Any) -> Any:
+        """Return a formula of force and torque per normal force under the law `of`."""
+
         def per_force(y: Any, b: Any) -> list:
             v, omega = slip(y, b)
             force, torque = of(omega, v, y[0].uz, b)

@@ -6,7 +6,7 @@ from ..mechanics.friction import LAWS
 from ..runs.starting import load
 from ..scenario.reading import presets
 from . import pages
-from .phase_formulas import contacts, given, is_movable
+from .phase_formulas import contacts, is_movable, numbers_for_page
 
 
 TITLE = "Tippe top playground"
@@ -38,7 +38,7 @@ def _preset(name: str) -> dict[str, Any] | None:
     if not is_movable(problem):
         return None
     law = next(law for law, record in BY_NAME.items() if record is type(problem.friction))
-    about = given(problem)
+    about = numbers_for_page(problem)
     title = presets()[name].partition("\n")[0].strip("# .")
     about |= {"name": name, "words": title, "law": law}
     return about | {"until": min(about["until"], 30.0)}

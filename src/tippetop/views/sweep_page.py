@@ -16,7 +16,7 @@ from ..sweeps.sweep_summary import open_sweep, plan_of
 from . import pages
 from .borders import borders
 from .encoding import encode
-from .phase_formulas import NO_PHASES, NO_POTENTIAL, contacts, given, is_movable
+from .phase_formulas import NO_PHASES, NO_POTENTIAL, contacts, is_movable, numbers_for_page
 
 
 MOST = 100_000  # tops of a page
@@ -68,7 +68,9 @@ def page_of_sweep(path: Path) -> str:
     if table.attrs["status"] != "finished":
         notes.append("This sweep is not finished.")
     data = {
-        "given": given(plan.base) | {"stops": plan.base.contact is None} if movable else None,
+        "given": numbers_for_page(plan.base) | {"stops": plan.base.contact is None}
+        if movable
+        else None,
         "body": shape(build.resolved(plan.base)),
         "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
         "columns": [

@@ -1,4 +1,4 @@
-"""Sphere and stem on the plane at once, against the equations in Euler angles. [contact 4.3]"""
+"""Sphere and stem on the plane at once, against the equations in Euler angles."""
 
 import numpy as np
 import pytest

@@ -84,10 +84,7 @@ def state(b: Touch, theta: float, L: Any, rise: float, gap: float = 0.0) -> Movi
 
 
 def gap_at(x: Moving, b: Touch, gap: float, t: Any) -> Any:
-    """The gap at times t: L stays, the axis turns about it, the centre falls.
-
-    [contact 3.1]
-    """
+    """The gap at times t: L stays, the axis turns about it, the centre falls."""
     u, L = (np.array(vector, np.longdouble) for vector in (x.u, x.L))
     size = np.sqrt(L @ L)
     along = L @ u / size**2

@@ -1,7 +1,4 @@
-"""The regularised law of Coulomb tends to the law itself, with the orders of theory.
-
-[contact 2.8]
-"""
+"""The regularised law of Coulomb tends to the law itself, with the orders of theory."""
 
 import numpy as np
 from examples import CANONICAL

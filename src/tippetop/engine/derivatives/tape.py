@@ -109,6 +109,7 @@ class Tape:
     """
 
     def __init__(self, function: Callable, inputs: Sequence):
+        """Call the function once with symbolic inputs, and record its operations as lines."""
         program = Program(*inputs)
         results, self.about = function(program.call, program.inputs)
         program.joined(results)

@@ -55,8 +55,7 @@ SIMPSON = np.array([1, 4, 1]) / 6
 BRIEF = 1e-9
 """Time of a jump in which the state stays; there are no derivatives in a longer one."""
 NOISE = 1e-12
-"""Event functions nearer to zero are rounding: of the last hops of a ball, nobody knows the number.
-"""
+"""Event functions nearer to zero are rounding: the number of a ball's last hops is not known."""
 PROJECTED_AT = 1e-2, 1e-5, 1e-9
 """Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
 
@@ -151,6 +150,7 @@ class Motion(NamedTuple):
         events = self.formulas.events
 
         def function(b: Any, state: tuple) -> Sequence:
+            """Return the event function at a state, and its first `order` time derivatives."""
             q, carried = self.variables.split(in_motion(self.variables, state, b, order))
             if event in events:
                 h = self.formulas.functions(q, carried, b)[events.index(event)]
@@ -308,7 +308,7 @@ class Pass:
         What could turn out otherwise.
     """
 
-    steps = False
+    rows_at_steps = False
 
     @QUIET
     def __init__(
@@ -320,6 +320,7 @@ class Pass:
         order: int = 1,
         driver: Any = None,
     ):
+        """Follow the run with derivatives to the last of `times`; `samples` then has the states."""
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
@@ -465,6 +466,11 @@ class Pass:
         impacts: Any = getattr(driver, "impacts", None)
 
         def jumped(call: Callable, numbers: Sequence) -> tuple:
+            """Make the jump with given numbers of the body, of the impact rules, and of the state.
+
+            Return numbers (the longest time of the next phase, then the state in it) and the name
+            of this phase with its zeros. If the run ends: the delay, and an empty name.
+            """
             body, rules = refill(self.given, iter(numbers))
             state = numbers[len(self.known) :]
 

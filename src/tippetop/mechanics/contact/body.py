@@ -47,15 +47,16 @@ class Touch(NamedTuple):
 
 
 class Bent(Touch):
-    """A body with an outline, as the ball by which it touches, which changes with its axis."""
+    """A body with an outline: the ball by which it touches the plane depends on its axis."""
 
     __slots__ = ()
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
-    """Return a body seen from its sphere and from the ball of its stem, if it has one.
+    """Return the body as a `Touch` of its sphere, and as one of the ball of its stem, if any.
 
-    `stem` is its radius and its distance from the centre of the sphere; offsets would be rounded.
+    `stem` contains the radius of this ball and its distance from the centre of the sphere, or is
+    empty. (The difference of two offsets from the centre of mass would be rounded.)
     """
     if not stem:
         return (b._replace(clearance=1.0, lever=0.0),)  # no other ball ever touches
@@ -71,9 +72,10 @@ def seen_from_other(b: Touch) -> Touch:
 
 
 def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
-    """Return a body as the ball by which it touches the plane at z = cos(theta).
+    """Return the body with R and c of the ball by which it touches the plane at z = cos(theta).
 
-    s2 is sin(theta)^2, which 1 - z^2 is not exactly. A sphere is always that ball.
+    The ball has the curvature of the outline there; a sphere is returned as it is. s2 is
+    sin(theta)^2, of which 1 - z^2 would lose digits.
     """
     if not isinstance(b, Bent):
         return b
@@ -84,7 +86,7 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
 
 
 def shape_of(b: Touch) -> Any:
-    """Return the outline of a body without its bend."""
+    """Return the outline of a body, also if `touching_ball` has replaced it by a `Place`."""
     return getattr(b.outline, "shape", b.outline)
 
 
@@ -99,9 +101,9 @@ def by_scalars(s: Any, b: Touch) -> Touch:
 
 
 def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
-    """Return a decorator of formulas of a sphere that have others for other bodies.
+    """Return a decorator: the formula of a sphere, which other bodies replace by their own.
 
-    Their last argument is the body.
+    The type of the last argument, the body, decides.
     """
     others = {Bent: of_outline, Asymmetric: of_frame}
 
@@ -118,7 +120,10 @@ def as_sphere(b: Touch, **numbers: Any) -> Touch:
 
 
 def as_ball(b: Any) -> Any:
-    """Return a body in an impact, alone: the ball by which it touches the plane, if it has one."""
+    """Return the body as impacts take it: without its other ball and surroundings.
+
+    A body with an outline becomes the ball by which it touches.
+    """
     if isinstance(b, Asymmetric):
         return b._replace(clearance=(), lever=(), around=())
     return Touch(b.m, b.R, b.c, b.I1, b.I3, b.g, b.friction)
@@ -190,7 +195,7 @@ BALLS = ("body", "stem")
 
 
 class Turning(NamedTuple):
-    """How the axis of a body lies and the body turns: what formulas take of a state `x`."""
+    """The orientation and the angular momentum of a body, which most formulas take as `x`."""
 
     u: Any  # 3hat, or a Frame
     L: Vector  # about the centre of mass
@@ -218,7 +223,7 @@ def turning(q):
 
 
 class Moving(NamedTuple):
-    """The common state: how a body lies and moves."""
+    """The common state of all phases: orientation, momentum, velocity and height of a body."""
 
     u: Any  # 3hat, or a Frame
     L: Vector  # about the centre of mass
@@ -235,7 +240,7 @@ class Reaction(NamedTuple):
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
-    """Return the state with more of some integrals, of those that the run has."""
+    """Return the state with amounts added to integrals, by name; those it lacks are ignored."""
     known = x.carried._fields
     more = {name: getattr(x.carried, name) + integrals[name] for name in integrals if name in known}
     return x._replace(carried=x.carried._replace(**more))
@@ -255,7 +260,7 @@ def height(z, b):
 
 @by_body(of_frame=frame.height)
 def height_of(u, b):
-    """Return the height of the centre of mass of a body that lies so and touches the plane [m]."""
+    """Return the height of the centre of mass of a body that touches the plane [m]; u as in x."""
     return height(u.z, b)
 
 
@@ -302,7 +307,7 @@ def momentum_of(omega, u, b):
 
 @formula
 def angular_velocity_of(x, L3, b):
-    """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""
+    """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat."""
     return plus(times(1 / b.I1, x.L), times((1 / b.I3 - 1 / b.I1) * L3, x.u))
 
 
@@ -368,10 +373,7 @@ def moment(u, F, b):
 
 @formula
 def rolling_velocity(e, s, z, b):
-    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
-
-    [section 3.2]
-    """
+    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0."""
     return e.theta_dot * height(z, b), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
 
 
@@ -410,7 +412,7 @@ def outside_faults(*centre: float) -> list[str]:
 
 Kinematics: Any = namedtuple("Kinematics", "z s2 z_dot z_ddot_free phi_dot_s2 axis_speed2 L3 Lz")
 """How the axis moves, and L: functions of the state that do not depend on the form; all are smooth
-at the poles (section 3.4).
+at the poles.
 
 z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
 no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
@@ -519,17 +521,14 @@ def bent_bias_n(s, b):
 
 @by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
+    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]."""
     turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
     return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula
 def mobility_n(s, b):
-    """Return the acceleration of the contact point across the lean, per force [1/kg].
-
-    [K_22 of contact 1]
-    """
+    """Return the acceleration of the contact point across the lean, per force [1/kg]."""
     return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
@@ -602,8 +601,6 @@ def arm_speed2(s, b):
     """Return |omega x a|^2 [m^2/s^2].
 
     It is the square of the speed that the centre of mass would have if the body rolled.
-
-    [section 3.3]
     """
     w3 = s.L3 / b.I3
     q = b.c - b.R * s.z

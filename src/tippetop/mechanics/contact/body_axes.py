@@ -1,5 +1,5 @@
 """Which way the whole body is turned: its axes 1 and 3 in the space frame, and so the Euler angle
-psi. [section 1]
+psi.
 
 Angles are phi, theta, psi about z, y, z: the body's axes are R_z(phi) R_y(theta) R_z(psi) of those
 of space, so that axis 3 is 3hat with azimuth phi, and axis 1 is 1hat cos(psi) + 2hat sin(psi) with

@@ -60,7 +60,10 @@ def phase_name(label: str, ball: int, *regions: str) -> str:
 
 
 class Acts(NamedTuple):
-    """Force and torque of the plane on a body, v_A and omega; with the fields of a `Reaction`."""
+    """The action of the plane: force and torque, with v_A and omega of the body.
+
+    It can be used as a `Reaction`.
+    """
 
     force: Vector
     torque: Vector
@@ -96,19 +99,23 @@ def on_ball(
     enter: Callable,
     changes: Callable,
 ) -> Phase:
-    """Return a phase on one ball.
+    """Return a phase whose state is that of a body on one ball: axis, L, and some variables of v_A.
 
     Parameters
     ----------
+    units
+        The state, filled with units.
+    events
+        The events of the phase.
     forces
         forces(turning(q), q, b) -> force and torque of the plane, and the actions on both balls, if
         both touch.
     velocity
         velocity(q) -> v_A.
     enter
-        enter(v) -> what the state has besides axis and momentum, of v_A.
+        enter(v_A) -> the variables of the state that follow axis and L.
     changes
-        changes(q, G) -> the rates of that, of the acceleration G of the contact point.
+        changes(q, G) -> the rates of these, G being the acceleration of the contact point.
     """
 
     def moving(q, b):
@@ -120,6 +127,7 @@ def on_ball(
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
+        """Return the rates of 3hat and L under the forces of the plane, and those by `changes`."""
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
@@ -160,7 +168,7 @@ def on_ball(
 
 
 def none(q: Any) -> Vector:
-    """Return no velocity, or no force."""
+    """Return a zero vector of the type of the state's numbers."""
     return times(0, axis(q))
 
 
@@ -175,10 +183,7 @@ def ending(name: str, long_name: str, function: Callable, direction: int = -1) -
 
 
 def other_gap(s, b):
-    """Return the height of the other ball above the plane, that of this one being zero.
-
-    [contact 4.1]
-    """
+    """Return the gap of the other ball, while this one touches the plane [m]."""
     return b.clearance + b.lever * s.z
 
 
@@ -193,7 +198,7 @@ Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings. [contact 3.1]"""
+    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings."""
     still = 0 * q.uz
     if not b.around:
         return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
@@ -275,7 +280,11 @@ SLIP = Phase(
 
 
 def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...] = AXIS) -> Phase:
-    """Return a phase in which the contact point stays at rest: holds(x, b) -> force, torque."""
+    """Return a phase in which the contact point stays at rest.
+
+    holds(x, b) returns the force and torque that keep it there; `lies` are the variables of the
+    orientation.
+    """
     forces = lambda x, q, b: holds(x, b)  # noqa: E731
     phase = on_ball(state(lies), events, forces, none, lambda v: (), lambda q, G: ())
     if lies is AXIS:
@@ -307,7 +316,7 @@ def direction(q: Any) -> Vector:
 
 
 def directed_changes(q, G):
-    """Return beta' and w' of v_A' = b + K F. [contact 1, 2.1]"""
+    """Return beta' and w' of v_A = w (cos beta, sin beta), where G = v_A'."""
     across, along = across_and_along(G, direction(q))
     return across / q.w, along
 
@@ -315,7 +324,7 @@ def directed_changes(q, G):
 STICK = ending(
     "stick",
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
-    lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
+    lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not
 )
 
 
@@ -369,7 +378,17 @@ def patch_speed2(omega, b):
 def disc_friction(
     drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2
 ) -> Callable:
-    """Return friction(omega, v, z, b) of a disc: force and torque, per normal force."""
+    """Return friction(omega, v, z, b) -> force and torque of a disc, per normal force.
+
+    Parameters
+    ----------
+    drag
+        drag(v2, U2) of the region of the law.
+    torque
+        torque(drag, omega, law) of the law.
+    edge_speed2
+        edge_speed2(omega, b) -> U^2 of the disc's edge.
+    """
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
         by = drag(horizontal2(v), edge_speed2(omega, b))
@@ -379,7 +398,7 @@ def disc_friction(
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return force and torque, per normal force, under a law of the sliding velocity."""
+    """Return force and torque, per normal force, under a law without regions, k(v2, z)."""
     k = -slip_coefficient(horizontal2(v), z, b.friction)
     return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
@@ -390,12 +409,12 @@ def rest_speed2(b):
 
 
 def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
-    """Return the squares of the speeds of a contact."""
+    """Return the squares of the speeds of sliding and of the disc's edge."""
     return Speeds(horizontal2(v), patch_speed2(omega, b))
 
 
 def beyond_rest(s, b):
-    """Return the square of the speeds of contacts beyond those of discs at rest."""
+    """Return the sum of the squares of all speeds of the contacts, less that of discs at rest."""
     rests = STILL**2 + rest_speed2(b)
     return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 
@@ -404,7 +423,7 @@ RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)
 
 
 def border(way: Any, side: int) -> Event:
-    """Return the event in which a region ends, of one of the contacts."""
+    """Return the event in which the contact `side` crosses the border `way` of its region."""
 
     def beyond(s, b):
         by = s.sides[side]
@@ -415,7 +434,11 @@ def border(way: Any, side: int) -> Event:
 
 
 def with_slip(events: tuple, pushed: Callable, lies: tuple[str, ...] = AXIS) -> Phase:
-    """Return a phase of sliding in any direction: pushed(x, v, b) -> force, torque."""
+    """Return a phase of sliding, with the components of v_A as variables.
+
+    pushed(x, v, b) returns force and torque of the plane, and the actions on both balls, if both
+    touch.
+    """
 
     def velocity(q):
         return Vector(q.vx, q.vy, 0 * q.uz)
@@ -489,7 +512,7 @@ REST = without_slip((LIFTOFF, TOUCH, GIVES))
 # On both balls the axis keeps its angle, and each ball slides, or both roll, and carries its share.
 # The motion is that of a body on its first ball, the sphere, which feels the force of both and the
 # torque of the other about the sphere's contact point. Two conditions, that theta and the height
-# stay, give the two normal forces, whatever each contact does per normal force. [contact 4.3]
+# stay, give the two normal forces, whatever each contact does per normal force.
 
 
 def shared(x, v, frictions, total, swing, b):
@@ -521,7 +544,7 @@ def shared(x, v, frictions, total, swing, b):
 
 
 def leaving(side: int, name: str, other: str) -> Event:
-    """Return the event in which one of the balls leaves the plane."""
+    """Return the event in which one of two balls leaves the plane: its normal force vanishes."""
     text = f"the {name} leaves the plane, the {other} stays"
     return ending(f"{name}-leaves", text, lambda s, b: s.sides[side].force.z)
 
@@ -581,9 +604,10 @@ def rolled(x, b):
 
 
 def pushed_on_both(x, L_dot, V_dot, b):
-    """Return the parts of L' and s'' by the contacts of a body that rolls on both, in surroundings.
+    """Return the parts of L' and s'' that are due to the contacts of a body that rolls on both.
 
-    L_dot, V_dot are all of L' and s'' without these.
+    L_dot, V_dot are L' and s'' of the same body without surroundings, whose torque and push act
+    along its only degree of freedom.
     """
     torque = around_torque(x, b)
     push = pushing(x.velocity, 0 * x.u.z, b)
@@ -636,7 +660,7 @@ def phases_under(
 
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
-    """Return the body without the rest of its sliding and turning on both balls."""
+    """Return the body with impulses that take its last sliding and turning on both balls."""
     along = x.u._replace(z=0 * x.u.z)
     omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
     L = momentum_of(omega, x.u, b)
@@ -646,9 +670,9 @@ def without_slip_on_both(x: Moving, b: Touch) -> Moving:
 
 
 def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:
-    """Return the body on both balls without theta' and vertical velocity, which impulses take.
+    """Return the body on both balls with impulses that take theta' and its vertical velocity.
 
-    The endless hops from one to the other would do so.
+    They replace the infinitely many ever smaller hops from one ball to the other.
     """
     v = contact_velocity(x, b)
     sinks = -(b.m * x.velocity.z)

@@ -2,7 +2,7 @@
 the common state.
 
 `world` is that of `form.Exit`, of which `body` is the body seen from each ball; in addition it has
-struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
+struck(x, b, e_n), an impact of a ball.
 """
 
 import math
@@ -199,14 +199,16 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 def gap_rate(x: Moving, b: Any, order: int) -> Any:
     """Return the first, second or third time derivative of the gap of a ball in flight.
 
-    The third is a difference, of which the sign counts.
+    The second is the vertical acceleration of the contact point without a force there; the third
+    is its central difference over `DIFFERENCE`, of which the sign alone is exact.
     """
     if order == 1:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
 
-    def bias(time: float) -> Any:
+    def gap_acceleration(time: float) -> Any:
+        """Return the acceleration after a short time; it does not depend on the velocity."""
         u = moved(x.u, contact.axis_rate(x, b), time)
         L = moved(x.L, around_torque(x, b), time) if b.around else x.L
         body = contact.by_axis(u, b)
@@ -217,7 +219,8 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
             body = body._replace(g=b.g + time * rate * turns)
         return bias_vector(x._replace(u=u, L=L), body).z
 
-    return (bias(DIFFERENCE) - bias(-DIFFERENCE)) / (2 * DIFFERENCE)
+    later = gap_acceleration(DIFFERENCE)
+    return (later - gap_acceleration(-DIFFERENCE)) / (2 * DIFFERENCE)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
@@ -346,7 +349,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
 def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta.
 
-    P is the rate of the speed, and Q the speed times the turn of the direction.
+    P = w' is the rate of the sliding speed w, Q = w beta'; they are computed at w = 1.
     """
     units = phase.form.units
     q = type(units)(*x.u, *x.L, beta, 1 + 0 * beta, *joined_values(units, x.carried))
@@ -355,18 +358,18 @@ def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]
 
 
 def moved(record: Any, rates: Any, time: Any) -> Any:
-    """Return a record after a time so short that its rates stay."""
+    """Return a record after a short time, by its rates: value + time rate."""
     return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
 def eighty_bits(value: Any) -> Any:
-    """Return a number, of 80 bits."""
+    """Return a number of any precision as one of 80 bits."""
     high = float(value)
     return np.longdouble(high) + float(value - high)
 
 
 def rounded(record: Any) -> Any:
-    """Return a record of numbers of 80 bits."""
+    """Return a record of records with its numbers in 80 bits."""
     return refill(record, map(eighty_bits, leaves(record)))
 
 
@@ -397,6 +400,10 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
+        """Return the rates of the state and of its speed w, and w beta'.
+
+        The slide is found with the direction beta as the unknown: where w = 0, beta' = 0/0.
+        """
         q, carried = read((*state, beta))
         speed = 1 + 0 * beta  # of which the forces are independent, but on a table
         if b.around and b.around.table:
@@ -502,10 +509,10 @@ def land(x: Moving, world: Any) -> Next:
 
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
-    """Return the phase after one of two balls leaves the plane and this one stays.
+    """Return the phase after one of two balls leaves the plane and `ball` stays.
 
-    Its gap has a triple root where its load passes zero, and a double one where that is negative
-    as the phase begins.
+    The gap of the leaving ball has a triple root if its load has just passed zero, and a double one
+    if that load was negative from the start of the phase.
     """
     n = on_plane(x, world, ball, "other-leaves", 2)
     rises = opening(n, world)
@@ -517,7 +524,11 @@ def stay_on(x: Moving, world: Any, ball: int) -> Next:
 
 
 def stick(x: Moving, world: Any) -> Next:
-    """Return the phase after sliding stops."""
+    """Return the slip that goes on, without sliding, to the instant of rest just ahead.
+
+    The event happens at the speed `STOPS_AT`; from there the rates are constant. `slide_on` then
+    decides what follows.
+    """
     phase = world.phase
     b = world.body[world.phase.ball]
     q = phase.enter(x, b)
@@ -555,9 +566,10 @@ def begin_slip(x: Moving, world: Any) -> Next:
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
-    """Return the same motion in the next region of its law, or the same, unless it comes to rest.
+    """Return the phase `to` after sliding has left a region of its law, or rest if it has stopped.
 
-    The event function `passed` has its root here; in the same region it is negative from here on.
+    `passed` is the event function of `to` with a root here. Where `to` is the present phase, which
+    passes its rest, the function is negative from here on.
     """
     sides = {passed: -1} if world.phases[to] is world.phase else {}
     n = on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
@@ -582,10 +594,10 @@ def give_way(x: Moving, world: Any) -> Next:
 
 
 def on_disc(n: Next, world: Any) -> Next:
-    """Return a phase that begins, under a law with regions.
+    """Return the next phase `n`, corrected under a law with regions.
 
-    Where sliding and turning have stopped together, the disc rests, passes its rest, or begins to
-    slide.
+    Event functions that begin beyond their zero are marked. If sliding and turning have stopped
+    together, the disc rests, passes its rest, or begins to slide.
     """
     phase = world.phases[n.phase]
     b = world.body[phase.ball]
@@ -622,9 +634,9 @@ def at_rest(n: Next, world: Any) -> Next:
 
 
 def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = ()) -> Next:
-    """Return the slide of a disc at rest that friction cannot hold.
+    """Return the phase in which a disc at rest that friction cannot hold begins to slide.
 
-    It begins at twice the speed below which it rests.
+    Impulses give it twice the speed below which it rests.
     """
     b = world.body[ball]
     F, torque = resting(x, b)

@@ -1,5 +1,5 @@
 """How a point slides while it is so slow that its direction follows the forces: from rest, at the
-edge of the friction cone or outside it, and to the next rest. [contact 2.4, 2.5]
+edge of the friction cone or outside it, and to the next rest.
 
 The direction has the equation w beta' = Q, which is singular at w = 0, and so stiff nearby that no
 explicit step begins there. Its smooth solution is found on a whole interval at once, at the nodes
@@ -33,14 +33,20 @@ which on an explicit integrator needs a multiple of the steps."""
 def first_slip(
     rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
 ) -> tuple[Any, Callable, bool] | None:
-    """Return the duration of a slow slide, at(t), the state and beta at times t since its start,
-    and whether it is slow at its end too, or stops there; None if nothing begins to slide.
+    """Compute a slow slide as a series in time.
+
+    Returns
+    -------
+    tuple
+        Its duration; at(t) -> the state and beta at times t since its start; and whether it is slow
+        at its end too, or stops there. None if nothing begins to slide.
 
     Parameters
     ----------
     rates
         rates(state, beta) -> (the state's rate, Q) of slip in the direction beta, an angle from a
-        fixed axis; of arrays (k, n), (n,). The last of the state is w, whose rate is P.
+        fixed axis; of arrays (k, n), (n,). The last of the state is the speed w, whose rate is P;
+        Q = w beta' (see `exits.pushed`).
     state
         At the start, (k,).
     beta
@@ -60,7 +66,7 @@ def first_slip(
         if found:
             at, pace, stiffness = found
             first, *times = BRIEF * duration, *np.linspace(0, duration, 2 * NODES)[1:]
-            if not max(pace(first), pace(times[0])) > 0:
+            if not max(pace(first), pace(times[0])) > 0:  # only rounding moves it
                 return None
             stop = zero_of(pace, first, *times)
             end = duration if stop is None else stop
@@ -71,8 +77,11 @@ def first_slip(
 
 
 def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tuple | None:
-    """Return at(t), w/t as a function of time, and the duration in units of the time in which the
-    direction changes, where the sweeps converge; otherwise None.
+    """Return the slide over a whole duration, found by repeated corrections at the nodes.
+
+    They are: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration in
+    units of the time in which the direction follows the forces. None if the corrections do not
+    converge, or the series is not resolved.
     """
     pi = np.arccos(-start.dtype.type(1))
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)

@@ -95,12 +95,12 @@ class Ellipsoid(NamedTuple):
         return times(1 / k, minus(self.squares(turn), times(dot(turn, top), top)))
 
 
-def parts(v: Vector, u: Frame) -> Vector:
-    """Return the components of a vector along the axes of a body that lies so."""
+def along_axes(v: Vector, u: Frame) -> Vector:
+    """Return the components of a vector in space along the axes of a body."""
     return Vector(*(dot(v, axis) for axis in u.axes))
 
 
-def whole(v: Vector, u: Frame) -> Vector:
+def in_space(v: Vector, u: Frame) -> Vector:
     """Return a vector in space of its components along the axes of a body."""
     one, two, three = u.axes
     return plus(plus(times(v.x, one), times(v.y, two)), times(v.z, three))
@@ -128,7 +128,7 @@ def rates_of(v, b):
 
 def turns(x, b):
     """Return omega = I^-1 L along the axes of the body [rad/s]."""
-    return rates_of(parts(x.L, x.u), b)
+    return rates_of(along_axes(x.L, x.u), b)
 
 
 def local_arm(u, b):
@@ -138,7 +138,7 @@ def local_arm(u, b):
 
 def arm(u, b):
     """Return the arm, (3,) [m]: from the centre of mass to the contact."""
-    return whole(local_arm(u, b), u)
+    return in_space(local_arm(u, b), u)
 
 
 def height(u, b):
@@ -148,12 +148,12 @@ def height(u, b):
 
 def momentum(omega, u, b):
     """Return L = I omega, (3,)."""
-    return whole(of_rates(parts(omega, u), b), u)
+    return in_space(of_rates(along_axes(omega, u), b), u)
 
 
 def angular_velocity(x, b):
     """Return omega, (3,) [rad/s]."""
-    return whole(turns(x, b), x.u)
+    return in_space(turns(x, b), x.u)
 
 
 def axis_rate(x, b):
@@ -166,7 +166,7 @@ def axis_rate(x, b):
 
 def arm_velocity(x, b):
     """Return omega x a, (3,) [m/s]."""
-    return whole(cross(turns(x, b), local_arm(x.u, b)), x.u)
+    return in_space(cross(turns(x, b), local_arm(x.u, b)), x.u)
 
 
 def turning(torque, a, b):
@@ -181,9 +181,9 @@ def turning(torque, a, b):
 def mobility_inverse_times(u, x, b):
     """Return K^-1 x = m (x - m w x a), (3,): the force or impulse for x at the contact."""
     a = local_arm(u, b)
-    v = parts(x, u)
+    v = along_axes(x, u)
     w = turning(cross(a, v), a, b)
-    return whole(times(b.m, minus(v, times(b.m, cross(w, a)))), u)
+    return in_space(times(b.m, minus(v, times(b.m, cross(w, a)))), u)
 
 
 def gyration(omega, b):
@@ -205,7 +205,7 @@ def swing(x, b):
 def bias_vector(x, b):
     """Return the acceleration of the contact point without a force there, (3,) [m/s^2]."""
     free = rates_of(gyration(turns(x, b), b), b)
-    return whole(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
+    return in_space(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
 
 
 def rolling(x, b):
@@ -219,10 +219,10 @@ def rolling(x, b):
 def resting(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
     _, F = rolling(x, b)
-    return whole(F, x.u), times(0, F)
+    return in_space(F, x.u), times(0, F)
 
 
 def rolling_torque(x, b):
     """Return L' of a body whose contact point stays at rest, (3,) [N m]."""
     w, _ = rolling(x, b)
-    return whole(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)
+    return in_space(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)

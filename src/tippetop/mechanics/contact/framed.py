@@ -131,7 +131,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
         up,
         cross(omega, up),
         dot(up, omega),
-        dot(omega, frame.parts(x.L, u)) / 2,
+        dot(omega, frame.along_axes(x.L, u)) / 2,
     )
 
 
@@ -155,7 +155,12 @@ OF_ROW = replace(
 
 
 def form_of(phase: Phase, label: str, angles: Any) -> Form:
-    """Return the form of a body that stays in a phase."""
+    """Return the form of a body that stays in a phase.
+
+    `label` is one of `PHASES`, which numbers the phase in rows. `angles` are the fields of the
+    angles with their units: those that the scalars do not determine are integrals, and other
+    integrals of the phase are left out.
+    """
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:

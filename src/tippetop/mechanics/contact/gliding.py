@@ -1,7 +1,7 @@
 """A body that glides: initial data, forms, events, quantities.
 
 The vector form is regular everywhere; Euler angles are singular at the poles. [T 3.12, 3.17,
-3.20-3.22, 3.29-3.34, 5.2, 5.14-5.18; section 3.4 of the derivation]
+3.20-3.22, 3.29-3.34, 5.2, 5.14-5.18]
 """
 
 from collections.abc import Callable
@@ -102,7 +102,7 @@ def vector_scalars(q, b):
 
 @formula
 def reaction(q, b):
-    """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
+    """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16]"""
     s = vector_scalars(q, b)
     v = sliding_velocity(q, b)
     k = drag(s, b)
@@ -141,10 +141,7 @@ EulerState = type(EULER_UNITS)
 
 @formula
 def centre_velocity(e, s, z, b):
-    """Return the components of the velocity of the centre of mass along e and 2hat [m/s].
-
-    [section 3.2]
-    """
+    """Return the components of the velocity of the centre of mass along e and 2hat [m/s]."""
     along_e, along_2 = rolling_velocity(e, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 
@@ -215,10 +212,7 @@ def place_of_angles(centre: Callable) -> tuple[Integral, ...]:
 
 @formula
 def axis_and_momentum(e, s, z, I1, I3):
-    """Return 3hat and L of a body with the transverse moment I1 and the axial moment I3.
-
-    [section 1]
-    """
+    """Return 3hat and L of a body with the transverse moment I1 and the axial moment I3."""
     ex = cos(e.phi)
     ey = sin(e.phi)
     L3 = I3 * e.omega3
@@ -231,10 +225,7 @@ def axis_and_momentum(e, s, z, I1, I3):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
-
-    [section 1]
-    """
+    """Return the vector state of angles; s = sin(theta), z = cos(theta), exact at the poles."""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
     velocity = of_azimuth(along_e, along_2, e.phi)
@@ -256,7 +247,7 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
     """Return to_angles(q, carried, b) of a form.
 
     The angles are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no
-    digits are lost near the poles. [section 3.4]
+    digits are lost near the poles.
 
     Parameters
     ----------
@@ -269,6 +260,7 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
     """
 
     def to_angles(q: Any, carried: Any, b: Any) -> Any:
+        """Return the angles and their rates at a state; other fields are carried ones."""
         c = scalars(q, b)
         s = sqrt(c.s2)
         known = {
@@ -362,6 +354,7 @@ def start_of(angles: Any) -> Callable:
     """
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+        """Return angles and rates of a start from what the user gave."""
         e = type(angles)(*(data.get(name, 0) for name in angles._fields))
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)

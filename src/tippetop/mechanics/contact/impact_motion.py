@@ -5,7 +5,7 @@ phases of contact, per normal force, and the axis stays. The clock is v_n, which
 that can hold the contact at rest, the clock of sliding is sigma, dp = w dsigma, and the slip is its
 direction and the logarithm of its size w, in which nothing is singular where sliding stops. The
 units of slip and of v_n are powers of two near them, so that steps are as exact for slow impacts as
-for fast ones. [contact 3.2, 3.3]
+for fast ones.
 """
 
 from collections import namedtuple
@@ -71,7 +71,7 @@ FLAT_BIAS = Vector(0.0, 0.0, -1.0)
 
 
 class Stage(NamedTuple):
-    """The motion in a region of a law, or at rest."""
+    """The part of an impact in which the contact stays in one region of a law, or at rest."""
 
     form: Form
     acts: Callable  # acts(q, b) -> Acts, per normal impulse, or at rest per rise of v_n
@@ -85,25 +85,31 @@ def can_rest(law: Any) -> bool:
 
 
 def speeds(q: Any) -> Speeds:
-    """Return the squares of sliding and turning."""
+    """Return the squares of the speeds of sliding and of the disc's edge, over exp(grown)^2."""
     return Speeds(q.v_x * q.v_x + q.v_y * q.v_y, q.turn * q.turn)
 
 
 def responses(b: Any, by: Acts) -> tuple[Vector, Vector]:
-    """Return dv_A/dp and domega/dp."""
+    """Return dv_A/dp and domega/dp, p the normal impulse, under the actions of the plane."""
     return gains(b.u, by.force, by.torque, b.touch)
 
 
 @cache
 def stages(law: Any) -> dict[str, Stage]:
-    """Return the motions of impacts under a law, by its regions and REST; "" of a law without
-    regions.
+    """Return the motions within an impact: by region of the law (or ""), and REST, if it can rest.
+
+    Parameters
+    ----------
+    law
+        The friction law, as the type of its record.
     """
 
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
+        """Return the motion in one region of the law: its form, and the events that end it."""
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):
+            """Return force and torque of the plane per normal impulse, and the velocities there."""
             none = 0 * q.v_n
             w = b.speed * (exp(q.grown) if is_directed else 1)
             p = Vector(q.p_x, q.p_y, q.p_n)
@@ -121,6 +127,11 @@ def stages(law: Any) -> dict[str, Stage]:
             return Acts(force, torque, v, omega)
 
         def rates(q, b):
+            """Return the rates of the motion's variables by its clock.
+
+            The clock is v_n; under a law that can hold the contact at rest, that of sliding is
+            sigma, dp = w dsigma.
+            """
             by = acts(q, b)
             none = 0 * q.turn
             across, turns = responses(b, by)
@@ -153,7 +164,7 @@ def stages(law: Any) -> dict[str, Stage]:
 
 
 def edge_speed2(omega: Vector, b: Any) -> Any:
-    """Return U^2."""
+    """Return U^2 = (patch Omega_z)^2, the square of the speed of the disc's edge."""
     return (b.friction.patch * omega.z) ** 2
 
 
@@ -169,12 +180,15 @@ def region_at(q: Any, b: Any) -> str:
 
 
 def left(by: Acts, b: Any) -> Any:
-    """Return by how much friction can hold the contact at rest; negative where it cannot."""
+    """Return the `margin` by which friction can hold the contact at rest; negative if it cannot."""
     return margin(by.force, by.torque.z, b.touch.friction)
 
 
 def slide(q: Any, by: Acts, b: Any) -> Any:
-    """Return the motion where a contact at rest begins to slide; `by` is what would hold it."""
+    """Return the motion q with the slip by which a contact at rest begins to slide.
+
+    `by` are the force and torque that would be needed to hold it.
+    """
     law = b.touch.friction
     grown = b.stops + 1
     if has_parts(law):

@@ -94,7 +94,7 @@ def kind_of(law: Any) -> tuple:
 
 
 def in_plane(form: Form) -> Form:
-    """Return a form that integrates theta too, and in which sliding has no direction to turn."""
+    """Return the form of a motion in a plane: theta is integrated too, and beta' = 0."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
 
     def rates(q: Any, b: Any) -> Any:
@@ -110,7 +110,21 @@ def in_plane(form: Form) -> Form:
 def phases_of(
     opening: Any, law: Any, balls: int, of_axis: tuple[Event, ...], around: tuple[str, ...]
 ) -> dict[str, Phase]:
-    """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
+    """Return the phases of a body under a law, by name, with their events and exits.
+
+    Parameters
+    ----------
+    opening
+        The `Opening` of the system.
+    law
+        The friction law.
+    balls
+        The number of balls that can touch.
+    of_axis
+        Events that every phase has in which the axis moves.
+    around
+        The groups of surroundings.
+    """
     known = phases_under(law, FRAME if opening.framed else AXIS, bool(around))
     jumped = jumping(opening, around)
     if joined_names(around):
@@ -149,7 +163,11 @@ def phases_of(
 
 
 def jumping(opening: Any, around: tuple[str, ...]) -> Callable:
-    """Return a function that makes jumps of a body, of those of a ball on a plane at rest."""
+    """Return a function that adapts the jumps of `exits` to the body and its surroundings.
+
+    These jumps are written for balls on a plane at rest. For an outline they first choose the ball
+    that touches; in surroundings that move, gravity and place of that time.
+    """
 
     def jumped(jump: Callable) -> Callable:
         if opening.outlined:
@@ -160,7 +178,10 @@ def jumping(opening: Any, around: tuple[str, ...]) -> Callable:
 
 
 def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
-    """Return the jumps from regions of a law to the next ones, by event."""
+    """Return the jumps from a phase to those in the next regions of the law, by event.
+
+    The phase has this label and ball, and one of `regions` for each ball in contact.
+    """
     return {
         phase_name(way.event, at): partial(
             go_on,
@@ -178,7 +199,9 @@ def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, C
 
 @cache
 def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -> System:
-    """Return a system whose contact may open, of one that slides; the same one for a law's record.
+    """Return a gliding system with a contact that may open: it slips, rolls, flies and lands.
+
+    Equal arguments return the same object.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ class Rim(NamedTuple):
 
 
 def at(z: Operand, s2: Operand, height: Callable) -> Series:
-    """Return the height(z, s2) of an outline with its derivatives."""
+    """Return the height(z, s2) of an outline with its derivatives by z, s2 being 1 - z^2."""
     return height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
 
 

@@ -1,5 +1,5 @@
 """The response of a body to forces, torques and impulses at its contact; and the forces of a
-contact that slides, that sticks, and of a disc that neither slides nor turns. [contact 1, 2, 5]
+contact that slides, that sticks, and of a disc that neither slides nor turns.
 
 K is the acceleration of the contact point per force there, or velocity per impulse [1/kg].
 Everything is singular only where the contact jams (Painleve: K_zz - mu n_e K_ez = 0, which
@@ -51,11 +51,10 @@ from .surroundings import braking, mean_gravity, pushing, turned
 
 @formula
 def gains(u, F, torque, b):
-    """Return the accelerations of the contact point and of the turning, (3,) each, by a force there
-    and a torque [m/s^2, rad/s^2].
+    """Return what a force at the contact and a torque add to the accelerations dv_A/dt and omega'.
 
-    They are K F + (I^-1 torque) x a, with K F = F/m + (I^-1 (a x F)) x a, and I^-1 (a x F +
-    torque).
+    They add K F + (I^-1 torque) x a, with K F = F/m + (I^-1 (a x F)) x a, to dv_A/dt, (3,) [m/s^2],
+    and I^-1 (a x F + torque) to omega', (3,) [rad/s^2]. Impulses add to the velocities likewise.
     """
     turns = angular_velocity(Turning(u, plus(cross(arm(u, b), F), torque)), b)
     return plus(times(1 / b.m, F), cross(turns, arm(u, b))), turns
@@ -69,7 +68,10 @@ def arm_square(u, b):
 
 @by_body(of_frame=frame.mobility_inverse_times)
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x, (3,): the force or impulse for x at the contact."""
+    """Return K^-1 x, (3,): the force that adds the acceleration x to the contact point.
+
+    It is also the impulse that adds the velocity x.
+    """
     return inverse_times(u, x, b, 0)
 
 
@@ -230,7 +232,7 @@ def own_resting(x, b):
 
 
 def own_turn(x, b):
-    """Return Omega_z' of a body with an axis that no torque acts on."""
+    """Return Omega_z' of a body with an axis of symmetry, if no torque acts on it."""
     return (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z
 
 
@@ -289,12 +291,10 @@ INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
 
 
 def margin(force: Any, torque: Any, law: Any) -> Any:
-    """Return by how much friction of a contact at rest can exceed the force on a point, or the
-    torque on a disc.
+    """Return how much more friction could bear than a contact at rest needs; negative: too little.
 
-    The torque is about the vertical, per mu N patch.
-
-    Negative where it cannot give the force and the torque together.
+    Of a point it is a force, mu N less the horizontal one. Of a disc it is a torque about the
+    vertical per mu N patch, while friction also bears the force.
 
     Parameters
     ----------
@@ -321,9 +321,10 @@ MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
 
 
 def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, Any]:
-    """Return v_A and the velocity of the edge, of length 1 together.
+    """Return the direction in which a contact slides under the most that friction can bear.
 
-    They are those of the slide in which friction is that of `margin` where its bound is reached.
+    It is v_A and the velocity of the disc's edge, together of length 1; they belong to the bound in
+    `margin`, whose arguments these are.
     """
     if not law.regions:
         push = force._replace(z=0 * force.z)

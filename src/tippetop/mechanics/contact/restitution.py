@@ -53,7 +53,7 @@ STEM = {
 
 
 def stem_faults(R: float, r: float, h: float) -> list[str]:
-    """Return the faults of a stem on a sphere of radius R. [contact 6]"""
+    """Return the faults of a stem on a sphere of radius R."""
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
     if not r > LEAST_RADIUS * R:

@@ -72,10 +72,7 @@ def push_along(s, b):
 
 @formula
 def push_across(s, b):
-    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta).
-
-    [contact 2.3]
-    """
+    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta)."""
     return -(contact.bias_n(s, b) / contact.mobility_n(s, b))
 
 
@@ -177,7 +174,7 @@ def force(q, b):
 
 @formula
 def vector_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
+    """Return 3hat' = L x 3hat/I1, L' = a x F."""
     return VectorState(*axis_rate(q, b), *moment(axis(q), force(q, b), b))
 
 
@@ -193,10 +190,7 @@ def spin(q, b):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
-
-    [section 1]
-    """
+    """Return the vector state of angles; s = sin(theta), z = cos(theta), exact at the poles."""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     return VectorState(*u, *L)
 

@@ -55,9 +55,16 @@ def moving(row: Any, carried: Any) -> Moving:
 
 
 def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
-    """Return the row of a state of a phase, and the body seen from its first ball.
+    """Return a state of a phase as a `Row`, the record that all phases share, and the body.
 
-    b is the body seen from the ball of the phase. Numbers, arrays or expressions.
+    Parameters
+    ----------
+    phase
+        The phase.
+    q, carried
+        Its state and its integrals: numbers, arrays or expressions.
+    b
+        The body seen from the ball of the phase; the returned one is seen from the first ball.
     """
     x = phase.leave(q, b)
     by = phase.reaction(q, b)
@@ -93,7 +100,7 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 
 def ball_of(q, b):
-    """Return the ball of a row, or of its scalars."""
+    """Return the body as the ball that touches, with its R and c from a row or its scalars."""
     return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
@@ -103,7 +110,7 @@ def lowest_velocity(q, b):
 
 
 def motion(x, v, power, gap, b):
-    """Return the scalars of a body that moves; v is v_A."""
+    """Return the scalars `MOTION` of a common state x; v is v_A, `power` what friction takes."""
     moves = kinematics(x, contact.axis_rate(x, b), b)
     return *moves, *slip_scalars(x.u, v), v.z, dot(x.velocity, x.velocity), power, gap
 
@@ -174,7 +181,10 @@ def planar_scalars(q, b):
 
 
 def carried(*names: str) -> tuple[Integral, ...]:
-    """Return the integrals of rows; a phase integrates some of them, the others stay."""
+    """Return integrals of these names without rates: those that rows have.
+
+    A phase integrates some of them; the others keep their values in it.
+    """
     return tuple(integral(name, None) for name in (*names, "jellett_reference"))
 
 
@@ -207,10 +217,7 @@ PLANAR_ROW = replace(
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for the ball in contact.
-
-    Its R and c are those of the row.
-    """
+    """Return a formula of a gliding body for rows, which have R and c of the ball in contact."""
     return lambda s, b: function(s, ball_of(s, b))
 
 

@@ -38,7 +38,7 @@ LOSSES = {
 
 
 def disturbed(b: Any, start: Any, rules: Any = None) -> Outlook:
-    """Predict nothing of a body in surroundings."""
+    """Return no predictions: the theory of the package does not apply in surroundings."""
     return Outlook(NO_OUTLOOK)
 
 
@@ -64,7 +64,10 @@ def rolls(system: System) -> bool:
 
 
 def clock(rate_of: Callable, name: str, first: int) -> Integral:
-    """Return the integral of this name, `first` at the start."""
+    """Return the integral for the cosine or the sine of the phase of the vibration.
+
+    Its rate is rate_of(integrals, 2 pi f), its value at the start `first`.
+    """
     rate = lambda q, carried, b: rate_of(carried, b.around.shake.rate)  # noqa: E731
     return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
 
@@ -76,18 +79,20 @@ CLOCK = (
 
 
 def further(around: tuple[str, ...]) -> tuple[Integral, ...]:
-    """Return the integrals that runs in surroundings of these groups have besides."""
+    """Return the integrals that surroundings of these groups add: the phase of a vibration."""
     return CLOCK if "vibration" in around else ()
 
 
 def known(q: Any, names: tuple[str, ...]) -> Any:
-    """Return the copies of these integrals, the last variables of a state, by name."""
+    """Return the copies of integrals in a state, of which they are the last variables, by name."""
     return SimpleNamespace(**dict(zip(names, q[-len(names) :], strict=True)))
 
 
 def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
-    """Return a function that makes functions(q, .., b) of states with copies of these integrals, of
-    functions of states with these units.
+    """Return an adapter of functions(q, .., b) to states that end with copies of integrals.
+
+    An adapted function gets the state without the copies (it has these units), and the body with
+    gravity and place as the copies determine them.
     """
 
     def seen(function: Callable) -> Callable:
@@ -101,7 +106,10 @@ def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
 
 
 def joined(form: Form, around: tuple[str, ...]) -> Form:
-    """Return a form whose equations read integrals, of which its state then has copies."""
+    """Return a form whose equations depend on integrals of the run, such as the time on a shaker.
+
+    Equations of motion cannot read integrals: the state of the form ends with copies of them.
+    """
     names = joined_names(around)
     every = (*form.integrals, *further(around))
     integrals = {one.name: one for one in every}
@@ -129,7 +137,7 @@ def joined(form: Form, around: tuple[str, ...]) -> Form:
 
 
 def joined_phase(phase: Phase, around: tuple[str, ...]) -> Phase:
-    """Return a phase whose equations read integrals."""
+    """Return a phase in the form `joined`, which enters and leaves it with copies of integrals."""
     form = joined(phase.form, around)
     seen = in_copies(phase.form.units, joined_names(around))
 
@@ -142,7 +150,7 @@ def joined_phase(phase: Phase, around: tuple[str, ...]) -> Phase:
 
 
 def joined_jump(jump: Callable) -> Callable:
-    """Return a jump of bodies whose equations read integrals."""
+    """Return a jump that is made with gravity and place of the body at its time."""
 
     def at_once(x: Any, world: Any) -> Any:
         return jump(x, world._replace(body=tuple(at_present(b, x.carried) for b in world.body)))

@@ -114,7 +114,10 @@ class Table(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What acts besides gravity across the plane and the contact; (): nothing."""
+    """All that acts on a body in addition to gravity across the plane and the contact.
+
+    A field is () if there is no such thing.
+    """
 
     air: Any = ()
     slope: Any = ()
@@ -191,6 +194,10 @@ def surrounded_body(body: Callable) -> Callable:
     """
 
     def surrounded(parameters: Mapping[str, Any], friction: Any) -> Any:
+        """Return the body in its surroundings: air, slope, vibration and turntable as `around`.
+
+        Each is () if the parameters do not have it; g becomes the part along the plane's normal.
+        """
         b = body(parameters, friction)
         given: Any = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
         g = b.g
@@ -244,7 +251,10 @@ def joined_names(groups: Iterable[str]) -> tuple[str, ...]:
 
 
 def at_present(b: Any, known: Any) -> Any:
-    """Return the body with gravity and place at present, of a record with `joined_names`."""
+    """Return the body with the gravity on a shaker and the place on a turntable at one time.
+
+    `known` has the integrals `joined_names` at that time as attributes.
+    """
     around = b.around
     if around.shake:
         g, c, s, _ = around.shake
@@ -257,7 +267,10 @@ def at_present(b: Any, known: Any) -> Any:
 
 
 def joined_values(units: Any, carried: Any) -> list:
-    """Return the values of the variables that copy integrals."""
+    """Return the values of the variables of a state with these units that are copies of integrals.
+
+    `carried` is the record of the integrals.
+    """
     names = [name for name in units._fields if name.startswith(COPY)]
     return [getattr(carried, name.removeprefix(COPY)) for name in names]
 

@@ -1,4 +1,4 @@
-"""Up to which friction the contact of a body has exactly one answer. [contact 2.6, 4.2]"""
+"""Up to which friction the contact of a body has exactly one answer."""
 
 import math
 from typing import Any

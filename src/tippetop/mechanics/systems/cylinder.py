@@ -166,7 +166,7 @@ def standard_force(c, b, law):
 
 @formula
 def modified_force(c, b, law):
-    """Return F_x and F_z of the modified reaction. [section 11.4]"""
+    """Return F_x and F_z of the modified reaction."""
     h = contact.height(c.z, b)
     share = kappa(c.v2, law)
     turn = (
@@ -238,7 +238,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
 
 @formula
 def normal_force(c, b):
-    """Return the normal force F_z [N]. [T 6.5; section 11.4]"""
+    """Return the normal force F_z [N]. [T 6.5]"""
     _, N = contact_force(c, b, b.friction)
     return N
 

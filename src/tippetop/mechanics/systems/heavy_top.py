@@ -189,7 +189,7 @@ ANGLES = contact.filled(**rolling.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEW
 
 
 def vector_of_angles(e, s, z, b):
-    """Return the state about the fixed tip of the angles. [section 1]"""
+    """Return the state about the fixed tip of the angles."""
     return rolling.vector_of_angles(e, s, z, b._replace(I1=tip_inertia(b)))
 
 

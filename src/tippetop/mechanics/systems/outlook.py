@@ -20,7 +20,7 @@ from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
 from ..theory.small_oscillations import oscillations
-from ..theory.spinning import thresholds_of_surface
+from ..theory.spinning import rolling_thresholds
 from ..theory.thresholds import (
     Threshold,
     lambda_de,
@@ -61,7 +61,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
     [T Theorem 3.3.2, corrected]
     """
-    limits = thresholds(b) | thresholds_of_surface(b)
+    limits = thresholds(b) | rolling_thresholds(b)
     if is_frictionless(b.friction):
         fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
         return Outlook(FREE, fate, limits)
@@ -80,10 +80,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
-    """Predict a tippe top whose contact may open or stick, while it slides on a ball.
-
-    [contact 4.1]
-    """
+    """Predict a tippe top whose contact may open or stick, while it slides on a ball."""
     if has_parts(b.friction):
         return Outlook(PARTS_TAKE)
     limits = thresholds(b)
@@ -134,7 +131,7 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
 
 def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     """Predict a rolling tippe top: one degree of freedom. [T ch. 4]"""
-    limits = thresholds_of_surface(b)
+    limits = rolling_thresholds(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
     limits["gamma"] = thresholds(b)["gamma"]
@@ -162,10 +159,7 @@ def heavy_top_motion(b: Touch, start: Start) -> str:
 
 
 def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
-    """Predict a heavy top whose tip glides: upright it is always unstable, against [T 5.54].
-
-    [section 6]
-    """
+    """Predict a heavy top whose tip glides: upright it is always unstable, against [T 5.54]."""
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
     if is_frictionless(b.friction):
         regime = f"without friction the upright spin is {'un' if growth > GROWS else ''}stable"

@@ -174,6 +174,7 @@ def systems(
     units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
 
     def fields(of_ball: Any, *quantities: Any) -> dict[str, Any]:
+        """Return the fields of a System of an outlined body, from the system of a ball."""
         return {
             "forms": {
                 name: outlined_form(replace(form, domains=(*domains, *form.domains)))

@@ -133,7 +133,7 @@ def coefficients(b) -> PotentialCoefficients:
     """Return V in the variable of the landscape, q = tan(theta/2)^2.
 
     With a body of decimals no digit is lost, although the marked lines cancel. The coefficients of
-    a peg are those of the body with its axis reversed, where D is -D. [section 5]
+    a peg are those of the body with its axis reversed, where D is -D.
     """
     turned = b.c < 0
     b = b._replace(c=abs(b.c))

@@ -85,9 +85,10 @@ def centre_velocity(q, b):
 
 @formula
 def contact_rates(q, b):
-    """Return 3hat' = omega x 3hat.
+    """Return the time derivatives of the state.
 
-    M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda stay.
+    3hat' = omega x 3hat, M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y), D' = lambda' = 0.
+    `0 * q.D` is a zero of the type of the state's numbers.
     """
     w = angular_velocity(q, b)
     u_dot = axis_rate(q, b)
@@ -129,7 +130,7 @@ def vectors(q, b):
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """Return the state about the contact of the angles. [section 1]"""
+    """Return the state about the contact of the angles."""
     v = rolling.vector_of_angles(e, s, z, b)
     x = gliding.turning(v)
     k = contact.kinematics(x, contact.axis_rate(x, b), b)

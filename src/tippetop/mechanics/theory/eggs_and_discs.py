@@ -1,6 +1,6 @@
 """Rest, spins at the poles and steady rolling of a body of revolution with an outline.
 
-At a pole it moves as the ball by which it touches there. [section 6]
+At a pole it moves as the ball by which it touches there.
 """
 
 import math

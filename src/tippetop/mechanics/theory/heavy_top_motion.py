@@ -8,14 +8,14 @@ import numpy as np
 def turning_heights(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
 ) -> np.ndarray:
-    """Return z1 < z2 < z3, where z'^2 of a heavy top with a fixed tip vanishes. [section 8]
+    """Return z1 < z2 < z3, where z'^2 of a heavy top with a fixed tip vanishes.
 
     z = cos(theta) swings between the first two.
 
     Parameters
     ----------
     energy
-        E [J], that of weight counted from the tip.
+        Total energy [J]; the potential energy is zero at the height of the tip.
     Lz, L3
         Angular momenta about the vertical through the tip and about the axis [kg m^2/s].
     inertia

@@ -152,6 +152,7 @@ class Equation:
         momenta: list[np.ndarray],
         energy: np.ndarray,
     ):
+        """Interpolate energy and momenta, which change slowly, by splines of degree 7 in time."""
         from scipy.interpolate import make_interp_spline
 
         self.system = system

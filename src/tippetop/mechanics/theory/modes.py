@@ -12,7 +12,7 @@ from ..friction import slip_coefficient, takes_nothing
 def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
     """Return the three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body.
 
-    [section 6; Friedl 1997]
+    [Friedl 1997]
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a m
 def will_leave(theta: float, omega3: float, b: Touch) -> bool:
     """Return whether a gliding body at theta [rad] with spin omega3 [rad/s] will leave the pole.
 
-    It is so near that its motion is linear, and a mode grows there. [section 6]
+    It is so near that its motion is linear, and a mode grows there.
     """
     inverted = theta > math.pi / 2
     near = min(theta, math.pi - theta) < LINEAR

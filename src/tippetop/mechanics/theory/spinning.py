@@ -1,6 +1,7 @@
 """The spinning states theta = 0, pi of a tippe top: marked lines on the minimal surface.
 
-In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.28]
+The minimal surface is F(D, lambda) = inf V(z, D, lambda) over z = cos(theta).
+In every formula z = +1 or -1 is cos(theta) of the state. [T 4.23-4.28]
 """
 
 from ..contact.body import height, height_energy
@@ -24,7 +25,7 @@ def d(z, b):
 
 @formula
 def slope(z, b):
-    """Return rho = D/lambda on the marked line [1/m]: where X(z) = 0. [section 5]"""
+    """Return rho = D/lambda on the marked line [1/m]: where X(z) = 0."""
     return sqrt(d(z, b)) / (b.R * z - b.c)
 
 
@@ -43,14 +44,14 @@ def energy(z, lam, b):
 def lambda_pi(b):
     """Return |lambda| from which on the highest spin lies on the minimal surface [kg m^3/s].
 
-    That is the spin with the centre of mass highest. [5.1]
+    That is the spin with the centre of mass highest.
     """
     high = -sense(b)
     h = height(high, b)
     return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * d(high, b)) / (1 + b.m * b.R * h / b.I3)
 
 
-def thresholds_of_surface(b) -> dict[str, Threshold]:
+def rolling_thresholds(b) -> dict[str, Threshold]:
     """Return lambda_pi and gamma*, thresholds of the minimal surface and of pure rolling.
 
     Parameters

@@ -4,7 +4,7 @@ Bodies are `contact.body.Touch` records of floats, SI; thresholds also take arra
 
 Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis turned round: alpha,
 theta, omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi' and all energies stay.
-`shape`, `sense` and `poles` make that change for all of theory. [contact 4.1]
+`shape`, `sense` and `poles` make that change for all of theory.
 """
 
 import math
@@ -98,12 +98,12 @@ def lambda_de(b: Touch) -> Any:
 
 
 def gamma_c(alpha: float) -> float:
-    """Return gamma above which, and only there, lambda_s > lambda_u. [section 6]"""
+    """Return gamma above which, and only there, lambda_s > lambda_u."""
     return (1 - alpha**2) * (1 + 3 * alpha**2) / (1 + 6 * alpha**2 + alpha**4)
 
 
 def gamma_plus(alpha: float) -> float:
-    """Return gamma from which on, and only there, all tumbling states are stable. [section 6]"""
+    """Return gamma from which on, and only there, all tumbling states are stable."""
     return (1 - alpha) * (7 + alpha + sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
@@ -116,10 +116,7 @@ def gamma_de(alpha: Any) -> Any:
 
 
 def two_wells_from(b: Touch) -> float:
-    """Return gamma*, above which the potential can have two minima; infinite where it never can.
-
-    [section 5, item 4]
-    """
+    """Return gamma*, above which the potential can have two minima; infinite where it never can."""
     alpha, _, sigma, _ = shape(b)
     h = 1 + alpha
     below = 2 * sigma * h * (1 + sigma) - 1 - sigma * h

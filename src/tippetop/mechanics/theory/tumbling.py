@@ -47,8 +47,8 @@ def tumbling_jellett(z: Any, b: Touch) -> Any:
 def lambda_t(b: Touch) -> Any:
     """Return the least lambda of a tumbling state [kg m^3/s].
 
-    It is less than lambda_u for gamma_c < gamma < gamma_plus: between the two the upright spin and
-    tumbling are both stable. Its error is about 1e-5.
+    For gamma < gamma_plus it is less than lambda_u and lambda_s; between it and the lesser of these
+    two, upright spin and tumbling are both stable. Its relative error is about 1e-5.
     """
     z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
     return np.nanmin(tumbling_jellett(z, b), axis=0)
