@@ -84,6 +84,55 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
         )
 
 
+STENCIL = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
+LAWS: dict[str, dict[str, float]] = {
+    "coulomb": {"mu": 0.3},
+    "stribeck": {"mu": 0.2, "mu_static": 0.4, "v_s": 0.05, "eps": 0.01},
+    "contensou": {"mu": 0.3, "patch": 2e-4},
+    "latitude": {"mu": 0.5, "mu_stem": 0.8},
+    "none": {},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_runs(
+    seed: int,
+) -> None:
+    rng = np.random.default_rng(seed)
+    law = [*LAWS][seed % len(LAWS)]
+    names = "theta_dot", "phi_dot", "omega3", "nu_x", "nu_y", "nu_z"
+    start = dict(zip(names, rng.normal(0, [20, 20, 100, 0.1, 0.1, 0.1]), strict=True))
+    start |= {"theta": rng.uniform(0.1, 3.0), "gap": rng.uniform(4e-4, 4e-3)}
+    end = [0.2]
+    options: dict[str, Any] = {"until": end[0], "output_times": end, "friction": {"law": law}}
+    options["friction"] |= LAWS[law]
+    contact = {"e_n": rng.uniform(0.1, 0.7)}
+    wrt = ["initial.omega3", "contact.e_n"]
+    found = tt.derivatives.sensitivities("flying", wrt, start=start, contact=contact, **options)
+    assert found.run.impacts.sizes["impact"] > 0
+    for key in wrt:
+        table, name = key.split(".")
+        given = {"start": start, "contact": contact}
+        which = "start" if table == "initial" else table
+        mine = found.trajectory.sel(parameter=key).isel(time=-1)
+        h = given[which][name] * min(1e-4, float(mine.valid_within) / 100)
+
+        def run(move: float, which: str = which, name: str = name, given: Any = given) -> Any:
+            moved = {which: given[which] | {name: given[which][name] + move}}
+            return tt.run("flying", **given | moved, **options, precision="longdouble").trajectory
+
+        runs = {k * s: run(k * s * h).isel(time=-1) for k in STENCIL for s in (1, -1)}
+        for column in ("axis", "L", "nu_z"):
+            whole = {
+                k: one[column].values + one[f"{column}_lo"].values.astype(np.longdouble)
+                for k, one in runs.items()
+            }
+            slope = sum(c * (whole[k] - whole[-k]) for k, c in STENCIL.items()) / h
+            bound = 1e-9 * np.abs(slope).max()
+            np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
+
+
 def assert_slopes(found: Any, ahead: Any, behind: Any, apart: float, bound: float) -> None:
     """Compare derivatives with differences of values that are `apart` in the number."""
     slope = (np.asarray(ahead) - np.asarray(behind)) / apart

@@ -168,10 +168,11 @@ class Motion(NamedTuple):
         def of_numbers(_: Any, numbers: tuple) -> tuple:
             return function(self.formulas.body(iter(numbers)), numbers[count:]), None
 
-        count, columns = self.pars.shape
+        count = len(self.pars)
+        columns = 1 + (self.pars.shape[1] - 1) // self.order
         size = len(self.variables.names)
         numbers = np.zeros((count + size, state.shape[1]))
-        numbers[:count, :columns] = self.pars[:, : state.shape[1]]
+        numbers[:count, :columns] = self.pars[:, : min(columns, state.shape[1])]
         numbers[count:] = state[:size]
         return evaluated((self.formulas, self.variables, what), of_numbers, numbers)[0]
 
@@ -371,7 +372,7 @@ class Pass:
         units = leaves(system.body_units(problem.law.units()))
         first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
         body = first
-        self.e_n = ()
+        self.e_n: tuple = ()
         rules = problem.contact
         if rules is not None:
             rules = rules._replace(**(tables["contact"] | tables["stem"]))
@@ -431,7 +432,7 @@ class Pass:
         system = self.problem.system
         self.given = self.body, self.e_n
         self.known = rows_of(leaves(self.given), self.directions)
-        self.regions = [*self.driver.impacts.stages] if self.e_n else []
+        self.regions: list[str] = [*self.driver.impacts.stages] if self.e_n else []
         exit = Exit("start", (), system.begin or begin_in_first)
         phase = completed(system.phase, self.problem.variables)
         state = self.start
