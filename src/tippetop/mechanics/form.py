@@ -106,7 +106,7 @@ def all_are(records: Any, container: Any, kind: type) -> bool:
 class Domain(NamedTuple):
     """A condition for a motion to be possible: formula(scalars, b) must stay positive.
 
-    `meaning` names the function, for the sentence on a run that ends where it vanishes.
+    `meaning` is a clause on a state where it is not, for messages.
     """
 
     formula: Callable
