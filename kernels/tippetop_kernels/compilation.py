@@ -166,15 +166,15 @@ def signature(folder: Path, *, new: bool = False) -> str:
 
     Raises OSError if another user owns or can write one of them.
     """
-    whole = hashlib.sha256()
+    digest = hashlib.sha256()
     for path in sorted(folder.rglob("*.nb?")):
         with path.open("rb") as file:
             if new:
                 os.fchmod(file.fileno(), 0o600)
             if not is_private(os.fstat(file.fileno())):
                 raise PermissionError(path)
-            whole.update(file.read())
-    return whole.hexdigest()
+            digest.update(file.read())
+    return digest.hexdigest()
 
 
 @functools.cache

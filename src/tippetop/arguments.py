@@ -54,7 +54,7 @@ def numbers(name: str, values: Any) -> "np.ndarray":
         ) from None
 
 
-def whole(name: str, value: Any) -> int:
+def positive_integer(name: str, value: Any) -> int:
     """Return an argument as an int of at least 1. Raises InputError."""
     try:
         number = finite(name, value)

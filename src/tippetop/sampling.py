@@ -16,10 +16,10 @@ class EvenTimes:
     start: float = 0.0
 
     def __len__(self) -> int:
-        whole = int((self.until - self.start) / self.step * (1 + 1e-12))
-        rest = self.until - (self.start + whole * self.step)
+        steps = int((self.until - self.start) / self.step * (1 + 1e-12))
+        rest = self.until - (self.start + steps * self.step)
         least = 1e-9 * min(self.step, self.until - self.start)
-        return whole + 1 + (rest > max(least, 4 * math.ulp(self.until)))
+        return steps + 1 + (rest > max(least, 4 * math.ulp(self.until)))
 
     def __getitem__(self, rows: slice) -> np.ndarray:
         first, last, _ = rows.indices(len(self))

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter, Token
 
-from ..arguments import measured, path_of, whole
+from ..arguments import measured, path_of, positive_integer
 from ..errors import InputError
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, ONE, SECOND, Unit
 
@@ -38,7 +38,7 @@ def sides(text: str, example: str) -> tuple[float, float]:
     return width, height
 
 
-Whole = Annotated[int, _read(lambda name, text: whole(name, measured(name, text, ONE)))]
+Whole = Annotated[int, _read(lambda name, text: positive_integer(name, measured(name, text, ONE)))]
 Seconds = Annotated[float, _in(SECOND)]
 Routh = Annotated[float, _in(ANGULAR_MOMENTUM)]
 Jellett = Annotated[float, _in(JELLETT)]

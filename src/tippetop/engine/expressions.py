@@ -127,7 +127,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     """Return angles, vectors and quantities of a row by name, internal units; arrays or
     expressions.
     """
-    whole = moment(form, q, carried, body)
+    arguments = moment(form, q, carried, body)
     angles = form.to_angles(q, carried, body)
     # a hybrid system may have no theta
     values = {"theta": math.nan, "theta_dot": 0.0, **angles._asdict()}
@@ -147,7 +147,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
         }
         if not direct and integrates_axis(system, form):
             values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}
-    values |= {quantity.name: quantity.formula(whole, body) for quantity in system.quantities}
+    values |= {quantity.name: quantity.formula(arguments, body) for quantity in system.quantities}
     if system.undefined_at_poles:
         scalars = form.scalars(q, body)
         values |= {SINE2: scalars.s2, SPEED2: scalars.axis_speed2}

@@ -93,8 +93,8 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
         state = form.scalars(q, b)
         values = [event.formula(state, b) for event in own]
         if common:
-            whole, first = system.read(phase, q, carried, b)
-            read = moment(system.phase.form, whole, carried, first)
+            row, first = system.read(phase, q, carried, b)
+            read = moment(system.phase.form, row, carried, first)
             values += [event.formula(read, first) for event in common]
         return values
 

@@ -40,7 +40,7 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
 
 
 def taken(name: str) -> str:
-    """Return the name of the value that an integral had when the present contact began."""
+    """Return the name of the column with an integral's value where the present contact began."""
     return f"{name}_taken"
 
 

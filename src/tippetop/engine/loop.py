@@ -100,10 +100,10 @@ class _Loop(NamedTuple):
 @cache
 def structure(record: type) -> type[ctypes.Structure]:
     """Return the type of the structure of C that has the fields of a named tuple."""
-    whole = ctypes.c_int64
+    integer = ctypes.c_int64
     number = ctypes.c_double
     pointer = ctypes.c_void_p
-    kinds: dict[type, Any] = {int: whole, bool: whole, float: number, np.ndarray: pointer}
+    kinds: dict[type, Any] = {int: integer, bool: integer, float: number, np.ndarray: pointer}
     fields = [
         (name, kinds.get(kind) or structure(kind)) for name, kind in record.__annotations__.items()
     ]
@@ -151,14 +151,14 @@ def library() -> ctypes.CDLL:
             "install tippetop again "
             "(pip install -e .)."
         )
-    whole = ctypes.c_int64
+    integer = ctypes.c_int64
     array = ctypes.c_void_p
-    loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
-    loaded.loop_push.argtypes = [array, whole]
+    loaded.loop_keep.argtypes = [array, *[integer] * 3, *[ctypes.c_double] * 2]
+    loaded.loop_push.argtypes = [array, integer]
     for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
-        function.restype = whole
-        function.argtypes = [array, whole]
-    loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
+        function.restype = integer
+        function.argtypes = [array, integer]
+    loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
     return loaded
 
 

@@ -45,8 +45,9 @@ def stays(problem: Problem, values: Arrays) -> bool:
 
 
 def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
-    """Return whether contacts slide faster than a settled motion may, (k,): a law may take little
-    in fast sliding.
+    """Return whether contacts slide too fast for a settled motion, (k,).
+
+    A small loss does not decide this alone: a law may take little energy in fast sliding.
 
     Parameters
     ----------

@@ -109,10 +109,18 @@ def event_rows(
 def looked_for(
     rows: EventRows, watched: Iterable[bool], ranged: Iterable[bool] | None = None, *, stops: bool
 ) -> EventRows:
-    """Return the events with the options of a run.
+    """Return the events as one run looks for them.
 
-    `watched`: whose zeros are found; `ranged`: whose extremes are found (None: all that have some);
-    `stops`: whether events end the run.
+    Parameters
+    ----------
+    rows
+        All events.
+    watched
+        Whether the zeros of each are found.
+    ranged
+        Whether its extremes are found; None: of all events that report them.
+    stops
+        Whether events may end the run.
     """
     records = rows.events.copy()
     records["watched"] = list(watched)

@@ -185,7 +185,7 @@ def lanes_faults(base: Problem) -> list[str]:
     Returns
     -------
     list of str
-        Sentences. Lanes require a form that integrates the axis, and doubles.
+        Sentences. Lanes require an event, a form that integrates the axis, and doubles.
     """
     sentences = []
     if not base.system.events:

@@ -234,7 +234,11 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
 
 
 def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
-    """Return the relative changes of energy and Jellett's integral of the other motion itself."""
+    """Return by how much the other motion itself conserves energy and Jellett's integral.
+
+    They are changes relative to the first value, (rows,) each, of the quantities that the columns
+    of the motion and its surroundings allow.
+    """
     u = there["axis"]
     if "omega" not in there or {*groups_of(problem.surroundings)} - {"tilt"}:
         return {}
@@ -262,7 +266,7 @@ def _relative(values: np.ndarray) -> np.ndarray:
 
 
 def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
-    """Return by how much the other motion penetrates the floor, and leaves it [m]."""
+    """Return how deep the other motion penetrates the floor, and how high it rises from it [m]."""
     height = there["place"][:, 2] if "place" in there else np.array(np.nan)
     if problem.system.name == "heavy-top" or not np.isfinite(height).any():
         return {}
@@ -282,7 +286,11 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
-    """Return the largest difference and its time, means, and when it exceeds each level."""
+    """Return numbers on a difference over time, as `tippetop compare --json` prints them.
+
+    They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
+    time when it exceeds each of `LEVELS`, or None.
+    """
     given = np.isfinite(curve)
     t = t[given]
     curve = curve[given]
@@ -316,7 +324,8 @@ def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) ->
 def orders_of(compared: Sequence[Compared]) -> list[PlainData]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
-    They are those of the time in which the coarser motion is within 0.1 rad.
+    Errors are root mean squares over the time in which the coarser motion is within 0.1 rad of the
+    reference.
     """
     stepped = [(c.step, c) for c in compared if c.step]
     stepped.sort(key=lambda pair: -pair[0])

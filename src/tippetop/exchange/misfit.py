@@ -103,7 +103,11 @@ class Misfit:
     def _sides(
         self, points: np.ndarray, which: np.ndarray, step: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return points ahead of and behind those `which`, pairs of a point and a coordinate."""
+        """Return the two ends of the central differences of some slopes, points (slopes, free).
+
+        `which` are the slopes: pairs of a point and a coordinate, (slopes, 2). Near a bound both
+        ends move inside.
+        """
         p, i = which.T
         step *= FAR / self.space.within
         low, high = self.space.bounds
@@ -116,10 +120,10 @@ class Misfit:
     def read(
         self, observation: Observation, points: Sequence[dict[str, float]], rows: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (points, numbers) of the first rows without gaps, and for each what it
-        is where a motion cannot be computed.
+        """Return residuals of the first rows, (points, numbers), and their substitutes, (numbers,).
 
-        `observation`: of these measurements, also under another scenario.
+        Gaps are left out. A substitute replaces the residual of a motion that cannot be computed,
+        which is NaN. `observation` has the same measurements, perhaps with another scenario.
         """
         parts = observation.predictions(points, slice(0, rows))
         given = {group: every[:rows] for group, every in self.observation.given.items()}
@@ -128,12 +132,12 @@ class Misfit:
         return np.concatenate(found, axis=1), np.concatenate(worst)
 
     def refine(self) -> None:
-        """Predict with the tolerance of the scenario from now on."""
+        """Let predictions have the tolerance of the scenario, rather than a coarser one."""
         self.last = (None,)
         self.observation.predicted.refine()
 
     def weigh(self, point: np.ndarray) -> None:
-        """Weight each kind of measurement by its own noise."""
+        """Set the weight of each kind of measurement to 1/noise, by its residuals at a point."""
         self.last = (None,)
         for group, off in self.observation.predictions([self.space.values(point)]).items():
             self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), self.rounding[group])
@@ -147,7 +151,7 @@ class Misfit:
         return squares / max(float(weight.sum()) - free, 1.0) + len(residuals) * most**2
 
     def size(self, residuals: np.ndarray) -> float:
-        """Return the scale of residuals beyond which a loss bends."""
+        """Return the residual beyond which a robust loss grows more slowly: the median size."""
         return max(float(np.median(np.abs(residuals))), 1e-12)
 
     def costs(self, residuals: np.ndarray, like: np.ndarray) -> np.ndarray:

@@ -74,7 +74,7 @@ def place_of(name: str, given: Place) -> tuple[float, float, float] | None:
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # noqa: B008 - a tuple
-    """Return the motion of a table in our conventions, SI: what it has, and what follows from that.
+    """Return the motion of a table in our conventions, SI, with quantities that follow from others.
 
     Returns
     -------

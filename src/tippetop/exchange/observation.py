@@ -119,12 +119,12 @@ class Observation:
 
     @property
     def count(self) -> int:
-        """The number of measurements, in as many numbers as noise has directions."""
+        """The number of measured numbers; a direction counts as two, as its noise has two."""
         return sum(int(given.sum()) for given in self.given.values())
 
     @property
     def used(self) -> dict[str, int]:
-        """In how many rows each kind of measurement is used."""
+        """The number of rows in which each kind of measurement is used."""
         return {
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
@@ -170,14 +170,20 @@ class Observation:
         return {group: self._residual(group, see[rows], read) for group, see in self.groups.items()}
 
     def dots(self) -> Arrays:
-        """Return the measurements for a figure, by group, (rows, parts); theta for orientations."""
+        """Return the measurements as a figure shows them, by group, (rows, parts).
+
+        An orientation is shown as its theta.
+        """
         rows = dict(self.groups)
         if "orientation" in rows:
             rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
     def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
-        """Return the predictions of `dots`, also between them: times [s], and curves by group."""
+        """Return predictions as a figure shows them: times [s], and curves by group.
+
+        The times are evenly spread over those of the measurements, which `dots` returns.
+        """
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
         read = self._read([values], t)
         curves = {group: self._predicted_rows(group, read)[0] for group in self.groups}
@@ -186,7 +192,7 @@ class Observation:
         return t, {group: curve.reshape(len(t), -1) for group, curve in curves.items()}
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
-        """Return the columns of the motions of sets of values, SI."""
+        """Return columns of motions, SI, each with the values of one of `points`, at times t."""
         own = {name: np.array([values[name] for values in points]) for name in self.own}
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
         return self.predicted.read(own, clock, self.columns)

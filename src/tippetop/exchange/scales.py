@@ -136,7 +136,11 @@ class Space:
         azimuth: float | None,
         swept: bool = False,
     ) -> None:
-        """Search two numbers as the components of a vector, each within `reach`."""
+        """Replace the coordinates of two numbers by the components of a vector.
+
+        `vector` is its start, and each component is at most `reach`. The numbers are size and
+        azimuth, if `azimuth` is that at the start; `swept` as in `pairs`.
+        """
         i = self.names.index(first)
         k = self.names.index(second)
         self.origin[[i, k]] = vector

@@ -92,7 +92,7 @@ def excess(q, at, c):
 
 
 class MomentumSlopes(NamedTuple):
-    """q gamma/2 times dV/dD and dV/dlambda at q, and how they change on the way to the minimum."""
+    """The derivatives of V by the two momenta at q, times q gamma/2, and how they vary with q."""
 
     first: DoubleDouble
     second: DoubleDouble
@@ -103,7 +103,11 @@ class MomentumSlopes(NamedTuple):
 
 @formula
 def momentum_slopes(q, p, c):
-    """Return the slopes in double-doubles: where the minimum has X ~ 0, no double q has its X."""
+    """Return the derivatives of V by the momenta, in double-doubles.
+
+    Where X almost vanishes at the minimum, no q in doubles has the X of the minimum: `away` is the
+    distance of the minimum from q, over which the derivatives are extrapolated.
+    """
     root = psi(q, p, c)
     t = plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0))
     h = plus(c.sqrt_d0, scaled(q, c.sqrt_d1))
@@ -195,9 +199,9 @@ def curvature(q, p, c):
 
 @formula
 def pole_values(p, c):
-    """Return a and b with k psi of X added at the pole where it counts.
+    """Return |a| and |b| with the part k psi of X included, for a first guess of the minimum.
 
-    There they are X(+-1)' in place of X(-+1).
+    k psi is that of q = a/b, where the two terms balance, and is split between them as a : b.
     """
     a = abs(p.a.head)
     b = abs(p.b.head)

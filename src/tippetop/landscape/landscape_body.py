@@ -19,7 +19,7 @@ DIGITS = 50  # of the constants before they are rounded: the marked lines cancel
 
 @dataclass(frozen=True)
 class Top:
-    """A body as the kernels take it."""
+    """A body with the numbers from which the kernels compute its potential."""
 
     system: System
     landscape: Landscape
@@ -34,7 +34,7 @@ class Top:
         return self.landscape.symbols
 
     def require_spinning(self) -> None:
-        """Raise InputError for a body whose spinning states are no lines: it has no D, lambda."""
+        """Raise InputError unless the momenta are D and lambda, which marked lines require."""
         if self.momenta != SPINNING:
             raise InputError(
                 f"D and lambda belong to tippe tops only; this is `{self.system.name}`."

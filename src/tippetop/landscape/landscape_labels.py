@@ -34,7 +34,10 @@ def labelled(dims: Any, values: Any, units: str, long_name: str) -> tuple:
 
 
 def momenta(t: Top, *values: Any, dims: Any = None) -> dict[str, tuple]:
-    """Return the two momenta as variables: axes, or the first over other dimensions."""
+    """Return the values of the two momenta as labelled variables, by symbol.
+
+    Each is an axis, along itself; with `dims`, the first one lies along these instead.
+    """
     return {
         m.symbol: labelled(over or m.symbol, v, m.unit.symbol, m.long_name)
         for m, v, over in zip(t.landscape.momenta, values, (dims, None), strict=True)
@@ -50,7 +53,10 @@ def attributes(t: Top) -> dict[str, Any]:
 
 
 def grid(t: Top, data: dict[str, Any], axes: dict[str, Any], given: tuple[Any, ...]) -> xr.Dataset:
-    """Return a grid over axes; those that were given as numbers are not dimensions."""
+    """Return data over axes as a Dataset without the dimensions of axes that are single numbers.
+
+    `given` are the arguments for the axes, in their order: numbers or arrays.
+    """
     numbers = {name: 0 for name, value in zip(axes, given, strict=False) if np.ndim(value) == 0}
     return xr.Dataset(data, axes, attributes(t)).isel(numbers)
 

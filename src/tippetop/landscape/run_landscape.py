@@ -139,7 +139,7 @@ def diagram(t: Top, lam: float) -> tuple[list[tumbling.Branch], dict[str, float]
 
 
 def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:
-    """Return the columns of a landscape, NaN while the top is on its stem or in the air."""
+    """Return the columns that a landscape needs, NaN where the sphere does not touch the plane."""
     names = {"theta", "routh", "jellett", "modified_energy"} & {*trajectory}
     return trajectory[sorted(names)].where(xr.DataArray(on_sphere(trajectory), dims="time"))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, names_of, takes, whole
+from ..arguments import dotted_keys, names_of, positive_integer, takes
 from ..columns import column
 from ..errors import InputError
 from ..mechanics.units import ONE, PER_SECOND, SECOND
@@ -117,7 +117,7 @@ def sensitivities(
     from ..runs.run import solve
 
     wrt = names_of("wrt", wrt)
-    if whole("order", order) > 2:
+    if positive_integer("order", order) > 2:
         raise InputError(f"`order` must be 1 or 2, but is {order!r:.60}.")
     problem = problem_of(source, friction, **arguments)
     if problem.output == "keyframes":
@@ -189,7 +189,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     from ..problem import refuse
     from ..runs.run import solve
 
-    if whole("rows", rows) < 2:
+    if positive_integer("rows", rows) < 2:
         raise InputError(f"`rows` must be at least 2, but is {rows!r:.60}.")
     problem = problem_of(source, friction, **arguments)
     refuse(problem, ())

@@ -8,7 +8,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, flag, in_python, instance, names_of, path_of, takes, whole
+from ..arguments import (
+    finite,
+    flag,
+    in_python,
+    instance,
+    names_of,
+    path_of,
+    positive_integer,
+    takes,
+)
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, law_choice, measurements
 from ..exchange.motion import convention_of, place_of
@@ -261,7 +270,7 @@ def fit(
     """
     problem = _reference("scenario", scenario)
     names = names_of("free", free)
-    starts = whole("starts", starts)
+    starts = positive_integer("starts", starts)
     within = finite("within", within)
     if not 0 < within <= 1:
         raise InputError(f"`within` must be greater than 0, and at most 1, but is {within}.")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import flag, instance, measured_values, whole, within
+from ..arguments import flag, instance, measured_values, positive_integer, within
 from ..columns import require
 from ..errors import InputError
 from ..landscape import landscape_body, surface, turning
@@ -67,7 +67,7 @@ def minimal_surface(
     """
     t, x, y = _body_and_momenta(top, momenta)
     flag("gradient", gradient)
-    threads = None if threads is None else whole("threads", threads)
+    threads = None if threads is None else positive_integer("threads", threads)
     return surface.minimal_surface(t, x, y, gradient=gradient, threads=threads)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, instance, names_of, takes, whole
+from ..arguments import dotted_keys, instance, names_of, positive_integer, takes
 from ..errors import InputError, refuse_without
 from ..exchange.likelihood import LogLikelihood, drawn
 from .exchanging import Fitted, _reference, _saved, fit, observed
@@ -176,5 +176,5 @@ def posterior(
             "the fit must decide every number for draws about it, but does not: free fewer."
         )
     centre = np.array([e.value for e in fitted.estimates.values()])
-    points, weights = drawn(function, centre, covariance, whole("draws", draws), seed)
+    points, weights = drawn(function, centre, covariance, positive_integer("draws", draws), seed)
     return Posterior(fitted, points, weights)

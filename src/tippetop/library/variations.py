@@ -6,7 +6,16 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import dotted_keys, flag, instance, measured_values, path_of, plain, takes, whole
+from ..arguments import (
+    dotted_keys,
+    flag,
+    instance,
+    measured_values,
+    path_of,
+    plain,
+    positive_integer,
+    takes,
+)
 from ..ensembles import outcomes, top_events
 from ..ensembles.ensemble import measure, vary
 from ..ensembles.hybrid_tops import problem_of as one_of
@@ -110,7 +119,7 @@ def ensemble(
         rule = base.rules.get(key)
         unit = rule.unit if rule is not None else SECOND if name == "until" else ONE
         dotted[key] = measured_values(name, values, unit)
-    threads = None if threads is None else whole("threads", threads)
+    threads = None if threads is None else positive_integer("threads", threads)
     flag("orientation", orientation)
     flag("lyapunov", lyapunov)
     flag("event_table", event_table)

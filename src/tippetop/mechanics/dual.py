@@ -188,5 +188,8 @@ def parts_of(value: Any, order: int) -> tuple:
 
 
 def implicit(root: Any, residual: Callable, given: Any) -> Any:
-    """Return the root x of residual(x, given), found for plain numbers, with its derivatives."""
+    """Return a root with its derivatives, by the implicit function theorem.
+
+    `root` solves residual(root, given) = 0 for the values of `given`, which has derivatives.
+    """
     return root - residual(root, given) / residual(Dual(root, 1.0), plain(given)).first

@@ -127,8 +127,10 @@ class Event(metaclass=Described):
 
 
 def zero_of(function: Callable, low: Any, *points: Any) -> Any:
-    """Return where a function that is positive at first has become negative, before the first of
-    these points at which it is; None if it stays positive.
+    """Return the first zero of a function that is positive at `low`, by bisection.
+
+    It is sought before the first of `points`, ascending, at which the function is not positive;
+    None if it is positive at all of them.
     """
     for high in points:
         if not function(high) > 0:

@@ -104,7 +104,10 @@ def all_are(records: Any, container: Any, kind: type) -> bool:
 
 
 class Domain(NamedTuple):
-    """A scalar function, formula(scalars, b), that must stay positive; the meaning otherwise."""
+    """A condition for a motion to be possible: formula(scalars, b) must stay positive.
+
+    `meaning` is a clause on a state where it is not, for messages.
+    """
 
     formula: Callable
     meaning: str

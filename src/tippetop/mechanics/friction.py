@@ -69,8 +69,9 @@ def has_parts(law: Any) -> bool:
 
 
 def load(omega: Vector, law: Any) -> Vector:
-    """Return the torque of a law without regions per normal force, (3,) [m], in the precision of
-    `omega`.
+    """Return the torque of rolling resistance and drilling per normal force, (3,) [m].
+
+    It is that of a law without regions, and zero if the law has no such parts.
     """
     return torque_of_parts(None, omega, law) if "mu_d" in law._fields else times(0, omega)
 

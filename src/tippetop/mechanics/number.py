@@ -176,7 +176,10 @@ def reuse(rule: Number, *, default: Any = None, **changes: Any) -> Any:
 
 
 def completed(given: Mapping[str, Any], rules: Mapping[str, Number]) -> dict[str, Any]:
-    """Return numbers by name, with the defaults of those that are omitted, if no other is."""
+    """Return numbers by name, with the defaults of omitted ones.
+
+    If one without a default is omitted too, nothing is filled in.
+    """
     omitted = {key: rule.default for key, rule in rules.items() if given.get(key) is None}
     return {**given} if None in omitted.values() else {**given, **omitted}
 

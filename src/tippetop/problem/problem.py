@@ -148,7 +148,10 @@ class Problem(RunOptions):
 
     @property
     def joint(self) -> Mapping[str, Any]:
-        """Return what the end of another run is besides its state; empty without such a start."""
+        """Return the phase and the signs of events with which another run ended.
+
+        It is empty unless the run starts there.
+        """
         return (self.origin or {}).get("joint", {})
 
     @cached_property

@@ -130,12 +130,12 @@ def mark_of(files: Mapping[str, bytes]) -> str:
 
 def lines(records: list[PlainData], before: str = "") -> tuple[str, bytes]:
     """Return the digest of the last record, and the lines of the records after `before`."""
-    whole = b""
+    written = b""
     for record in records:
         body = json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
         before = digest(before.encode() + body)
-        whole += before.encode() + b" " + body + b"\n"
-    return before, whole
+        written += before.encode() + b" " + body + b"\n"
+    return before, written
 
 
 def records_of(raw: bytes) -> list[PlainData]:
@@ -481,7 +481,7 @@ class Ledger:
         bad = []
         for key, marked in self.state.chunks.items():
             files = {name: _found(self.folder.read, name) or b"" for name in self.state.files(key)}
-            if mark_of(files) != marked or not all(map(zarr3.whole, files.values())):
+            if mark_of(files) != marked or not all(map(zarr3.is_intact, files.values())):
                 bad.append(key)
         return bad
 

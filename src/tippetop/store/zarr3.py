@@ -43,8 +43,8 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
     """
     dtype = column.values.dtype
     default = {"f": "NaN", "b": False}.get(dtype.kind, 0)
-    whole = [(n, max(n, 1)) for n in column.values.shape]
-    each = [sizes.get(dim, size) for dim, size in zip(column.dims, whole, strict=True)]
+    one_chunk = [(n, max(n, 1)) for n in column.values.shape]
+    each = [sizes.get(dim, size) for dim, size in zip(column.dims, one_chunk, strict=True)]
     endian = {"configuration": {"endian": "little"}} if dtype.itemsize > 1 else {}
     blosc = {  # as `encode` compresses: change both
         "typesize": dtype.itemsize,
@@ -97,9 +97,9 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     values = np.ascontiguousarray(values, document["data_type"])
     chunk = tuple(chunk_shape(document))
     if values.shape != chunk:
-        whole = np.full(chunk, np.dtype(document["data_type"]).type(document["fill_value"]))
-        whole[tuple(map(slice, values.shape))] = values
-        values = whole
+        padded = np.full(chunk, np.dtype(document["data_type"]).type(document["fill_value"]))
+        padded[tuple(map(slice, values.shape))] = values
+        values = padded
     # The order of blocks that several threads compress depends on the scheduler.
     threads = blosc.use_threads
     blosc.use_threads = False
@@ -117,7 +117,7 @@ def checksum(data: bytes) -> bytes:
     return google_crc32c.value(data).to_bytes(CHECKSUM, "little")
 
 
-def whole(data: bytes) -> bool:
+def is_intact(data: bytes) -> bool:
     """Return whether the bytes of a chunk's file have the checksum with which they end."""
     return checksum(data[:-CHECKSUM]) == data[-CHECKSUM:]
 
@@ -126,7 +126,7 @@ def decode(data: bytes, document: Mapping[str, Any]) -> np.ndarray:
     """Return the chunk in the bytes of its file. Raises ValueError if they are damaged."""
     from numcodecs import blosc
 
-    if not whole(data):
+    if not is_intact(data):
         raise ValueError("the checksum of a chunk is another")
     values = np.frombuffer(blosc.decompress(data[:-CHECKSUM]), document["data_type"])
     return values.reshape(chunk_shape(document)).copy()

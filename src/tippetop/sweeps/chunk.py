@@ -77,7 +77,7 @@ def measure(
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
-    """Return the rows of tops as labelled columns, always with `status`.
+    """Return the columns of tops that are kept, by name; `status` always is.
 
     Those of events have other rows: they are a part of a table.
     """

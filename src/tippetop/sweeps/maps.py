@@ -167,7 +167,7 @@ def borders_of(
 
 
 def values_of(path: Path, table: Any, name: str) -> np.ndarray:
-    """Return a column of all tops; their classes as a map shows them. Raises StoreError."""
+    """Return a column of all tops; `class` has the classes that a map shows. Raises StoreError."""
     return shown_classes(path, table) if name == "class" else column(path, table, name)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..arguments import instance, whole
+from ..arguments import instance, positive_integer
 from ..errors import InputError, Interrupted, StoreError, Unfinished, warn
 from ..mechanics.systems import find, known_to_others
 from ..problem import Problem
@@ -49,7 +49,7 @@ def sweep(
     overwrite: bool = False,
 ) -> xr.Dataset:
     """Run every top of a plan into a store, or continue it; see `tippetop.sweep`."""
-    workers = None if workers is None else whole("workers", workers)
+    workers = None if workers is None else positive_integer("workers", workers)
     instance("stop", stop, threading.Event | None, "a threading.Event")
     unknown = _unknown_to_others(plan.base)
     if unknown and (scheduler is not None or (workers or 1) > 1):

@@ -45,7 +45,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
     written = {"rotation.js": rotations(), **written}
 
     def take(name: str) -> None:
-        """Add a module to `parts`, after those that it imports: a function returns its exports."""
+        """Add a module to `parts`, after those that it imports, as a function's result."""
         text = written[name] if name in written else source(name)
         imports = IMPORT.findall(text)
         for _, other in imports:

@@ -158,8 +158,10 @@ def _limit(
 
 
 def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return second derivatives by n numbers, (parts, n, n, times), of those along the means of the
-    directions i and j, (parts, directions, times).
+    """Return all second derivatives by n numbers, (parts, n, n, times).
+
+    `along` are second derivatives along lines, (parts, lines, times): a line goes along the mean of
+    the directions of the numbers i and j. The mixed ones follow by polarisation.
     """
     n = i[-1] + 1
     means = np.empty((len(along), n, n, along.shape[-1]))

@@ -85,7 +85,7 @@ def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
 
 
 def duals_of(rows: np.ndarray, order: int = 1) -> list[Dual]:
-    """Return the numbers of rows (n, 1 + order * directions, ...)."""
+    """Return rows (n, 1 + order * directions, ...) as dual numbers: the inverse of `rows_of`."""
     return [Dual(row[0], *np.split(row[1:], order)) for row in rows]
 
 
@@ -136,7 +136,7 @@ class Motion(NamedTuple):
         return after[..., back[1:]]
 
     def rates(self, state: np.ndarray) -> np.ndarray:
-        """Return the rates of a state."""
+        """Return the values of the rates of a state, without derivatives."""
 
         def rates(b: Any, state: tuple) -> list:
             return [*self.variables.rates(*self.variables.split(state), b), 1.0]
@@ -273,7 +273,7 @@ class Note(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """States of a motion at several times."""
+    """States of a motion at several times, with their derivatives."""
 
     motion: Motion
     which: np.ndarray  # the numbers of the times, or that of the phase for each of them
@@ -726,7 +726,10 @@ def _quaternion(products: Sequence, order: int) -> list[Dual]:
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Return where a function has a minimum in a phase that it does not begin with."""
+    """Return the indices of local minima of `size`, without those at the starts of phases.
+
+    `which` has the number of the phase of each sample.
+    """
     falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
     rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)
     return np.flatnonzero(falls & rises)

@@ -48,7 +48,7 @@ from .response import (
     margin,
     resting,
     sliding,
-    taken,
+    surroundings_power,
 )
 from .rolling import spin
 from .surroundings import mean_gravity, pushing
@@ -149,7 +149,7 @@ def on_ball(
     def power(q, carried, b):
         by = acts(q, b)
         power = by.drilled - dot(by.force, by.velocity)
-        return power + taken(leave(q, b), b) if b.around else power
+        return power + surroundings_power(leave(q, b), b) if b.around else power
 
     def jellett_lost(q, carried, b):
         by = acts(q, b)
@@ -167,7 +167,7 @@ def on_ball(
     return Phase(form, (), events, enter=entered, leave=leave, reaction=acts)
 
 
-def none(q: Any) -> Vector:
+def zero_vector(q: Any) -> Vector:
     """Return a zero vector of the type of the state's numbers."""
     return times(0, axis(q))
 
@@ -218,8 +218,8 @@ def free_velocity(q):
 
 
 def free_power(q, carried, b):
-    """Return the power that is taken from a body in flight."""
-    return taken(free_leave(q, b), b)
+    """Return the power that the surroundings take from a body in flight [W]."""
+    return surroundings_power(free_leave(q, b), b)
 
 
 def free_jellett_loss(q, carried, b):
@@ -251,7 +251,7 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     def enter(x: Moving, b: Any) -> Any:
         return type(units)(*x.u, *x.L, *x.velocity, x.height)
 
-    return Phase(form, (), events, (), enter, free_leave, lambda q, b: Reaction(none(q)))
+    return Phase(form, (), events, (), enter, free_leave, lambda q, b: Reaction(zero_vector(q)))
 
 
 FLIGHT = flight()
@@ -286,7 +286,7 @@ def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...]
     orientation.
     """
     forces = lambda x, q, b: holds(x, b)  # noqa: E731
-    phase = on_ball(state(lies), events, forces, none, lambda v: (), lambda q, G: ())
+    phase = on_ball(state(lies), events, forces, zero_vector, lambda v: (), lambda q, G: ())
     if lies is AXIS:
         return phase
 

@@ -35,7 +35,14 @@ from .rows import (
     planar_theta_dot,
     row,
 )
-from .surrounded import LOSSES, disturbed, further, in_surroundings, joined_jump, joined_phase
+from .surrounded import (
+    LOSSES,
+    added_integrals,
+    disturbed,
+    in_surroundings,
+    joined_jump,
+    joined_phase,
+)
 from .surroundings import joined_names
 
 
@@ -221,7 +228,9 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     elif law.torque or around:
         rows = DISC_ANGLES, DISC_ROW
     angles, form, read = opening.framed or (*rows, row)
-    form = replace(form, domains=opening.domains, integrals=(*form.integrals, *further(around)))
+    form = replace(
+        form, domains=opening.domains, integrals=(*form.integrals, *added_integrals(around))
+    )
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     jellett = not (opening.planar or opening.outlined or opening.framed)
     quantities = columns(jellett, opening.routh, balls > 1)

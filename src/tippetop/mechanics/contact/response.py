@@ -134,7 +134,7 @@ def around_torque(x, b):
     return plus(torque, turned(omega, x.L, lambda omega: momentum_of(omega, x.u, b), b))
 
 
-def taken(x, b):
+def surroundings_power(x, b):
     """Return the power that the surroundings take from a moving body [W]."""
     omega = angular_velocity(x, b)
     push = pushing(x.velocity, 0 * omega.z, b)

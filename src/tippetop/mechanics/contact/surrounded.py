@@ -78,12 +78,12 @@ CLOCK = (
 )
 
 
-def further(around: tuple[str, ...]) -> tuple[Integral, ...]:
+def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
     """Return the integrals that surroundings of these groups add: the phase of a vibration."""
     return CLOCK if "vibration" in around else ()
 
 
-def known(q: Any, names: tuple[str, ...]) -> Any:
+def copied_integrals(q: Any, names: tuple[str, ...]) -> Any:
     """Return the copies of integrals in a state, of which they are the last variables, by name."""
     return SimpleNamespace(**dict(zip(names, q[-len(names) :], strict=True)))
 
@@ -97,7 +97,7 @@ def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
 
     def seen(function: Callable) -> Callable:
         def of_copies(q: Any, *more: Any) -> Any:
-            b = at_present(more[-1], known(q, names))
+            b = at_present(more[-1], copied_integrals(q, names))
             return function(type(units)(*q[: len(units)]), *more[:-1], b)
 
         return of_copies
@@ -111,14 +111,14 @@ def joined(form: Form, around: tuple[str, ...]) -> Form:
     Equations of motion cannot read integrals: the state of the form ends with copies of them.
     """
     names = joined_names(around)
-    every = (*form.integrals, *further(around))
+    every = (*form.integrals, *added_integrals(around))
     integrals = {one.name: one for one in every}
     copied = [integrals[name] for name in names]
     units = filled(**form.units._asdict(), **{COPY + one.name: one.unit for one in copied})
     seen = in_copies(form.units, names)
 
     def rates(q: Any, b: Any) -> Any:
-        moves = [seen(one.rate)(q, known(q, names), b) for one in copied]
+        moves = [seen(one.rate)(q, copied_integrals(q, names), b) for one in copied]
         return type(units)(*seen(form.rates)(q, b), *moves)
 
     def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
