@@ -180,9 +180,12 @@ class Problems:
             return self.state
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
         theta = data.get("theta", self._wide(0.0))
+        s = np.sin(theta)
+        z = np.cos(theta)
         pole = np.asarray(theta, float) == math.pi  # 3.141592653589793 means the pole
-        s = np.where(pole, self._wide(0.0), np.sin(theta))[()]
-        z = np.where(pole, self._wide(-1.0), np.cos(theta))[()]
+        if pole.any():
+            s = np.where(pole, self._wide(0.0), s)[()]
+            z = np.where(pole, self._wide(-1.0), z)[()]
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
