@@ -189,6 +189,8 @@ def is_one_number(value: Any, arguments: tuple = (0.0,)) -> bool:
 
     It has at most their dimensions, and is complex only if they are.
     """
+    if isinstance(value, float):
+        return True
     if not (hasattr(value, "__sub__") and hasattr(value, "__mul__")):
         return False  # a text, list, None or function
     leaves = list(_leaves(arguments))

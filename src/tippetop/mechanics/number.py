@@ -2,6 +2,7 @@
 
 import contextlib
 import inspect
+import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
@@ -112,7 +113,7 @@ class Number(metaclass=Described):
         bool or array of bool
             True where the value is not allowed.
         """
-        broken = ~np.isfinite(values)
+        broken = (abs(values) < math.inf) ^ True  # NaN too
         for _, limit, breaks in self._bounds:
             broken = broken | breaks(values, limit)
         return broken

@@ -288,11 +288,6 @@ def worked_out(
     """
     given = tables.get("parameters")
     of_body = units.get("parameters", {})
-    names = {
-        name: (value, of_body[name])
-        for name, value in (given.items() if isinstance(given, Mapping) else ())
-        if name in of_body and (isinstance(value, str) or _is_number(value))
-    }
     result = dict(tables)
     faults = []
     for table, of_table in units.items():
@@ -300,6 +295,11 @@ def worked_out(
         for name, text in values.items() if isinstance(values, Mapping) else ():
             if isinstance(text, str) and name in of_table:
                 key = f"{table}.{name}"
+                names = {
+                    name: (value, of_body[name])
+                    for name, value in (given.items() if isinstance(given, Mapping) else ())
+                    if name in of_body and (isinstance(value, str) or _is_number(value))
+                }
                 try:
                     number = number_of(text, key, of_table[name], names)
                     result[table] = {**result[table], name: number}

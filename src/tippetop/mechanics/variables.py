@@ -103,7 +103,7 @@ class Variables:
     def weights(self, scales: Scales) -> list:
         """Return the SI value of one internal unit of each variable."""
         units = [scales.of(unit) for unit in self.units.values()]
-        small = units[0].dtype.type(INTEGRAL_SCALE)
+        small = np.asarray(units[0]).dtype.type(INTEGRAL_SCALE)
         return [*units[: self.moving], *(unit / small for unit in units[self.moving :])]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:

@@ -90,11 +90,14 @@ class Problems:
         return {**base, **varied}
 
     def _wide(self, value: Any) -> Any:
-        """Return a number as a column, (n,), in the type in which units are converted."""
+        """Return a number as a column, (n,), in the type in which units are converted.
+
+        It stays a number if nothing varies, which is faster.
+        """
         if isinstance(value, bool):
             return value
         value = np.asarray(value, dtype=self.base.exact)
-        return value if value.ndim else np.full(self.n, value)
+        return np.full(self.n, value) if self.columns and not value.ndim else value[()]
 
     def body(self, number: Callable) -> Any:
         """Return the bodies in SI units, with numbers passed through `number`."""
@@ -110,7 +113,7 @@ class Problems:
 
     @cached_property
     def scales(self) -> Scales:
-        """The internal units of mass, length and time, (n,).
+        """The internal units of mass, length and time, (n,), or numbers if nothing varies.
 
         Time is in the power of two seconds that is nearest sqrt(length/g), or in seconds without
         `g`: times convert without rounding, so that output and event times are exact.
@@ -119,16 +122,16 @@ class Problems:
         length = length * self._wide(self.base.form.length_unit)
         # without gravity the unit is a second; it may be a constant
         gravity = self._wide(getattr(self._body, "g", length))
-        ratio = np.sqrt(length.astype(float) / gravity.astype(float))
-        return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
+        ratio = np.sqrt(np.asarray(length, float) / np.asarray(gravity, float))
+        return Scales(mass, length, self._wide(2.0 ** np.round(np.log2(ratio))))
 
     def unit(self, unit: Unit) -> np.ndarray:
-        """Return the SI value of one internal unit, (n,), doubles."""
-        return self.scales.of(unit).astype(float)
+        """Return the SI value of one internal unit, of the shape of the scales, doubles."""
+        return np.asarray(self.scales.of(unit), float)
 
     @cached_property
     def weights(self) -> list:
-        """The SI value of one internal unit of each integrated variable, (n,) each."""
+        """The SI value of one internal unit of each variable, of the shape of the scales."""
         return self.variables.weights(self.scales)
 
     @cached_property
@@ -179,8 +182,10 @@ class Problems:
         theta = data.get("theta", self._wide(0.0))
         s = np.sin(theta)
         z = np.cos(theta)
-        pole = theta.astype(float) == math.pi  # 3.141592653589793 means the pole
-        s[pole], z[pole] = 0, -1
+        pole = np.asarray(theta, float) == math.pi  # 3.141592653589793 means the pole
+        if pole.any():
+            s = np.where(pole, self._wide(0.0), s)[()]
+            z = np.where(pole, self._wide(-1.0), z)[()]
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)

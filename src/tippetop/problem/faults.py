@@ -114,12 +114,13 @@ def start_faults(problems: "Problems") -> list[Fault]:
     evaluated, owners = _values_at(base.system, base.form.name)
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
-    values = evaluated(*variables.split(start), problems.body_of_pars(pars))
+    which = 0 if problems.n == 1 else slice(None)  # numbers are faster than arrays of one
+    values = evaluated(*variables.split(start[:, which]), problems.body_of_pars(pars[:, which]))
     table = np.empty((len(values), problems.n))
     for row, value in zip(table, values, strict=True):
         row[:] = value
     domains = base.form.domains
-    weights = np.array(problems.weights, dtype=float)
+    weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = _law_faults(problems)
     for number, name in owners.items():

@@ -198,7 +198,7 @@ class Problem(RunOptions):
     @cached_property
     def scales(self) -> Scales:
         """The internal units of mass, length and time; see `Problems.scales`."""
-        return Scales(*(unit[0] for unit in self.alone.scales))
+        return self.alone.scales
 
     def unit(self, unit: Unit) -> float:
         """Return the SI value of one internal unit."""
@@ -223,7 +223,7 @@ class Problem(RunOptions):
 
     def weights(self) -> list:
         """Return the SI value of one internal unit of each integrated variable."""
-        return [weight[0] for weight in self.alone.weights]
+        return self.alone.weights
 
     def start(self) -> np.ndarray:
         """Return the internal state at t = 0, (variables,), in the working precision."""

@@ -43,7 +43,7 @@ def system_with_contact(system: System, tables: PlainData) -> System:
     opening = system.opening
     around = groups_in(tables)
     given = [name for name in TABLES if name in tables]
-    takes = surroundable_systems()
+    takes = surroundable_systems() if around else {}
     if around and system.name not in takes:
         raise InputError(
             f"`{given[0]}` must be of a {' or '.join(takes)}, but the system is {system.name}."

@@ -12,7 +12,7 @@ from .frame import Asymmetric, Frame
 from .response import gains
 
 
-THETA = np.linspace(0, np.pi, 10_001)[1:-1]
+THETA = np.linspace(0, np.pi, 2_001)[1:-1]
 
 
 def mobility(b: Any) -> tuple[Vector, Any, Any]:
@@ -23,7 +23,7 @@ def mobility(b: Any) -> tuple[Vector, Any, Any]:
     theta = THETA
     psi: Any = 0.0
     if isinstance(b, Asymmetric):
-        theta = THETA[::50, None]
+        theta = THETA[::10, None]
         psi = np.linspace(-np.pi, np.pi, len(theta))
     first, u = axes_of_angles(np.sin(theta), np.cos(theta), 0 * psi, psi)
     u = Frame(*u, *first) if isinstance(b, Asymmetric) else u

@@ -8,7 +8,7 @@ import { ofAxes } from "./vector.js";
 const THETA = 19; // its place in a sample
 const [SHORTEST, LONGEST] = [5e-4, 0.002]; // seconds between samples
 const MOST = 20_000; // samples
-const GRID = 10_000; // angles at which the bounds of friction are computed, as in the engine
+const GRID = 2_000; // angles at which the bounds of friction are computed, as in the engine
 
 /**
  * @typedef {object} Given
