@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 from coulomb import Ball, axes, held
+from examples import CANONICAL as BODY
 from nightly import at_night
 
 import tippetop as tt
 
 
 pytestmark = pytest.mark.filterwarnings("ignore")
-BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-6, "g": 9.82}
 
 
 def followed(system: str, body: dict, friction: dict, initial: dict, **run: Any) -> Any:

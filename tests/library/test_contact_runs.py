@@ -235,7 +235,7 @@ def test_events_and_columns_read_the_reaction_from_the_start_on() -> None:
 
 def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> None:
     """Its first steps are so short that their polynomials mean nothing before them."""
-    body = {"m": 0.006, "R": 0.015, "alpha": 0.45773133498543367, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
+    body = {**LEINE_GLOCKER, "alpha": 0.45773133498543367}
     start = {
         "theta": 1.4074573419766757,
         "phi_dot": 7.937053797883742,

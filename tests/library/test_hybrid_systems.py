@@ -232,6 +232,7 @@ def broken(jump: Any) -> Any:
         (("rest",), "lead to fall, as its Exit declares, but leads to 'rest'"),
         (("fall", (0.0, 1.0)), "return a state as it takes"),
         (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
+        (("fall", {}, {"cause": "weird"}), "have start or ground in `cause`, but has 'weird'"),
         (("fall", {}, {"rows": {"tab": (1, 2)}}), "have nothing in `rows`, but has 'tab'"),
         (("fall", {}, {"ends": "running"}), "or stalled in `ends`, but has 'running'"),
         (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
@@ -359,6 +360,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         ),
         "of phase `rest` of `broken` must give its 2 rates.*no attribute 'w'": changed(
             "rest", forms=Form("plain", state, lambda q, b: State(q.w, 0))
+        ),
+        "must give its 2 rates as a State, but gives Candle": changed(
+            "rest", forms=Form("plain", state, lambda q, b: Candle(0))
         ),
     }
     for words, those in phases.items():

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from examples import CANONICAL
 from nightly import at_night
 from stores import assert_same
 from typed import typed
@@ -14,7 +15,7 @@ import tippetop as tt
 
 Rows = list[tuple[str, float]]
 STRIKES = {
-    "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82},
+    "parameters": CANONICAL,
     "friction": {"law": "coulomb", "mu": 0.3},
     "contact": {"e_n": 0.5},
     "initial": {"theta": 0.5, "omega3": 100.0, "nu_z": -0.3},
