@@ -11,6 +11,7 @@ from stores import assert_same
 from typed import typed
 
 import tippetop as tt
+from tippetop.columns import flag_words
 
 
 Rows = list[tuple[str, float]]
@@ -27,8 +28,7 @@ STRIKES = {
 
 def events(run: Any, after: float = 0.0) -> Rows:
     """Kinds and times [s] of events, and times of impacts, of a run that begins `after`."""
-    kinds = run.events.kind.attrs["flag_meanings"].split()
-    rows = [kinds[k] for k in run.events.kind.values], run.events.time.values
+    rows = flag_words(run.events.kind).tolist(), run.events.time.values
     hits = run.datasets()["impacts"].time.values if "impacts" in run.datasets() else []
     pairs = [*zip(*rows, strict=True), *(("row of impacts", t) for t in hits)]
     return [(kind, after + float(t)) for kind, t in pairs]

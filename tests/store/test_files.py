@@ -192,14 +192,6 @@ def test_an_old_store_is_kept_until_another_program_frees_its_place(tmp_path: Pa
     assert root.attributes(path)["title"] == "old"
 
 
-def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
-    path = tmp_path / "S.zarr"
-    with new_store(path) as scratch:
-        (scratch / "mine").write_text("")
-        files.remove_stale(path)
-        assert content(scratch) == ["mine"]
-
-
 def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
     path = made_store(tmp_path / "S.zarr")
     with (

@@ -181,6 +181,7 @@ def test_datasets_by_parameter_and_second_derivatives_are_differences_of_first_o
         np.testing.assert_allclose(second, expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_second_derivatives_do_not_change_the_first_ones_of_times_of_events() -> None:
     """The level of the event depends on the body, of which the second derivative is not zero."""
     level = tt.extending.Event("level", "level", lambda s, b: s.z - 2 * b.I1 / (b.m * b.R**2))
