@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import tippetop
+from tippetop.columns import flag_words
 from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
 from tippetop.ensembles import lanes, outcomes
@@ -20,7 +21,7 @@ from tippetop.runs.run import solve
 
 
 def kinds(found: xr.Dataset, name: str = "class") -> np.ndarray:
-    return np.array(found[name].attrs["flag_meanings"].split())[found[name].values]
+    return flag_words(found[name])
 
 
 def same(one: xr.Dataset, other: xr.Dataset) -> bool:

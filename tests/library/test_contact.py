@@ -5,6 +5,7 @@ import pytest
 from touching import BODY, BOUNCE
 
 import tippetop as tt
+from tippetop.columns import flag_words, flagged
 from tippetop.errors import InputError
 
 
@@ -22,12 +23,8 @@ def test_a_run_in_memory_has_all_its_tables(run: tt.Run) -> None:
     assert set(run.datasets()) == {"trajectory", "events", "phases", "impacts"}
     assert float(run.phases.end[-1]) == BOUNCE["run"]["until"]
     assert (run.impacts.work <= 0).all()
-    assert run.impacts.sizes["impact"] == int((run.events.kind == _number(run, "impact")).sum())
+    assert run.impacts.sizes["impact"] == flagged(run.events.kind, "impact").sum()
     assert "flies" in repr(run._repr_html_())
-
-
-def _number(run: tt.Run, kind: str) -> int:
-    return run.events.kind.attrs["flag_meanings"].split().index(kind)
 
 
 def test_a_run_without_phases_says_so() -> None:
@@ -41,9 +38,7 @@ def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
         tt.theory.thresholds(run)["lambda_s"].value == tt.theory.thresholds(TOP)["lambda_s"].value
     )
     band = tt.landscapes.band(run)
-    flies = run.trajectory.phase.values == run.trajectory.phase.attrs[
-        "flag_meanings"
-    ].split().index("flight")
+    flies = flagged(run.trajectory.phase, "flight")
     assert np.isnan(band.theta_min.values[flies]).all()
     rolls = band.isel(time=~flies)
     assert (rolls.theta_min <= rolls.theta + 1e-9).all()
@@ -95,9 +90,8 @@ def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
     assert "made energy" in alone.summary.reason
     assert not hasattr(alone.summary, "outcome")
     tops = tt.ensemble(scenario, {"nu_x": [-0.66, 0.0]})
-    classes, words = (tops[name].attrs["flag_meanings"].split() for name in ("class", "status"))
-    assert [words[int(s)] for s in tops.status] == ["ended", "finished"]
-    assert [classes[int(c)] for c in tops["class"]] == ["none", "bouncing"]
+    assert [*flag_words(tops.status)] == ["ended", "finished"]
+    assert [*flag_words(tops["class"])] == ["none", "bouncing"]
 
 
 def test_a_stem_under_the_plane_is_refused() -> None:

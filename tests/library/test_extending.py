@@ -17,6 +17,7 @@ from examples import CANONICAL
 from limits import assert_below
 
 import tippetop as tt
+from tippetop.columns import flagged
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
@@ -70,8 +71,7 @@ def test_an_event_and_a_column_of_ones_own(own) -> None:
         start={"theta": 0.8},
         until=1.0,
     )
-    kinds = run.events["kind"].attrs["flag_meanings"].split()
-    log = run.events.isel(event=run.events["kind"].values == kinds.index("eighth"))
+    log = run.events.isel(event=flagged(run.events.kind, "eighth"))
     assert log.sizes["event"] > 0
     np.testing.assert_allclose(log["theta"], np.pi / 4, rtol=0, atol=1e-14)
     rows = run.trajectory

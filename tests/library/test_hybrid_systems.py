@@ -15,6 +15,7 @@ from pages import names_of
 from test_contact_runs import times
 
 import tippetop as tt
+from tippetop.columns import flag_words
 from tippetop.mechanics.form import CLOCK, Exit, Form, Integral, Next, Phase, Quantity
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
@@ -129,8 +130,7 @@ def test_phases_of_known_length_are_joined(page: dict, tmp_path: Path) -> None:
 def test_the_phases_of_a_run_are_a_table(tmp_path: Path) -> None:
     run = bounces(out=tmp_path / "run.zarr")
     for table in (run.phases, tt.open(tmp_path / "run.zarr").phases):
-        names = np.array(table.phase.attrs["flag_meanings"].split())[table.phase.values]
-        assert list(names) == ["fall"] * 11 + ["rest"]
+        assert [*flag_words(table.phase)] == ["fall"] * 11 + ["rest"]
         np.testing.assert_array_equal(table.start.values[1:11], times(run, "bounce"))
         np.testing.assert_array_equal(table.start.values[1:], table.end.values[:-1])
     assert "`fall` 11 times, `rest` once" in str(run)
@@ -195,8 +195,7 @@ def test_a_jump_that_fails_in_one_member_does_not_end_an_ensemble(page: dict) ->
     )
     stick = POINT | {"system": "stick", "initial": {"h": 1, "uz": 1}}
     tops = tt.ensemble(stick, {"parameters.e": [0.3, 0.6, 0.4]}, until=0.6)
-    names = tops.status.attrs["flag_meanings"].split()
-    assert [names[code] for code in tops.status.values] == ["finished", "invalid", "finished"]
+    assert [*flag_words(tops.status)] == ["finished", "invalid", "finished"]
     assert json.loads(tops.attrs["faults"]) == [
         "top 1: the jump by `ground` from phase `fall` of `stick` fails: ValueError: too elastic"
     ]
@@ -232,6 +231,7 @@ def broken(jump: Any) -> Any:
         (("rest",), "lead to fall, as its Exit declares, but leads to 'rest'"),
         (("fall", (0.0, 1.0)), "return a state as it takes"),
         (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
+        (("fall", {}, {"cause": "weird"}), "have start or ground in `cause`, but has 'weird'"),
         (("fall", {}, {"rows": {"tab": (1, 2)}}), "have nothing in `rows`, but has 'tab'"),
         (("fall", {}, {"ends": "running"}), "or stalled in `ends`, but has 'running'"),
         (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
@@ -359,6 +359,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         ),
         "of phase `rest` of `broken` must give its 2 rates.*no attribute 'w'": changed(
             "rest", forms=Form("plain", state, lambda q, b: State(q.w, 0))
+        ),
+        "must give its 2 rates as a State, but gives Candle": changed(
+            "rest", forms=Form("plain", state, lambda q, b: Candle(0))
         ),
     }
     for words, those in phases.items():

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from examples import CANONICAL
 from typed import typed
 
 import tippetop as tt
@@ -30,7 +31,7 @@ def tables(
     folder = tmp_path_factory.mktemp("tables")
     axis = {"of": "initial.omega3", "values": np.array([100.0, 150.0])}
     plan = {"scenario": "inverting", "set": {"run": {"until": 0.1}}, "axis": [axis]}
-    top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+    top = tt.TippeTop(**CANONICAL)
     derived = tt.derivatives.sensitivities("inverting", ["mu", "omega3"], until=0.1)
     return {
         **run.datasets(),

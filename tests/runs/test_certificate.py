@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from examples import CANONICAL
 from touching import BOUNCE
 from typed import typed
 
@@ -199,11 +200,10 @@ def test_a_certificate_names_the_thresholds_of_contact_that_a_run_met(
     tables: dict, named: int
 ) -> None:
     """A disc that starts to slide slowly comes to rest; a point only rolls."""
-    body = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-6, "g": 9.82}
     start = {"theta": 1.0, "nu_x": 0.01}
     friction = {"law": "coulomb", "mu": 0.9}
     problem = build.problem(
-        {"system": "tippe-top", "parameters": body, "friction": friction, "initial": start}
+        {"system": "tippe-top", "parameters": CANONICAL, "friction": friction, "initial": start}
         | {"contact": {"e_n": 0.0}, "run": {"until": 0.02}}
         | tables
     )

@@ -12,21 +12,12 @@ from touching import BOUNCE, ROCKING, STANDING, THROWN, TURNING
 
 from tippetop.runs.integration import Integration
 from tippetop.runs.sinks import Memory
-from tippetop.scenario import build
+from tippetop.scenario import build, reading
 
 
 ON_STEM: dict[str, Any] = {
-    "system": "tippe-top",
-    "parameters": {
-        "m": 7.971e-3,
-        "R": 1.55e-2,
-        "alpha": 0.1688,
-        "I1": 7.259e-7,
-        "I3": 7.694e-7,
-        "g": 9.81,
-    },
+    **reading.read("wooden-toy"),
     "friction": {"law": "coulomb", "mu": 0.32},
-    "stem": {"r": 3e-3, "h": 2.45e-2},
     "contact": {"e_n": 0.5},
     "initial": {"theta": 2.992, "phi_dot": 11.8, "omega3": -79.9, "theta_dot": 4.7},
     "run": {"until": 0.08},

@@ -5,16 +5,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from examples import CANONICAL
 from nightly import at_night
 from stores import assert_same
 from typed import typed
 
 import tippetop as tt
+from tippetop.columns import flag_words
 
 
 Rows = list[tuple[str, float]]
 STRIKES = {
-    "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82},
+    "parameters": CANONICAL,
     "friction": {"law": "coulomb", "mu": 0.3},
     "contact": {"e_n": 0.5},
     "initial": {"theta": 0.5, "omega3": 100.0, "nu_z": -0.3},
@@ -26,8 +28,7 @@ STRIKES = {
 
 def events(run: Any, after: float = 0.0) -> Rows:
     """Kinds and times [s] of events, and times of impacts, of a run that begins `after`."""
-    kinds = run.events.kind.attrs["flag_meanings"].split()
-    rows = [kinds[k] for k in run.events.kind.values], run.events.time.values
+    rows = flag_words(run.events.kind).tolist(), run.events.time.values
     hits = run.datasets()["impacts"].time.values if "impacts" in run.datasets() else []
     pairs = [*zip(*rows, strict=True), *(("row of impacts", t) for t in hits)]
     return [(kind, after + float(t)) for kind, t in pairs]

@@ -188,6 +188,7 @@ def handed_over_after_every_slice(made: Problem) -> tuple[Integration, Memory]:
         (["initial.theta=2.0", "initial.theta_dot=20.0"], "times"),
         (["form=euler"], "times"),
         at_night(["run.precision=longdouble"], "steps"),
+        at_night(["run.precision=quad"], "times"),
     ],
 )
 def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
+from tippetop.columns import flagged
 from tippetop.mechanics.operand import formula, sin
 
 
@@ -22,8 +23,7 @@ def runs() -> dict[str, tt.Run]:
 
 
 def rows(run: tt.Run, kind: str) -> tt.Run:
-    number = run.events.kind.attrs["flag_meanings"].split().index(kind)
-    return run.events.isel(event=run.events.kind.values == number)
+    return run.events.isel(event=flagged(run.events.kind, kind))
 
 
 @pytest.mark.parametrize("form", FORMS)

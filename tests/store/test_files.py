@@ -180,12 +180,16 @@ def test_an_overwrite_that_is_killed_leaves_one_store_whole(
     assert content(tmp_path) == ["S.zarr"]
 
 
-def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
-    path = tmp_path / "S.zarr"
-    with new_store(path) as scratch:
-        (scratch / "mine").write_text("")
-        files.remove_stale(path)
-        assert content(scratch) == ["mine"]
+def test_an_old_store_is_kept_until_another_program_frees_its_place(tmp_path: Path) -> None:
+    path = made_store(tmp_path / "S.zarr")
+    assert killed(KILLED_AT.format(place="files.rename_new", path=str(path)))
+    path.mkdir()
+    with pytest.raises(StoreError, match="must not exist yet"):
+        made_store(path)
+    path.rmdir()
+    with pytest.warns(UserWarning, match="put back"):
+        files.put_back(path)
+    assert root.attributes(path)["title"] == "old"
 
 
 def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from plans import PLAN
 from typed import typed
 
 import tippetop
+from tippetop.columns import flag_words
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.figures.sweep_map import draw_map
@@ -57,9 +58,7 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
     text.columns = [name.partition(" [")[0] for name in text]
     for frame in (text, pd.read_parquet(places["parquet"])):
         assert list(frame)[:4] == ["initial.omega3", "friction.mu", "status", "class"]
-        assert frame["class"].tolist() == [
-            table["class"].attrs["flag_meanings"].split()[i] for i in table["class"].values
-        ]
+        assert frame["class"].tolist() == [*flag_words(table["class"])]
         np.testing.assert_array_equal(frame["final_Lz"].astype(float), table["final_Lz"])
     assert typed(f"export {whole} --to csv --out {tmp_path}/E.csv --group events") == 2
 
@@ -192,7 +191,7 @@ def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
         Plan.from_tables({"scenario": "inverting", "set": start, "axis": [axis]}),
         tmp_path / "S.zarr",
     )
-    names = np.array(found["class"].attrs["flag_meanings"].split())[found["class"].values]
+    names = flag_words(found["class"])
     assert names[:2].tolist() == ["upright"] * 2
     assert not {"upright", "inverted"} & set(names[2:5])
     assert names[5:].tolist() == ["inverted"] * 2

@@ -89,8 +89,9 @@ def put_back(path: Path) -> None:
     old = name_aside(path)
     if not has_ledger(old):
         return
-    if path.exists():
+    if begins_in(path):
         _removed(old)
+    if path.exists():  # also of another program
         return
     # the lock is held while a writer is at work
     with contextlib.suppress(OSError, StoreError), Ledger.locked(old):

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from test_phases_of_runs import run
 from touching import LEINE_GLOCKER, table_of
 
+import tippetop as tt
 from tippetop.engine.status import Status
 
 
@@ -170,3 +171,17 @@ def test_balls_that_throw_each_other_down_come_to_stand_on_both(e_n):
         contact={"e_n": e_n},
     )
     assert 3 in phases["phase"]
+
+
+@pytest.mark.parametrize(
+    ("start", "phase"),
+    [
+        ({"theta_dot": 2e-5, "phi_dot": 10.0, "omega3": -124.0, "nu_y": -1.4748128}, 3),
+        ({"theta_dot": -1e-5, "phi_dot": 100.0, "omega3": 0.0, "nu_y": 0.0}, 2),
+    ],
+)
+def test_what_follows_an_impulse_onto_both_is_that_of_the_state_after_it(start, phase):
+    """The stem's disc then slides slower than it turns, as not before; or neither ball presses."""
+    start |= {"theta": float(np.arccos(-25 / 49)), "nu_x": 0.0}
+    run = tt.run("wooden-toy", {"mu": 0.2}, start=start, until=1e-4)
+    assert run.phases.phase.values.tolist() == [phase]

@@ -5,6 +5,7 @@ import random
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from examples import CANONICAL
 from forked import SERVER
 
 import tippetop as tt
@@ -24,10 +25,9 @@ def scenario(seed: int) -> dict:
         {"law": "viscous", "mu": 0.5},
         {"law": "coulomb", "mu": 0.3, "eps": 0.01},
     )
-    body = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3e-6, "I3": 3.2e-6, "g": 9.82}
     made = {
         "system": "tippe-top",
-        "parameters": body | {"alpha": -0.2} if seed == 4 else body,
+        "parameters": CANONICAL | {"alpha": -0.2} if seed == 4 else CANONICAL,
         "friction": laws[seed % len(laws)],
         "contact": {"e_n": 0.7, "restitution": ("energetic", "poisson")[seed % 2]},
         "initial": {

@@ -118,7 +118,7 @@ def test_a_disc_that_does_not_turn_turns_back_as_coulombs_law_has_it(alpha, mu, 
     """The slip passed its rest within a step, and friction was that of before: theta differed by
     2e-2.
     """
-    numbers = {"m": 0.02, "R": 0.02, "alpha": alpha, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
+    numbers = {**CANONICAL, "alpha": alpha}
     laws = {"law": "contensou", "mu": mu, "patch": patch * 0.02}, {"law": "coulomb", "mu": mu}
     drills, slides = (
         run(numbers, friction=law, initial=start).columns()["theta"].values for law in laws

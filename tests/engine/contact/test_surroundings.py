@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 import tilted
+from examples import CANONICAL
 from limits import assert_below
 from nightly import at_night
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
+from touching import STANDING
 
 import tippetop as tt
 
@@ -91,7 +93,7 @@ def test_a_random_body_moves_as_newton_and_euler_say(seed: int) -> None:
     assert_below(1e-13, {name: run.drift[name] for name in known & {*run.drift}})
 
 
-TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
+TOP = tt.TippeTop(**CANONICAL)
 EGGLIKE = tt.Ellipsoid(
     m=0.05, a=0.025, b=0.02, c=0.018, delta=0.5, x=1e-3, y=-1e-3, h=3e-3, I1=7e-6, I2=8e-6, I3=9e-6,
     g=9.81,
@@ -205,13 +207,9 @@ def test_a_body_on_both_balls_keeps_the_energy_balance(law: str, around: dict[st
         friction |= {"patch": 5e-4, "mu_r": 1e-5, "mu_d": 1e-5}
     run = tt.run(
         {
-            "system": "tippe-top",
-            "parameters": dict(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81),
+            **STANDING,
             "friction": friction,
-            "stem": {"r": 0.005, "h": 0.013},
-            "contact": {"e_n": 0.02},
-            "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0, "nu_x": 0.0},
-            "run": {"until": 0.05},
+            "initial": {**STANDING["initial"], "nu_x": 0.0},
             **around,
         },
         **QUIET,

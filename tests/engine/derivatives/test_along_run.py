@@ -181,6 +181,21 @@ def test_datasets_by_parameter_and_second_derivatives_are_differences_of_first_o
         np.testing.assert_allclose(second, expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
+def test_second_derivatives_do_not_change_the_first_ones_of_times_of_events() -> None:
+    """The level of the event depends on the body, of which the second derivative is not zero."""
+    level = tt.extending.Event("level", "level", lambda s, b: s.z - 2 * b.I1 / (b.m * b.R**2))
+    options: dict[str, Any] = {"start": {"theta": 0.8, "omega3": 1.0}, "until": 0.1}
+    first, second = (
+        tt.derivatives.sensitivities(
+            "inverting", ["parameters.R"], order=order, events=[level], **options
+        ).events.time
+        for order in (1, 2)
+    )
+    assert first.size
+    np.testing.assert_allclose(second, first, rtol=1e-12)
+
+
 def test_a_flag_and_a_number_that_is_not_given() -> None:
     """centre_at_rest makes the slip depend on omega3; phi_dot, not given, is zero and still has a
     derivative.

@@ -161,14 +161,15 @@ def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
     return Next(phase_name("flight", ball), x, cause, ends=status, message=message)
 
 
-def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
+def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str, others: int = 1) -> Next:
     """Return free flight until the first ball lands.
 
-    `zeros` of the gap of a ball and its derivatives vanish now.
+    `zeros` of the gap of a ball and its derivatives vanish now, and `others` of the other ball that
+    touches too.
     """
     roots = {}
     for k in touching(x, world):
-        count = zeros if k == ball else 1
+        count = zeros if k == ball else others
         while count < 4 and (rate := gap_rate(x, world.body[k], count)) == 0:
             count += 1
         if count == 4 or rate < 0:
@@ -246,7 +247,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         slides = world.phases[phase_name("slip", ball)]
         for beta in (*first_directions(partial(pushed, slides, *plain((x, b)))), *against):
             return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
-    return fly(x, world, ball, 2, "opens-at-once")
+    return fly(x, world, ball, 2, "opens-at-once", zeros)
 
 
 def on_edge(x: Moving, ball: int, cause: str, roots: Any = ()) -> Next:
@@ -262,10 +263,9 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
     b = world.body[0]
     law = b.friction
     if not law.set_valued:
-        names = regions_of(x, *world.body)
-        name = phase_name("both", 0, *names)
+        x = brought_to_rest(x, frictions_of(law, regions_of(x, *world.body)), b)
+        name = phase_name("both", 0, *regions_of(x, *world.body))
         phase = world.phases[name]
-        x = brought_to_rest(x, frictions_of(law, names), b)
         s = phase.form.scalars(phase.enter(x, b), b)
         if min(side.force.z for side in s.sides) > PRESSES * b.m * mean_gravity(b):
             return Next(name, x, cause)
