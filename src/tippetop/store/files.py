@@ -89,7 +89,7 @@ def put_back(path: Path) -> None:
     old = name_aside(path)
     if not has_ledger(old):
         return
-    if begins_in(path):
+    if has_ledger(path):
         _removed(old)
     if path.exists():  # also of another program
         return
