@@ -21,8 +21,9 @@ from .scales import FAR, Space
 
 # Measurements of the first window per free number
 FEWEST = 3
-# Growth of a window to the next
+# Growth of a window to the next, and where the contact may change
 GROWTH = 1.5
+ROUGH = 2.0
 # Starts of a search; fewer in proportion, as points that are tried, where numbers are known better
 BATCH = 8
 # Different points that continue to the next window
@@ -51,6 +52,8 @@ NEAR = 0.03
 # relative to all
 ENOUGH = 0.1
 EXACT = 1e-8
+# Change of a point, relative, by which a local search ends where the contact may change
+SMALL = 1e-3
 # Multiple of the stated noise, of the residuals of a window, beyond which a search is given up
 HOPELESS = 3.0
 # Residuals of which that is sure: half of so many are hardly so large by chance
@@ -89,27 +92,44 @@ def local_minimum(
     """Return the minimum next to a point over the first rows.
 
     `size`: the scale beyond which a loss bends; None: of the residuals of the point, and the
-    minimum over all rows is exact. It is in a search too where the misfit is smooth: where the
-    contact may change, it is rough, and small steps go on for long.
+    minimum over all rows is exact. It is in a search too where the misfit is smooth. Where the
+    contact may change, it is rough, and a motion may take half a second: small steps end a search,
+    and the Jacobian is computed at the point only, and corrected by the steps (Broyden 1965).
     """
     from scipy.optimize import least_squares
 
     def residuals(x: np.ndarray) -> np.ndarray:
         return misfit.at(x[None], rows, slopes=False)[0][0]
 
+    known: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        after = residuals(x)
+        if is_rough and known:
+            point, before, jacobian = known.pop()
+            move = x - point
+            missed = after - before - jacobian @ move
+            jacobian = jacobian + np.outer(missed, move / (move @ move))
+        else:
+            jacobian = misfit.at(x[None], rows)[1][0]
+        known.append((x, after, jacobian))
+        return np.vstack([jacobian, keep * np.eye(len(x))])
+
     last = rows >= misfit.rows
-    exact = last and (size is None or not misfit.observation.problem.system.is_hybrid)
+    is_rough = size is not None and misfit.observation.problem.system.is_hybrid
+    exact = last and not is_rough
     begin = residuals(point)
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
     result = least_squares(
         lambda x: np.append(residuals(x), keep * x),
         point,
-        lambda x: np.vstack([misfit.at(x[None], rows)[1][0], keep * np.eye(len(x))]),
+        slopes,
         bounds=misfit.space.bounds,
         loss=misfit.loss,
         f_scale=size or misfit.size(begin),
         ftol=EXACT if exact else ENOUGH / count,
+        xtol=SMALL if is_rough else EXACT,
         gtol=float(np.finfo(float).eps),  # where nothing moves
         max_nfev=MOST if last else FEW,
     )
@@ -183,9 +203,10 @@ def windows(misfit: Misfit) -> list[int]:
     """Return the numbers of rows of the windows."""
     total = misfit.rows
     fewest = FEWEST * len(misfit.space.names)
+    growth = ROUGH if misfit.observation.problem.system.is_hybrid else GROWTH
     rows = [min(total, int(np.ceil(fewest * total / misfit.observation.count)))]
     while rows[-1] < total:
-        rows.append(min(total, int(np.ceil(GROWTH * rows[-1]))))
+        rows.append(min(total, int(np.ceil(growth * rows[-1]))))
     return rows
 
 
