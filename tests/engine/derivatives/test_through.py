@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from nightly import at_night
 from pages import names_of
+from test_along_run import LAWS as SMOOTH
+from test_along_run import STENCIL
 
 import tippetop as tt
 from tippetop.engine.derivatives.through import Pass
@@ -84,14 +86,18 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
         )
 
 
-STENCIL = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
-LAWS: dict[str, dict[str, float]] = {
-    "coulomb": {"mu": 0.3},
-    "stribeck": {"mu": 0.2, "mu_static": 0.4, "v_s": 0.05, "eps": 0.01},
-    "contensou": {"mu": 0.3, "patch": 2e-4},
-    "latitude": {"mu": 0.5, "mu_stem": 0.8},
-    "none": {},
-}
+LAWS = {**SMOOTH, "coulomb": {"mu": 0.3}, "contensou": {"mu": 0.3, "patch": 2e-4}}
+
+
+def moved(preset: str, tables: dict[str, Any], key: str, **options: Any) -> Any:
+    """Return the rows of a run as a function of the change of a number."""
+    table, _, name = key.partition(".")
+
+    def run(h: float) -> Any:
+        numbers = tables[table] | {name: tables[table][name] + h}
+        return tt.run(preset, **tables | {table: numbers}, **options).trajectory
+
+    return run
 
 
 @pytest.mark.slow
@@ -107,21 +113,14 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
     end = [0.2]
     options: dict[str, Any] = {"until": end[0], "output_times": end, "friction": {"law": law}}
     options["friction"] |= LAWS[law]
-    contact = {"e_n": rng.uniform(0.1, 0.7)}
+    tables = {"start": start, "contact": {"e_n": rng.uniform(0.1, 0.7)}}
     wrt = ["initial.omega3", "contact.e_n"]
-    found = tt.derivatives.sensitivities("flying", wrt, start=start, contact=contact, **options)
+    found = tt.derivatives.sensitivities("flying", wrt, **tables, **options)
     assert found.run.impacts.sizes["impact"] > 0
-    for key in wrt:
-        table, name = key.split(".")
-        given = {"start": start, "contact": contact}
-        which = "start" if table == "initial" else table
-        mine = found.trajectory.sel(parameter=key).isel(time=-1)
-        h = given[which][name] * min(1e-4, float(mine.valid_within) / 100)
-
-        def run(move: float, which: str = which, name: str = name, given: Any = given) -> Any:
-            moved = {which: given[which] | {name: given[which][name] + move}}
-            return tt.run("flying", **given | moved, **options, precision="longdouble").trajectory
-
+    for k, key in enumerate(("start.omega3", "contact.e_n")):
+        mine = found.trajectory.isel(parameter=k, time=-1)
+        h = min(1e-4, float(mine.valid_within) / 100) * (abs(start["omega3"]), 1)[k]
+        run = moved("flying", tables, key, **options, precision="longdouble")
         runs = {k * s: run(k * s * h).isel(time=-1) for k in STENCIL for s in (1, -1)}
         for column in ("axis", "L", "nu_z"):
             whole = {
@@ -193,16 +192,11 @@ def test_derivatives_by_surroundings_are_those_of_differences(preset: str, name:
     for key in wrt:
         table, name = key.split(".")
         h = 1e-4 * around[table][name]
-
-        def run(move: float, table: str = table, name: str = name) -> Any:
-            numbers = around[table] | {name: around[table][name] + move}
-            return tt.run(preset, **around | {table: numbers}, **options)
-
+        run = moved(preset, around, key, **options)
         ahead, behind = run(h), run(-h)
         mine = found.trajectory.sel(parameter=key)
         for column in ("theta", "omega3", "x", "energy"):
-            both = (run.trajectory[column] for run in (ahead, behind))
-            assert_slopes(mine[column], *both, 2 * h, 1e-4)
+            assert_slopes(mine[column], ahead[column], behind[column], 2 * h, 1e-4)
 
 
 def test_times_of_the_last_hops_scale_with_the_unit_of_time() -> None:
