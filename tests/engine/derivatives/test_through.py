@@ -90,12 +90,12 @@ LAWS = {**SMOOTH, "coulomb": {"mu": 0.3}, "contensou": {"mu": 0.3, "patch": 2e-4
 
 
 def moved(preset: str, tables: dict[str, Any], key: str, **options: Any) -> Any:
-    """Return the rows of a run as a function of the change of a number."""
+    """Return a run as a function of the change of a number."""
     table, _, name = key.partition(".")
 
     def run(h: float) -> Any:
         numbers = tables[table] | {name: tables[table][name] + h}
-        return tt.run(preset, **tables | {table: numbers}, **options).trajectory
+        return tt.run(preset, **tables | {table: numbers}, **options)
 
     return run
 
@@ -121,7 +121,7 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
         mine = found.trajectory.isel(parameter=k, time=-1)
         h = min(1e-4, float(mine.valid_within) / 100) * (abs(start["omega3"]), 1)[k]
         run = moved("flying", tables, key, **options, precision="longdouble")
-        runs = {k * s: run(k * s * h).isel(time=-1) for k in STENCIL for s in (1, -1)}
+        runs = {k * s: run(k * s * h).trajectory.isel(time=-1) for k in STENCIL for s in (1, -1)}
         for column in ("axis", "L", "nu_z"):
             whole = {
                 k: one[column].values + one[f"{column}_lo"].values.astype(np.longdouble)
@@ -139,18 +139,12 @@ def assert_slopes(found: Any, ahead: Any, behind: Any, apart: float, bound: floa
 
 
 def test_columns_along_a_run_are_those_of_differences() -> None:
-    times = np.linspace(0.0, 1.0, 9)[1:].tolist()
-
-    def run(mu: float) -> Any:
-        law = {"law": "coulomb", "mu": mu}
-        return tt.run("cohen-coulomb", friction=law, until=1.0, output_times=times)
-
-    mu, h = 0.3, 1e-5
-    law = {"law": "coulomb", "mu": mu}
-    found = tt.derivatives.sensitivities(
-        "cohen-coulomb", ["friction.mu"], law, until=1.0, output_times=times
-    )
-    ahead, behind = run(mu + h), run(mu - h)
+    h = 1e-5
+    law = {"friction": {"law": "coulomb", "mu": 0.3}}
+    options = {"until": 1.0, "output_times": np.linspace(0.0, 1.0, 9)[1:].tolist()}
+    found = tt.derivatives.sensitivities("cohen-coulomb", ["friction.mu"], **law, **options)
+    run = moved("cohen-coulomb", law, "friction.mu", **options)
+    ahead, behind = run(h), run(-h)
     assert not found.sentences
     assert (found.trajectory.valid_within > 1e-3).all()
     for name in ("theta", "omega3", "L", "energy", "x", "normal_force", "orientation"):
@@ -193,7 +187,7 @@ def test_derivatives_by_surroundings_are_those_of_differences(preset: str, name:
         table, name = key.split(".")
         h = 1e-4 * around[table][name]
         run = moved(preset, around, key, **options)
-        ahead, behind = run(h), run(-h)
+        ahead, behind = run(h).trajectory, run(-h).trajectory
         mine = found.trajectory.sel(parameter=key)
         for column in ("theta", "omega3", "x", "energy"):
             assert_slopes(mine[column], ahead[column], behind[column], 2 * h, 1e-4)
@@ -233,16 +227,13 @@ def test_a_run_that_begins_with_a_slow_slide_has_derivatives_at_its_start() -> N
 
 
 def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
-    times = [0.2, 0.4, 0.6]
-    options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}
+    options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": [0.2, 0.4, 0.6]}
     options["start"] = {"theta": 1.0, "omega3": 0.0, "phi_dot": 0.0, "theta_dot": 3.0}
-
-    def law(mu: float) -> dict:
-        return {"law": "contensou", "mu": mu, "patch": 1e-3, "mu_r": 1e-6}
-
-    mu, h = 0.15, 1e-6
-    made = tt.derivatives.sensitivities("inverting", ["friction.mu"], law(mu), **options)
-    ahead, behind = (tt.run("inverting", friction=law(mu + k * h), **options) for k in (1, -1))
+    law = {"friction": {"law": "contensou", "mu": 0.15, "patch": 1e-3, "mu_r": 1e-6}}
+    h = 1e-6
+    made = tt.derivatives.sensitivities("inverting", ["friction.mu"], **law, **options)
+    run = moved("inverting", law, "friction.mu", **options)
+    ahead, behind = run(h), run(-h)
     assert list(made.run.phases.phase.values) == [0, 4, 0, 4, 0]
     for mine, one, other in (
         (made.trajectory.theta, ahead.trajectory.theta, behind.trajectory.theta),
