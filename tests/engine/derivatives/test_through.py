@@ -3,15 +3,12 @@
 import dataclasses
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 import pytest
 from nightly import at_night
-from pages import names_of
 from test_along_run import LAWS as SMOOTH
 from test_along_run import STENCIL
 
@@ -25,6 +22,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import SECOND
 
 
+pytestmark = pytest.mark.usefixtures("page")
 TESTS = Path(__file__).parents[2]
 CASES = json.loads((TESTS / "reference/derivatives_through_contact.json").read_text())["cases"]
 SLOW = [
@@ -254,13 +252,6 @@ def test_a_law_that_another_number_changes_has_no_derivative() -> None:
 
 
 # --- systems of several phases ------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module", autouse=True)
-def page() -> Iterator[dict[str, Any]]:
-    """What the Python of the page defines; its systems are registered in this module."""
-    with mock.patch.dict(SYSTEMS):
-        yield names_of("a-hybrid-system.md")
 
 
 H, G, E = 1.0, 9.81, 0.5
