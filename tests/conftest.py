@@ -8,6 +8,8 @@ import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -100,6 +102,26 @@ def inversion(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("inversion") / "run.zarr"
     assert typed(f"run inverting --until 7 --out {path}") == 0
     return path
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with finished and interrupted stores."""
+    from kinds import every_kind
+
+    with every_kind(tmp_path_factory.mktemp("stores")) as folder:
+        yield folder
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[dict[str, Any]]:
+    """What the Python of the page on hybrid systems defines, whose systems are registered."""
+    from pages import names_of
+
+    from tippetop.mechanics.systems import SYSTEMS
+
+    with mock.patch.dict(SYSTEMS):
+        yield names_of("a-hybrid-system.md")
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ import pytest
 from damage import changed, garbled
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from kinds import CONTINUED, every_kind, make
+from kinds import CONTINUED, make
 from stores import files
 from typed import answered
 
@@ -29,13 +28,6 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
 EDITS = ["bytes", "document", "swap", "copy", "parent", "foreign"]
 REPLACES = ["gone", "folder", "pipe", "link", "moved"]
 FOREIGN = ["0", "99", "x", "zarr.json", "ledger.jsonl", ".x.part-1", "c.0.new", "c.7"]
-
-
-@pytest.fixture(scope="module")
-def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with finished and interrupted stores."""
-    with every_kind(tmp_path_factory.mktemp("stores")) as folder:
-        yield folder
 
 
 def contents(store: Path) -> Any:

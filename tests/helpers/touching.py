@@ -18,6 +18,7 @@ from tippetop.mechanics.operand import Vector
 
 NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
 LEINE_GLOCKER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
+STEM = {"r": 0.005, "h": 0.013}
 DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
 TOSSED = dict(theta=0.5, theta_dot=60.0, phi_dot=5.0, omega3=30.0, nu_x=0.1, nu_y=-0.2)
 
@@ -35,7 +36,7 @@ STANDING: dict[str, Any] = {
     "system": "tippe-top",
     "parameters": LEINE_GLOCKER,
     "friction": {"law": "viscous", "mu": 2.0},
-    "stem": {"r": 0.005, "h": 0.013},
+    "stem": STEM,
     "contact": {"e_n": 0.02},
     "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0},
     "run": {"until": 0.05},

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import CANONICAL
 from typed import typed
 
 import tippetop as tt
 
 
-TOP = tt.TippeTop(
-    m=0.02, R=0.02, alpha=0.3, I1=2.4e-6, I3=3.2e-6, g=9.82
-)  # gamma = 0.75 < gamma_plus
+TOP = tt.TippeTop(**CANONICAL | {"I1": 2.4e-6})  # gamma = 0.75 < gamma_plus
 LAM = 2.6e-6
 
 

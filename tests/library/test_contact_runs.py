@@ -10,7 +10,7 @@ import pytest
 from examples import CANONICAL as BODY
 from limits import assert_below
 from nightly import at_night
-from touching import DRILLING, LEINE_GLOCKER, TOSSED
+from touching import DRILLING, LEINE_GLOCKER, STEM, TOSSED
 
 import tippetop as tt
 from tippetop.columns import flag_words, flagged
@@ -33,7 +33,7 @@ def scenario(
 
 CASES = {
     "bounces": scenario(COULOMB, TOSSED, 0.3),
-    "stem": scenario(VISCOUS, ROCKING, 0.2, LEINE_GLOCKER, stem={"r": 0.005, "h": 0.013}),
+    "stem": scenario(VISCOUS, ROCKING, 0.2, LEINE_GLOCKER, stem=STEM),
     "drilling": scenario(DRILLING, TOSSED, 0.1, LEINE_GLOCKER),
 }
 

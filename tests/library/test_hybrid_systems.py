@@ -3,15 +3,12 @@
 import dataclasses
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
-from unittest import mock
 
 import numpy as np
 import pytest
 from limits import assert_below
-from pages import names_of
 from test_contact_runs import times
 
 import tippetop as tt
@@ -22,18 +19,14 @@ from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
 
 
+pytestmark = pytest.mark.usefixtures("page")
+
+
 class Candle(NamedTuple):
     h: Any
 
 
 POINT = {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def page() -> Iterator[dict[str, Any]]:
-    """What the Python of the page defines; its systems are registered in this module."""
-    with mock.patch.dict(SYSTEMS):
-        yield names_of("a-hybrid-system.md")
 
 
 def bounces(until: float = 3.0, **run: Any) -> Any:

@@ -7,11 +7,11 @@ stays as it is.
 
 import random
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from kinds import CONTINUED, KINDS, every_kind, make
+from kinds import CONTINUED, KINDS, make
 from nightly import at_night
 from stores import files, state_of
 from typed import typed
@@ -19,13 +19,6 @@ from typed import typed
 from tippetop.errors import StoreError
 from tippetop.store import ledger, provenance
 from tippetop.store.ledger import LEDGER, Ledger
-
-
-@pytest.fixture(scope="module")
-def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder with finished and interrupted stores."""
-    with every_kind(tmp_path_factory.mktemp("stores")) as folder:
-        yield folder
 
 
 def lines_of(raw: bytes) -> list[bytes]:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from touching import BOUNCE
+from touching import BOUNCE, STEM
 
 from tippetop.engine.status import Status
 from tippetop.ensembles import ensemble
@@ -76,7 +76,7 @@ def test_a_bouncing_top_is_measured() -> None:
 
 
 def test_the_contact_of_a_sweep_is_told() -> None:
-    base = {"contact": {"restitution": "energetic", "e_n": 0.5}, "stem": {"r": 0.005, "h": 0.013}}
+    base = {"contact": {"restitution": "energetic", "e_n": 0.5}, "stem": STEM}
     facts: dict[str, Any] = {
         **{
             "status": "finished",

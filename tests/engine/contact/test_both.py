@@ -6,13 +6,12 @@ from examples import CANONICAL
 from limits import assert_below
 from scipy.integrate import solve_ivp
 from test_phases_of_runs import run
-from touching import LEINE_GLOCKER, table_of
+from touching import LEINE_GLOCKER, STEM, table_of
 
 import tippetop as tt
 from tippetop.engine.status import Status
 
 
-STEM = {"r": 0.005, "h": 0.013}
 Z = -10 / 13  # cos(theta) where both touch
 MU = 2.0  # s/m
 VISCOUS = {"law": "viscous", "mu": MU}

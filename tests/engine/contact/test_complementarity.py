@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from limits import assert_below
 from nightly import at_night
-from touching import LEINE_GLOCKER
+from touching import LEINE_GLOCKER, STEM
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact.rows import PHASES, Row, row_scalars
@@ -39,7 +39,7 @@ def random_run(seed: int) -> Solution:
         start |= {"gap": 10 ** rng.uniform(-6, -2)}
     if law["law"] != "coulomb" and rng.uniform() < 0.5:
         start["theta"] = min(start["theta"], 2.3)
-        tables["stem"] = {"r": 0.005, "h": 0.013}
+        tables["stem"] = STEM
     tables |= {"friction": law, "initial": start, "run": {"until": 0.4, "output_step": 1e-4}}
     return solve(problem({"system": "tippe-top", "parameters": LEINE_GLOCKER} | tables))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from examples import CANONICAL
 from limits import assert_below
-from touching import LEINE_GLOCKER, table_of
+from touching import LEINE_GLOCKER, STEM, table_of
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import exits
@@ -94,9 +94,7 @@ def test_drilling_friction_turns_a_top_onto_its_stem():
     """
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
     start = {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True}
-    done = run(
-        LEINE_GLOCKER, friction=friction, initial=start, stem={"r": 0.005, "h": 0.013}, until=8.0
-    )
+    done = run(LEINE_GLOCKER, friction=friction, initial=start, stem=STEM, until=8.0)
     impacts = table_of(done, "impacts")
     assert impacts["time"][0] == pytest.approx(1.37081, abs=5e-6)
     assert impacts["ball"][0] == 1

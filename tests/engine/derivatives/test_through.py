@@ -3,15 +3,14 @@
 import dataclasses
 import json
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 import pytest
 from nightly import at_night
-from pages import names_of
+from test_along_run import LAWS as SMOOTH
+from test_along_run import STENCIL
 
 import tippetop as tt
 from tippetop.engine.derivatives.through import Pass
@@ -23,6 +22,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import SECOND
 
 
+pytestmark = pytest.mark.usefixtures("page")
 TESTS = Path(__file__).parents[2]
 CASES = json.loads((TESTS / "reference/derivatives_through_contact.json").read_text())["cases"]
 SLOW = [
@@ -84,14 +84,18 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
         )
 
 
-STENCIL = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
-LAWS: dict[str, dict[str, float]] = {
-    "coulomb": {"mu": 0.3},
-    "stribeck": {"mu": 0.2, "mu_static": 0.4, "v_s": 0.05, "eps": 0.01},
-    "contensou": {"mu": 0.3, "patch": 2e-4},
-    "latitude": {"mu": 0.5, "mu_stem": 0.8},
-    "none": {},
-}
+LAWS = {**SMOOTH, "coulomb": {"mu": 0.3}, "contensou": {"mu": 0.3, "patch": 2e-4}}
+
+
+def moved(preset: str, tables: dict[str, Any], key: str, **options: Any) -> Any:
+    """Return a run as a function of the change of a number."""
+    table, _, name = key.partition(".")
+
+    def run(h: float) -> Any:
+        numbers = tables[table] | {name: tables[table][name] + h}
+        return tt.run(preset, **tables | {table: numbers}, **options)
+
+    return run
 
 
 @pytest.mark.slow
@@ -107,22 +111,15 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
     end = [0.2]
     options: dict[str, Any] = {"until": end[0], "output_times": end, "friction": {"law": law}}
     options["friction"] |= LAWS[law]
-    contact = {"e_n": rng.uniform(0.1, 0.7)}
+    tables = {"start": start, "contact": {"e_n": rng.uniform(0.1, 0.7)}}
     wrt = ["initial.omega3", "contact.e_n"]
-    found = tt.derivatives.sensitivities("flying", wrt, start=start, contact=contact, **options)
+    found = tt.derivatives.sensitivities("flying", wrt, **tables, **options)
     assert found.run.impacts.sizes["impact"] > 0
-    for key in wrt:
-        table, name = key.split(".")
-        given = {"start": start, "contact": contact}
-        which = "start" if table == "initial" else table
-        mine = found.trajectory.sel(parameter=key).isel(time=-1)
-        h = given[which][name] * min(1e-4, float(mine.valid_within) / 100)
-
-        def run(move: float, which: str = which, name: str = name, given: Any = given) -> Any:
-            moved = {which: given[which] | {name: given[which][name] + move}}
-            return tt.run("flying", **given | moved, **options, precision="longdouble").trajectory
-
-        runs = {k * s: run(k * s * h).isel(time=-1) for k in STENCIL for s in (1, -1)}
+    for k, key in enumerate(("start.omega3", "contact.e_n")):
+        mine = found.trajectory.isel(parameter=k, time=-1)
+        h = min(1e-4, float(mine.valid_within) / 100) * (abs(start["omega3"]), 1)[k]
+        run = moved("flying", tables, key, **options, precision="longdouble")
+        runs = {k * s: run(k * s * h).trajectory.isel(time=-1) for k in STENCIL for s in (1, -1)}
         for column in ("axis", "L", "nu_z"):
             whole = {
                 k: one[column].values + one[f"{column}_lo"].values.astype(np.longdouble)
@@ -140,18 +137,12 @@ def assert_slopes(found: Any, ahead: Any, behind: Any, apart: float, bound: floa
 
 
 def test_columns_along_a_run_are_those_of_differences() -> None:
-    times = np.linspace(0.0, 1.0, 9)[1:].tolist()
-
-    def run(mu: float) -> Any:
-        law = {"law": "coulomb", "mu": mu}
-        return tt.run("cohen-coulomb", friction=law, until=1.0, output_times=times)
-
-    mu, h = 0.3, 1e-5
-    law = {"law": "coulomb", "mu": mu}
-    found = tt.derivatives.sensitivities(
-        "cohen-coulomb", ["friction.mu"], law, until=1.0, output_times=times
-    )
-    ahead, behind = run(mu + h), run(mu - h)
+    h = 1e-5
+    law = {"friction": {"law": "coulomb", "mu": 0.3}}
+    options = {"until": 1.0, "output_times": np.linspace(0.0, 1.0, 9)[1:].tolist()}
+    found = tt.derivatives.sensitivities("cohen-coulomb", ["friction.mu"], **law, **options)
+    run = moved("cohen-coulomb", law, "friction.mu", **options)
+    ahead, behind = run(h), run(-h)
     assert not found.sentences
     assert (found.trajectory.valid_within > 1e-3).all()
     for name in ("theta", "omega3", "L", "energy", "x", "normal_force", "orientation"):
@@ -193,16 +184,11 @@ def test_derivatives_by_surroundings_are_those_of_differences(preset: str, name:
     for key in wrt:
         table, name = key.split(".")
         h = 1e-4 * around[table][name]
-
-        def run(move: float, table: str = table, name: str = name) -> Any:
-            numbers = around[table] | {name: around[table][name] + move}
-            return tt.run(preset, **around | {table: numbers}, **options)
-
-        ahead, behind = run(h), run(-h)
+        run = moved(preset, around, key, **options)
+        ahead, behind = run(h).trajectory, run(-h).trajectory
         mine = found.trajectory.sel(parameter=key)
         for column in ("theta", "omega3", "x", "energy"):
-            both = (run.trajectory[column] for run in (ahead, behind))
-            assert_slopes(mine[column], *both, 2 * h, 1e-4)
+            assert_slopes(mine[column], ahead[column], behind[column], 2 * h, 1e-4)
 
 
 def test_times_of_the_last_hops_scale_with_the_unit_of_time() -> None:
@@ -239,16 +225,13 @@ def test_a_run_that_begins_with_a_slow_slide_has_derivatives_at_its_start() -> N
 
 
 def test_a_disc_that_rests_and_gives_way_has_derivatives() -> None:
-    times = [0.2, 0.4, 0.6]
-    options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": times}
+    options = {"contact": {"e_n": 0.2}, "until": 0.6, "output_times": [0.2, 0.4, 0.6]}
     options["start"] = {"theta": 1.0, "omega3": 0.0, "phi_dot": 0.0, "theta_dot": 3.0}
-
-    def law(mu: float) -> dict:
-        return {"law": "contensou", "mu": mu, "patch": 1e-3, "mu_r": 1e-6}
-
-    mu, h = 0.15, 1e-6
-    made = tt.derivatives.sensitivities("inverting", ["friction.mu"], law(mu), **options)
-    ahead, behind = (tt.run("inverting", friction=law(mu + k * h), **options) for k in (1, -1))
+    law = {"friction": {"law": "contensou", "mu": 0.15, "patch": 1e-3, "mu_r": 1e-6}}
+    h = 1e-6
+    made = tt.derivatives.sensitivities("inverting", ["friction.mu"], **law, **options)
+    run = moved("inverting", law, "friction.mu", **options)
+    ahead, behind = run(h), run(-h)
     assert list(made.run.phases.phase.values) == [0, 4, 0, 4, 0]
     for mine, one, other in (
         (made.trajectory.theta, ahead.trajectory.theta, behind.trajectory.theta),
@@ -269,13 +252,6 @@ def test_a_law_that_another_number_changes_has_no_derivative() -> None:
 
 
 # --- systems of several phases ------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module", autouse=True)
-def page() -> Iterator[dict[str, Any]]:
-    """What the Python of the page defines; its systems are registered in this module."""
-    with mock.patch.dict(SYSTEMS):
-        yield names_of("a-hybrid-system.md")
 
 
 H, G, E = 1.0, 9.81, 0.5

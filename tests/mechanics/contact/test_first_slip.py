@@ -5,6 +5,7 @@ attacks/test_edges_of_cones.py.
 from typing import Any
 
 import numpy as np
+from examples import GLIDING
 
 from tippetop.mechanics.contact import response
 from tippetop.mechanics.contact.body import Touch, Turning
@@ -12,9 +13,6 @@ from tippetop.mechanics.contact.contact_phases import smooth_friction
 from tippetop.mechanics.contact.first_slip import first_directions
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector
-
-
-BODY = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.3))
 
 
 def turning(state: Any) -> Turning:
@@ -37,7 +35,7 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
     for _ in range(60):
         u = rng.normal(0, 1, 3)
         x = turning([*(u / np.sqrt(u @ u)), *(3e-6 * rng.normal(0, 60, 3))])
-        ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
+        ball = GLIDING._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
         F = response.resting(x, ball)[0]
         if response.bias_vector(x, ball).z > 0:
             continue  # the contact opens
