@@ -727,7 +727,8 @@ class HybridDriver(Driver):
         """Return states of phases, by number (k,), as rows in the variables of the run."""
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
-        rows[:, : as_rows.shape[1]] = as_rows
+        known = phases == AS_ROW
+        rows[known, : as_rows.shape[1]] = as_rows[known]
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal

@@ -62,7 +62,9 @@ def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
     if not isinstance(body, Touch):
         return np.zeros(states.shape[1], bool)
     with np.errstate(all="ignore"):  # of tops beyond the doubles
-        scalars = problems.base.form.scalars(problems.record(states.astype(float)), body)
+        scalars = problems.base.form.scalars(
+            problems.variables.split(states.astype(float))[0], body
+        )
         v2 = getattr(scalars, "v2", 0.0)  # a tip that is held has none
         body = by_scalars(scalars, body)
         fast = v2 > SLIDES**2 * body.g * (body.R + np.abs(body.c))

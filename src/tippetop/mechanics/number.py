@@ -2,7 +2,6 @@
 
 import contextlib
 import inspect
-import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
@@ -113,7 +112,7 @@ class Number(metaclass=Described):
         bool or array of bool
             True where the value is not allowed.
         """
-        broken = (abs(values) < math.inf) ^ True  # NaN too
+        broken = ~np.isfinite(values)
         for _, limit, breaks in self._bounds:
             broken = broken | breaks(values, limit)
         return broken

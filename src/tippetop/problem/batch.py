@@ -180,12 +180,9 @@ class Problems:
             return self.state
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
         theta = data.get("theta", self._wide(0.0))
-        s = np.sin(theta)
-        z = np.cos(theta)
         pole = np.asarray(theta, float) == math.pi  # 3.141592653589793 means the pole
-        if pole.any():
-            s = np.where(pole, self._wide(0.0), s)[()]
-            z = np.where(pole, self._wide(-1.0), z)[()]
+        s = np.where(pole, self._wide(0.0), np.sin(theta))[()]
+        z = np.where(pole, self._wide(-1.0), np.cos(theta))[()]
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
@@ -204,10 +201,6 @@ class Problems:
         return np.asarray(
             np.broadcast_to(self.given("run")["until"], (self.n,)) / self.unit(SECOND), float
         )
-
-    def record(self, states: np.ndarray) -> Any:
-        """Return the state record of states (variables, k), in internal units."""
-        return self.variables.split(states)[0]
 
     def moment(self, states: np.ndarray, body: Any) -> Moment:
         """Return the arguments of formulas for states (variables, k), in internal units."""

@@ -31,7 +31,7 @@ def jellett(base: Problem, columns: Numbers) -> np.ndarray:
     """Return Jellett's integral of tops at their start [kg m^3/s], (n,)."""
     tops = Problems(base, columns)
     formula = next(q.formula for q in base.system.quantities if q.name == "jellett")
-    start = base.form.scalars(tops.record(tops.start), tops.internal_body)
+    start = base.form.scalars(tops.variables.split(tops.start)[0], tops.internal_body)
     return formula(start, tops.internal_body) * tops.unit(JELLETT)
 
 
