@@ -80,7 +80,7 @@ def test_signatures_are_readable() -> None:
     ("face", "lines", "signature"),
     [
         (tt.friction, 250, "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)"),
-        (tt.extending, 550, "Exit(event: 'str', to: 'tuple[str, ...]', jump: 'Callable'"),
+        (tt.extending, 700, "Exit(event: 'str', to: 'tuple[str, ...]', jump: 'Callable'"),
     ],
 )
 def test_help_on_records_lists_their_fields_only(face: Any, lines: int, signature: str) -> None:

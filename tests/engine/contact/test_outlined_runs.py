@@ -91,7 +91,7 @@ def test_every_phase_keeps_its_balance(
 ) -> None:
     run = tt.run(body, law, start=start, until=until, contact={"e_n": 0.4}, precision=precision)
     assert run.summary.status == "finished"
-    assert run.summary.event_counts["impact"] > 0 or start is SKEW
+    assert run.summary.event_counts.get("impact", 0) > 0 or start is SKEW
     rounding = {"double": 1e-13 if body is BOAT else 1e-14, "longdouble": 1e-16}[precision]
     assert run.drift["energy_balance"] < rounding
 
