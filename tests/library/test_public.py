@@ -77,17 +77,17 @@ def test_signatures_are_readable() -> None:
 
 
 @pytest.mark.parametrize(
-    ("face", "lines", "signature"),
+    ("face", "signature"),
     [
-        (tt.friction, 250, "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)"),
-        (tt.extending, 700, "Exit(event: 'str', to: 'tuple[str, ...]', jump: 'Callable'"),
+        (tt.friction, "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)"),
+        (tt.extending, "Kept(name: 'str', what: "),
     ],
 )
-def test_help_on_records_lists_their_fields_only(face: Any, lines: int, signature: str) -> None:
+def test_help_on_records_lists_their_fields_only(face: Any, signature: str) -> None:
+    """Each record has its signature and its docstring: no methods, attributes or descriptors."""
     text = pydoc.plain(pydoc.render_doc(face))
-    assert len(text.splitlines()) < lines
-    assert signature in text
-    assert "__getnewargs__" not in text
+    assert signature.replace("'", "") in text.replace("'", "")
+    assert not re.search(r"\|  .*(defined here|inherited from .*):$", text, re.M)
     assert "__dataclass_fields__" not in text
 
 

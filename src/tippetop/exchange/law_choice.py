@@ -74,7 +74,10 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
         sentence = f"the film cannot decide between {names}, which explain it equally well"
     else:
         sentence = f"of these laws the film decides for {best}"
-    return best, f"{sentence} (logarithms of the likelihood are less: {worse})."
+    sentence += f" (logarithms of the likelihood are less: {worse})."
+    if early := [name for name in fits if name not in equal and not fits[name].converged]:
+        sentence += f" Too few searches under {', '.join(early)} met: other numbers may fit better."
+    return best, sentence
 
 
 def _likelihood(fit: Fit) -> float:

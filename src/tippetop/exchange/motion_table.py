@@ -23,8 +23,8 @@ GAPS = ("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-")
 BEYOND = 5.0
 # Rows among which the header is, after titles
 TITLES = 20
-# First cell of Tracker's line of objects. It is alone on its line, before ",A,,B," on the next one,
-# or stands before one name per column, "#multi:\tA\tA\tB", and is then one cell too many
+# First cell of Tracker's line of objects: alone, with the names on the next line, ",A,,B,"; or
+# before one name per column, "#multi:\tA\tA\tB", and then one cell more than there are columns
 MULTI = "#multi:"
 # The time in a line of units
 UNIT_CELL = re.compile(r"\s*[\[(]?(s|sec|ms|us|µs|min|h)[\])]?\s*")

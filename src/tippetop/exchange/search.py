@@ -56,7 +56,7 @@ EXACT = 1e-8
 SMALL = 1e-3
 # Multiple of the stated noise, of the residuals of a window, beyond which a search is given up
 HOPELESS = 3.0
-# Residuals of which that is sure: half of so many are hardly so large by chance
+# Fewest residuals that can end a search: half of so many are rarely that large by chance
 SURE = 12
 # Ratio of the standard deviation of noise to the median of its size
 MEDIAN = 1.4826

@@ -20,7 +20,7 @@ from .landscape_body import Top
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
 FILLS = {"F": None, "z": None, "status": -1}
-"""The variables of a stored surface, and what stands for a missing value."""
+"""The variables of a stored surface, with their values for missing data."""
 
 
 def write(

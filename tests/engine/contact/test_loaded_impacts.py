@@ -27,7 +27,7 @@ from tippetop.mechanics.operand import Vector
 
 
 MU_R, MU_D, STILL, Z = 0.013, 0.007, 1e-6, np.array([0.0, 0.0, 1.0])
-STOPPED = 1e-10  # a speed of sliding that is none
+STOPPED = 1e-10  # speed of sliding below which it has stopped
 FLAT = np.array([1.0, 1.0, 0.0])
 PATCH = 0.2
 
