@@ -80,13 +80,13 @@ def test_signatures_are_readable() -> None:
     ("face", "signature"),
     [
         (tt.friction, "Coulomb(mu, eps=None, *, mu_r=None, mu_d=None)"),
-        (tt.extending, "Kept(name: 'str', what: "),
+        (tt.extending, "Exit(event: str, to: tuple[str, ...], jump: Callable"),
     ],
 )
 def test_help_on_records_lists_their_fields_only(face: Any, signature: str) -> None:
     """Each record has its signature and its docstring: no methods, attributes or descriptors."""
     text = pydoc.plain(pydoc.render_doc(face))
-    assert signature.replace("'", "") in text.replace("'", "")
+    assert signature in text.replace("'", "")
     assert not re.search(r"\|  .*(defined here|inherited from .*):$", text, re.M)
     assert "__dataclass_fields__" not in text
 
