@@ -179,7 +179,7 @@ def _blue(x, record):
     return x * record.k
 
 
-chosen = select({Red: _red, Blue: _blue}.get)
+chosen = select(lambda record: _red if isinstance(record, Red) else _blue)
 
 
 @numba.njit

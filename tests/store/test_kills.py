@@ -27,16 +27,8 @@ from tippetop.store.ledger import LEDGER
 
 
 SETS = " ".join(f"--set {text}" for text in (*TURNING, "run.output_step=0.01"))
+SURFACE = "surface inverting --D=-1e-4:1e-4:3000 --lambda 0:1e-5:3000"
 RUN = f"run inverting --out S.zarr {SETS} --until"
-SURFACE = """
-from pathlib import Path
-import numpy as np
-from tippetop.landscape import surface_recording as surfaces
-from tippetop.runs import starting
-axes = np.linspace(-1e-4, 1e-4, 90), np.linspace(0, 1e-5, 80)
-wanted = surfaces.Surface(starting.load("inverting").parameters, *axes, chunk=16)
-surfaces.write(Path("S.zarr"), wanted)
-"""
 
 
 def nothing() -> None:
@@ -66,7 +58,6 @@ class Command(NamedTuple):
     words: str
     again: str
     before: Callable[[], None] = nothing
-    python: str = ""
 
 
 REPLAY = "replay K.zarr --from 20 --until 60 --step 0.002 --out S.zarr"
@@ -76,7 +67,7 @@ COMMANDS = {
     "extend": Command("resume S.zarr --until 70", "resume S.zarr --until 70", finished),
     "replay": Command(REPLAY, f"{REPLAY} --overwrite", with_keyframes),
     "sweep": Command(*["sweep PLAN.toml --out S.zarr --workers 1"] * 2, with_plan),
-    "surface": Command("", "", python=SURFACE),
+    "surface": Command(*[f"{SURFACE} --out S.zarr"] * 2),
     "potential": Command(*["potential inverting --D 0 --lambda 1e-6 --n 1000000 --out S.zarr"] * 2),
     "overwrite": Command(*[f"{RUN} 70 --overwrite"] * 2, half),
 }
@@ -87,7 +78,7 @@ def killed(command: Command, kills: int, folder: Path, rng: np.random.Generator)
     before, whole, place = folder / "before", folder / "whole", folder / "here"
 
     def start() -> Forked:
-        return Forked(command.words.split(), PRELUDE + command.python)
+        return Forked(command.words.split(), PRELUDE)
 
     def extent() -> int:
         """Rows and chunks that the ledger acknowledges, until the store is finished."""
@@ -121,11 +112,8 @@ def killed(command: Command, kills: int, folder: Path, rng: np.random.Generator)
             assert "Traceback" not in err
             assert extent() >= known or state_of(place / "S.zarr").seal
             begun = (place / "S.zarr" / LEDGER).exists()
-            if command.python:
-                exec(command.python, {})
-            else:
-                code = typed(command.again if begun else command.words)
-                assert code in (0, 2, 5)  # it may have come to its end
+            code = typed(command.again if begun else command.words)
+            assert code in (0, 2, 5)  # it may have come to its end
         assert_same(place, whole)
 
 

@@ -348,7 +348,7 @@ def is_known(law: type[FrictionLaw], laws: Mapping[str, type[FrictionLaw]] = LAW
     return law.key in laws and laws[law.key].face is law.face
 
 
-slip_coefficient = select(lambda law: law.coefficient)
+slip_coefficient = select(lambda law: type(law).coefficient)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that has one."""
 
 

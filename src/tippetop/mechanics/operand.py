@@ -1,6 +1,5 @@
 """Operands of formulas: numbers, arrays, heyoka expressions, and scalars inside numba."""
 
-import inspect
 import math
 import operator
 import sys
@@ -193,14 +192,15 @@ def kinds(record: Any) -> tuple:
 
 
 def select(choose: Callable[[Any], Callable]) -> Callable:
-    """Return a formula that is chosen by the type of its last argument, a NamedTuple.
+    """Return a formula that is chosen by the kind of its last argument, a NamedTuple.
 
     It works in Python and inside numba.
 
     Parameters
     ----------
     choose
-        choose(type) -> the formula.
+        choose(record) -> the formula, by the type of the record and by the fields that it has or
+        leaves empty: inside numba its leaves are types.
 
     Returns
     -------
@@ -209,10 +209,11 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
     """
 
     def selected(*arguments: Operand) -> Operand:
-        return choose(type(arguments[-1]))(*arguments)
+        return choose(arguments[-1])(*arguments)
 
     def for_numba(*arguments: Any) -> Callable:
-        return inspect.unwrap(choose(arguments[-1].instance_class))
+        record = arguments[-1]
+        return choose(record.instance_class._make(record.types))
 
     selected.for_numba = for_numba  # type: ignore[attr-defined]
     _teach(selected)

@@ -108,7 +108,7 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
     others = {Bent: of_outline, Asymmetric: of_frame}
 
     def chosen(of_sphere: Callable) -> Any:
-        by_type = select(lambda body: others.get(body) or of_sphere)
+        by_type = select(lambda body: others.get(type(body)) or of_sphere)
         return update_wrapper(by_type, formula(of_sphere))
 
     return chosen

@@ -26,6 +26,7 @@ from ..operand import (
     hypot,
     minus,
     plus,
+    select,
     sin,
     sqrt,
     times,
@@ -111,18 +112,20 @@ def own_bias(x, b):
     return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
 
 
-def bias_vector(x, b):
-    """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
-
-    It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1, and more if
-    the ball changes; with those by torque and push of the surroundings.
-    """
+def surrounded_bias(x, b):
+    """Return `bias_vector` with what torque and push of the surroundings add."""
     bias = own_bias(x, b)
-    if not b.around:
-        return bias
     none = times(0, bias)
     by_torque, _ = gains(x.u, none, around_torque(x, b), b)
     return plus(plus(bias, by_torque), pushing(getattr(x, "velocity", none), none.z, b))
+
+
+bias_vector = select(lambda b: surrounded_bias if b.around else own_bias)
+"""bias_vector(x, b) -> b, (3,) [m/s^2]: how the contact point accelerates without a force there.
+
+It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1, and more if the
+ball changes.
+"""
 
 
 def around_torque(x, b):

@@ -180,7 +180,7 @@ def modified_force(c, b, law):
     )
 
 
-contact_force = select(lambda law: modified_force if law is Modified else standard_force)
+contact_force = select(lambda law: modified_force if isinstance(law, Modified) else standard_force)
 """contact_force(scalars, b, law): F_x and F_z, for any law of the cylinder."""
 
 
