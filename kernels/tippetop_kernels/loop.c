@@ -447,18 +447,39 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     return theta_of(u);
 }
 
-/* Keep the numbers `first` to `last` of an event that happens. */
-void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
-    for (integer m = first; m < last; m++) {
+/* Keep the numbers of an event of the top in a slot, and log it. */
+static void keep(const Loop *l, const Event *event, integer slot, const Passage *row) {
+    for (integer m = event->first; m < event->last; m++) {
         const Number *number = l->numbers + m;
-        real *kept = l->kept + m * l->tops + l->slots[lane];
-        if ((real)number->direction * sign < 0)
+        real *kept = l->kept + m * l->tops + slot;
+        if (number->direction * row->sign < 0)
             continue;
         if (number->what == COUNT)
             *kept += 1;
         else if (number->what == LAST || isnan(*kept))
-            *kept = when;
+            *kept = row->time;
     }
+    if (l->logged[0] < l->log_room)
+        l->passages[l->logged[0]++] = *row;
+}
+
+/* Whether turnings are counted here; of a single run the caller counts them in the log. */
+static bool counts_turnings(const Loop *l, const Event *event) {
+    return event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1);
+}
+
+/* Note event number `e` of the top in a slot, which no step has found, in a state. */
+void loop_note(const Loop *l, const Event *event, integer e, integer slot, integer sign,
+               integer phase, real when, const real *state) {
+    Tally *tally = l->tallies + slot;
+    const integer *rows = l->axis_rows;
+    if (event->lasting)
+        tally->lasts_since = when;
+    if (counts_turnings(l, event)) {
+        real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
+        count_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
+    }
+    keep(l, event, slot, &(Passage){when, e, sign, phase, 0, false});
 }
 
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
@@ -475,15 +496,12 @@ static void log_passage(const Loop *l, integer e, integer lane, real t, real h, 
     if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
-        if (l->log_room == 0 || l->lanes > 1) /* of a run the caller counts them in the log */
+        if (counts_turnings(l, event))
             count_turning(tally, l->noise_floor, turn, theta);
     }
-    if ((real)event->direction * sign < 0)
-        return;
-    loop_keep(l, event->first, event->last, lane, when, sign);
-    if (l->logged[0] < l->log_room)
-        l->passages[l->logged[0]++] =
-            (Passage){when, e, (integer)sign, l->in_lane[lane], lane, at_pole};
+    Passage row = {when, e, (integer)sign, l->in_lane[lane], lane, at_pole};
+    if ((real)event->direction * sign >= 0)
+        keep(l, event, l->slots[lane], &row);
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -950,27 +968,15 @@ static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l,
     return finite == 0 && end[1] >= 0 ? c : NULL;
 }
 
-/* Log what a change from a state logs, and what happens in it until `time`. */
+/* Note what a change from a state logs, and what happens in it until `time`. */
 static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
                         real when, real time, const real *state, const real *ranges) {
-    Tally *tally = tally_of(l, lane);
     const real *signs = c->registers + c->out;
-    const integer *rows = l->axis_rows;
     for (integer k = 0; k < c->logged + c->passed; k++) {
         integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
-        const Event *event = events + e;
-        loop_keep(l, event->first, event->last, lane, when, (real)sign);
-        if (event->lasting)
-            tally->lasts_since = when;
-        if (event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1)) {
-            real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
-            count_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
-        }
-        if (l->logged[0] < l->log_room) {
-            integer at = l->logged[0]++;
-            l->passages[at] = (Passage){when, e, sign, l->in_lane[lane], lane, false};
-            copy(l->variables, state, 1, l->logged_states + at * l->width, 1);
-        }
+        if (l->log_room > 0)
+            copy(l->variables, state, 1, l->logged_states + l->logged[0] * l->width, 1);
+        loop_note(l, events + e, e, l->slots[lane], sign, l->in_lane[lane], when, state);
     }
     for (integer k = 0; k < c->ranged; k++, ranges += POINTS) {
         integer e = c->events[c->logged + c->passed + k];

@@ -42,6 +42,7 @@ from .expressions import Formulas
 from .impacts import ImpactMotions
 from .integrator import Compiled
 from .jump_programs import CHATTER, JUMP_PARTS, PER_SLICE, START, JumpPrograms
+from .loop import library
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
@@ -385,6 +386,7 @@ class HybridDriver(Driver):
     """
 
     solver: PhaseSolver
+    slot = 0  # of the tallies of the run
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
@@ -478,7 +480,7 @@ class HybridDriver(Driver):
         self._enter(begun, self.number(0), None)
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
-            self._note(self.numbers[name], self.number(0), 1, AS_ROW, np.array(state))
+            self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
         begin_lasting(self.tallies, self.all_events)
 
     def learn_start(self, jump: Jump, *given: Any) -> None:
@@ -627,7 +629,7 @@ class HybridDriver(Driver):
         if self.jump_programs:
             self.jump_programs.learn(jump, *given)
         for name in n.logged:
-            self._note(self.numbers[name], now, 1, solver.at, last)
+            self._note(self.numbers[name], now, 1, solver, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -673,17 +675,16 @@ class HybridDriver(Driver):
         rows.times[part], rows.phases[part], made[0] = times, self.solver.at, part.stop
         rows.states[part, : states.shape[1]] = states
 
-    def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
-        """Log an event that no step has found, in a state of the phase of this number."""
+    def _note(self, number: int, time: Any, sign: int, solver: Any, state: np.ndarray) -> None:
+        """Log an event that no step has found, in a state of this phase; None: in a row."""
         at = self.logged[0]
-        when = float(time)
-        event = self.all_events.events[number]
-        self.log.rows[at] = when, number, sign, phase, 0, False
+        loop = solver.workspace.loop if solver else self.loop
+        phase = solver.at if solver else AS_ROW
+        event = self.all_events.events[number:].ctypes.data
+        values = np.array(state, float)
+        given = number, self.slot, int(sign), phase, float(time), values.ctypes.data
+        library().loop_note(loop.place, event, *given)
         self.times[at], self.log.states[at, : len(state)] = time, state
-        self.logged[0] += 1
-        if event["lasting"]:
-            self.tally["lasts_since"] = when
-        self.loop.keep(event, when, sign)
 
     def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
         """Return states at internal times in a jump that takes time."""
@@ -716,12 +717,12 @@ class HybridDriver(Driver):
         during = self.series
         if during:
             now = zero_of(lambda t: -sign * solver.value(number, during(t)[0]), now, self.began)
-            self._note(number, now, sign, solver.at, during(now)[0])
+            self._note(number, now, sign, solver, during(now)[0])
             return
         event = solver.events[number]
         state = self.last
         if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
-            self._note(number, now, sign, before.at, state)
+            self._note(number, now, sign, before, state)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return states of phases, by number (k,), as rows in the variables of the run."""

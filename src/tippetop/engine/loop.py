@@ -153,7 +153,7 @@ def library() -> ctypes.CDLL:
         )
     integer = ctypes.c_int64
     array = ctypes.c_void_p
-    loaded.loop_keep.argtypes = [array, *[integer] * 3, *[ctypes.c_double] * 2]
+    loaded.loop_note.argtypes = [array, array, *[integer] * 4, ctypes.c_double, array]
     loaded.loop_push.argtypes = [array, integer]
     for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = integer
@@ -242,10 +242,6 @@ class Loop:
         if self.failures:
             raise self.failures.pop()
         return steps
-
-    def keep(self, event: np.void, when: float, sign: int) -> None:
-        """Update the numbers that an event keeps, for one in the first lane that no step found."""
-        library().loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 
 def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -> list[Any]:

@@ -11,7 +11,6 @@ programs like any other, and only the first few tops start by Python.
 """
 
 import ctypes
-import math
 import threading
 from collections.abc import Sequence
 from types import SimpleNamespace
@@ -31,7 +30,6 @@ from .jump_programs import TOP_RECORD, JumpPrograms, Jumps
 from .loop import (
     Loop,
     Rows,
-    count_turnings,
     filled,
     library,
     new_motion,
@@ -380,7 +378,6 @@ class HybridPools(Pools, HybridDriver):
         names = ["began", "until", "short_phases", "end"]
         self.began, self.until, self.short_phases, self.end = top[names].item()
         self.set_tallies(Tallies(*(array[..., slot : slot + 1] for array in self.of_tops)))
-        self.notes.record.motion.slots[0] = slot
         self.logged[0] = int(self.upto[0] < 1.0)
         self.workspace = self.solver.workspace
         self.last = self.state.copy()
@@ -405,16 +402,6 @@ class HybridPools(Pools, HybridDriver):
         when, ending = self.next_end()
         by = len(self.numbers) if ending in (None, CLOCK) else ending
         self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
-
-    def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
-        """Log a passage of a top, and count the turnings of theta."""
-        super()._note(number, time, sign, phase, state)
-        sense = self.all_events.events["sense"][number]
-        if sense:  # of a single run the log counts turnings
-            axis = self.solvers[[*self.phases][phase]].workspace.rows.axis
-            x, y, z = state[axis].tolist()
-            theta = math.atan2(math.sqrt(x * x + y * y), z)
-            count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
 
     def learn_start(self, *given: Any) -> None:
         """Record the jump to the first phase."""
