@@ -1078,8 +1078,9 @@ typedef struct {
     Top *tops;       /* (room,), as all that follows */
     real *states;    /* (room, width) */
     const real *bodies; /* (room, numbers) */
-    integer *called, *calls; /* tops that wait for the caller, or for nothing; how many */
-    integer phases, room, width, possible;
+    integer *called; /* tops that wait for the caller, or for nothing */
+    integer phases, room, width;
+    integer calls, possible; /* how many these are; steps of lanes that were possible */
 } Pools;
 
 /* Let a top wait for a lane of its phase. */
@@ -1183,7 +1184,7 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
     if (t->waits == A_LANE)
         loop_push(p, top);
     else
-        p->called[(*p->calls)++] = top;
+        p->called[p->calls++] = top;
 }
 
 /* Return the phase in which tops begin, or else the one in which most tops are; -1 without a top. */
@@ -1205,11 +1206,11 @@ static integer fullest(const Pools *p) {
    for the caller. Return their number. */
 integer loop_pools(Pools *p, integer most) {
     integer steps = 0, phase = fullest(p);
-    while (phase >= 0 && (steps < most || is_start(p, phase)) && *p->calls == 0) {
+    while (phase >= 0 && (steps < most || is_start(p, phase)) && p->calls == 0) {
         Pool *pool = p->pools + phase;
         const Loop *l = pool->loop;
         for (integer lane = 0; lane < l->lanes; lane++)
-            while (l->in_lane[lane] < 0 && pool->count > 0 && *p->calls == 0) {
+            while (l->in_lane[lane] < 0 && pool->count > 0 && p->calls == 0) {
                 enter_lane(p, phase, lane);
                 if (tally_of(l, lane)->status != RUNNING) /* a phase that ends where it begins */
                     leave_lane(p, phase, lane);

@@ -233,7 +233,7 @@ def wrong_time(n: Next, to: "PhaseSolver") -> str:
         if [np.shape(value) for value in values] != [(2,)] * len(names):
             must = f"return arrays of {', '.join(names)} at the given times from `series`"
             return f"{must}, but returns {values!r:.60}"
-    if n.lasts < math.inf and CLOCK not in to.exits:
+    if n.lasts < math.inf and all(exit.event != CLOCK for exit in to.phase.exits):
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""
 
@@ -292,14 +292,14 @@ class PhaseSolver:
         self.variables = variables_of(phase.form)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
-            run.numbers.get(exit.event, exit.event): run.jump(name, phase, exit)
+            run.endings[exit.event]: run.jump(name, phase, exit)
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
         pattern = refill(self.b, repeat(1.0))
         self.formulas = formulas_of_phase(problem.system, phase, pattern, kinds(pattern))
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
-        code = run.code_of(self.formulas)
+        code = code_for(problem, self.formulas, run.stop, run.lanes)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.workspace = Workspace(run, code, rows)
@@ -411,6 +411,9 @@ class HybridDriver(Driver):
         in_phases = (event for phase in phases.values() for event in phase.events)
         events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
         self.numbers = {name: k for k, name in enumerate(events)}
+        self.clock_number = len(events)
+        of_clock = dict.fromkeys((CLOCK, START), self.clock_number)
+        self.endings = {**self.numbers, **of_clock, STALL: -1}  # numbers of exits
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
         phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
         width = max(self.variables, *phase_widths)
@@ -497,10 +500,6 @@ class HybridDriver(Driver):
                     self.jump_programs.register(solver, jump)
         return self.solvers[name]
 
-    def code_of(self, formulas: Formulas) -> Compiled:
-        """Return the integrator of the formulas of a phase."""
-        return code_for(self.problem, formulas, self.stop)
-
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, compiled."""
         return tuple(self.solver_of(name).workspace.compiled for name in self.phases)
@@ -566,17 +565,17 @@ class HybridDriver(Driver):
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: STALL}
-            ending: Any = endings.get(status)
+            ending = {Status.FINISHED: self.ending, Status.STALLED: -1}.get(status)
             if self.upto[0] < 1.0:
-                ending = self.log.rows["event"][self.logged[0] - 1]
+                ending = self.motion.ended_by[0]
             jump = self.solver.exits.get(ending)
+            if jump and self.upto[0] < 1.0:
+                self.logged[0] -= 1  # the jump logs it, or the next part of the run
             if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
                 jump = None
                 when = self.end
                 status = Status.FINISHED
                 if self.upto[0] < 1.0:
-                    self.logged[0] -= 1
                     self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)
@@ -594,18 +593,18 @@ class HybridDriver(Driver):
     def end_next(self) -> None:
         """Let the next steps end with the phase, or at a sampled event in the next step.
 
-        `ending` is that event, or CLOCK, or None at the end of the run.
+        `ending` is the number of that event, or that of the clock.
         """
         when, self.ending = self.next_end()
         self.set_end(when)
         high, low = self.clock
         runs = self.status[0] == RUNNING
-        if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step
+        if runs and when < self.end and not (when - high) - low > 0:  # it takes no step
             self.status[0] = Status.FINISHED.code
 
     def next_end(self) -> tuple[Any, Any]:
         """Return the time at which the next steps end, and `ending`."""
-        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
+        ends = [(min(self.end, self.until), self.clock_number)]
         if self.solver.sampled:
             ends += sampled_in_next_step(self)
         return min(ends, key=itemgetter(0))
@@ -621,8 +620,6 @@ class HybridDriver(Driver):
         now = self.number(when)
         solver = self.solver
         last = self.last
-        if self.upto[0] < 1.0:
-            self.logged[0] -= 1  # the jump logs it
         self.keep_interval(solver, self.began, when, last, jump)
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, _, state, _ = jump(self, *given)
@@ -644,7 +641,7 @@ class HybridDriver(Driver):
         if not math.isfinite(sum(state)):
             self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
-        if self.request.rows_at_steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
+        if self.output.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self.add(np.array([when]), last[None])
         self._enter(begun, now, solver)
         self.changes += 1

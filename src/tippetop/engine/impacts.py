@@ -127,7 +127,7 @@ class ImpactMotions:
         """Return the driver of the motion in a region of slip, compiled when it is first needed."""
         if region not in self.drivers:
             formulas = formulas_of_impact(self.law, region, *self.pattern)
-            code = compiled_when((formulas, self.precision, 0.0, 0, False), self.stop)
+            code = compiled_when((formulas, self.precision, 0.0, 1, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[self.precision])
             pars = [1.0] * len(code.integrator.pars)
             functions = np.ones(len(formulas.events))

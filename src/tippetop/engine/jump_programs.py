@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.event import ON_ZERO
-from ..mechanics.form import CLOCK
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
@@ -102,11 +101,6 @@ class JumpProgram(NamedTuple):
     jump: Any
 
 
-def numbers_of(world: Any) -> list:
-    """Return the numbers of a body and its contact, the constant inputs of a program."""
-    return [*leaves(world.body), world.rules.e_n]
-
-
 class JumpPrograms:
     """Record the jumps of a run as programs, and let the loop execute them.
 
@@ -126,7 +120,7 @@ class JumpPrograms:
     def __init__(self, run: Any):
         """Allocate the table in which the loop looks up programs; it is empty."""
         self.run = weakref.proxy(run)
-        self.events = len(run.numbers)
+        self.events = run.clock_number
         self.known = list[JumpProgram]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         # by phase and event, the last by the clock: its programs, and where the first one is; the
@@ -134,7 +128,8 @@ class JumpPrograms:
         self.programs = [list[Any]() for _ in range((len(run.phases) + 1) * (self.events + 1))]
         self.table = np.zeros(len(self.programs), np.uint64)
         self.made = np.zeros((PER_SLICE, 4 + NUMBERS + STATE))
-        self.body = np.array(numbers_of(run.world))
+        # of the body and its contact, the constant inputs of programs
+        self.body = np.array([*leaves(run.world.body), run.world.rules.e_n])
         self.top = np.zeros(1, TOP_RECORD)
         arrays = self.loops, self.table, run.all_events.events, self.made
         self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
@@ -157,9 +152,8 @@ class JumpPrograms:
     def register(self, solver: Any, jump: Any) -> None:
         """Register the programs of a jump as those of an exit of this phase."""
         run = self.run
-        name = jump.exit.event
-        event = self.events if name in (CLOCK, START) else run.numbers.get(name)
-        if event is None:
+        event = run.endings[jump.exit.event]
+        if event < 0:  # a stall, which Python follows
             return
         number = solver.at * (self.events + 1) + event
         taken = self.programs[number]
@@ -248,9 +242,8 @@ class JumpPrograms:
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
             self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
-        by = self.events if run.ending in (None, CLOCK) else run.ending
         until = run.motion.end[0]
-        state = 0.0, 0.0, run.end, until, until, run.began, by, run.solver.at
+        state = 0.0, 0.0, run.end, until, until, run.began, run.ending, run.solver.at
         self.top[0] = *state, 0, 0, 0, run.short_phases
         record.jumps.length = 0
         record.most = changes

@@ -19,13 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.form import CLOCK, STALL
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
 from .driver import ENDLESS, STATUSES
-from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, PhaseSolver
-from .integrator import Compiled
 from .jump_programs import TOP_RECORD, JumpPrograms, Jumps
 from .loop import (
     Loop,
@@ -46,7 +43,6 @@ from .tallies import (
     new_log,
     new_tallies,
 )
-from .taylor import compiled_when
 
 
 LANES = 8
@@ -75,10 +71,10 @@ class _Pools(NamedTuple):
     states: np.ndarray
     bodies: np.ndarray
     called: np.ndarray
-    calls: np.ndarray
     phases: int
     room: int
     width: int
+    calls: int
     possible: int
 
 
@@ -145,7 +141,6 @@ class Pools:
         made = np.zeros(room, np.int64)
         self.rows = Rows(times, states, times.astype(int), made, False, row_count)
         self.called = np.zeros(room, np.int64)
-        self.calls = np.zeros(1, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, room), np.int64)
         none = np.zeros(len(events) + 1, np.uint64)
@@ -158,10 +153,10 @@ class Pools:
             self.states,
             self.bodies,
             self.called,
-            self.calls,
             phases,
             room,
             width,
+            calls=0,
             possible=0,
         )
         self.record: Any = filled(self.arrays)
@@ -208,12 +203,12 @@ class Pools:
         """Make about this many steps of lanes. Return the slots of tops that have ended, and of
         those that may have settled.
         """
-        self.calls[0] = 0
+        self.record.calls = 0
         library().loop_pools(self.record_at, most)
         ended = self.over
         self.over = []
         looks = list[int]()
-        for slot in self.called[: self.calls[0]].tolist():
+        for slot in self.called[: self.record.calls].tolist():
             waits = self.tops["waits"][slot]
             if waits in (A_CHANGE, AN_END):
                 waits = self.attend(slot)
@@ -238,7 +233,7 @@ class Pools:
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
-    """Return the numbers of the bodies of tops, (numbers, n): see `jump_programs.numbers_of`."""
+    """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
     base = tops.base
     assert base.contact is not None
     assert base.system.assembled is not None
@@ -282,8 +277,6 @@ class HybridPools(Pools, HybridDriver):
         programs = self.programs
         programs.patience = PATIENCE
         phases = len(self.phases)
-        self.request: Any = SimpleNamespace(rows_at_steps=False)
-        self.problems: dict[int, Problem] = {}
         self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
         rows = self.all_events._replace(axis=np.zeros(0, int))
@@ -303,12 +296,6 @@ class HybridPools(Pools, HybridDriver):
         return self.jump_programs
 
     # --- lanes of phases -------------------------------------------------------------------------
-
-    def code_of(self, formulas: Formulas) -> Compiled:
-        """Return the integrator of a phase, with one lane for each of several tops."""
-        problem = self.problem
-        key = formulas, "double", problem.tolerance, self.lanes, problem.orientation
-        return compiled_when(key, self.stop)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
         """Return the tallies of all tops, an unused log, and the common samples."""
@@ -353,7 +340,7 @@ class HybridPools(Pools, HybridDriver):
     def place_in_first(self, slots: np.ndarray) -> None:
         """Put tops that begin into the phase of starts."""
         self.tops["stop"][slots] = 0.0
-        self.tops["stops_by"][slots] = len(self.numbers)
+        self.tops["stops_by"][slots] = self.clock_number
         self.tops["phase"][slots] = len(self.phases)
         for name in "sign", "on_zero":
             self.of_tops.functions[name][:, slots] = 0.0
@@ -361,9 +348,9 @@ class HybridPools(Pools, HybridDriver):
 
     def _load(self, slot: int) -> None:
         """Load a top from its slot into the driver."""
-        self.problem = self.problems[slot]
-        body = refill(self.world.body, iter(self.bodies[slot].tolist()))
-        self.world = self.world._replace(body=body, rules=self.problem.contact)
+        *numbers, e_n = self.bodies[slot].tolist()
+        body = refill(self.world.body, iter(numbers))
+        self.world = self.world._replace(body=body, rules=self.world.rules._replace(e_n=e_n))
         solvers = list(self.solvers.values())
         for solver in solvers:
             solver.b = solver.phase.parameters(body)
@@ -378,7 +365,6 @@ class HybridPools(Pools, HybridDriver):
         names = ["began", "until", "short_phases", "end"]
         self.began, self.until, self.short_phases, self.end = top[names].item()
         self.set_tallies(Tallies(*(array[..., slot : slot + 1] for array in self.of_tops)))
-        self.logged[0] = int(self.upto[0] < 1.0)
         self.workspace = self.solver.workspace
         self.last = self.state.copy()
 
@@ -399,9 +385,7 @@ class HybridPools(Pools, HybridDriver):
 
     def _set_end(self, slot: int) -> None:
         """Set where the next steps of the top that the driver holds end."""
-        when, ending = self.next_end()
-        by = len(self.numbers) if ending in (None, CLOCK) else ending
-        self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
+        self.tops["stop"][slot], self.tops["stops_by"][slot] = self.next_end()
 
     def learn_start(self, *given: Any) -> None:
         """Record the jump to the first phase."""
@@ -414,14 +398,12 @@ class HybridPools(Pools, HybridDriver):
         if top["waits"] == AN_END:
             self._set_end(slot)
             return A_LANE
-        number = int(top["event"])
-        ending: Any = STALL if number < 0 else CLOCK if number == len(self.numbers) else number
         try:
             if self.solver is self.before:
                 self._start(tuple(self.last.tolist()))
                 ends = self.ended
             else:
-                jump = self.solver.exits.get(ending)
+                jump = self.solver.exits.get(top["event"])
                 ends = self._change(jump, self.clock[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]

@@ -70,12 +70,14 @@ def internal_end(problem: Problem) -> Any:
     return problem.number(problem.until) / problem.number(problem.unit(SECOND))
 
 
-def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None = None) -> Compiled:
-    """Return the integrator of formulas with the options of a run.
+def code_for(
+    problem: Problem, formulas: Formulas, stop: threading.Event | None = None, lanes: int = 1
+) -> Compiled:
+    """Return the integrator of formulas with the options of a run, or of several in lanes.
 
     Raises Interrupted if `stop` is set meanwhile.
     """
-    key = formulas, problem.precision, problem.tolerance, 0, problem.orientation
+    key = formulas, problem.precision, problem.tolerance, lanes, problem.orientation
     return compiled_when(key, stop)
 
 

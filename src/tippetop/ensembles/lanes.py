@@ -184,7 +184,6 @@ class Lanes:
             first = next(iter(problems.values()))
             self.pools = HybridPools(first, self.room, times.shape[1], self.stop)
         if isinstance(self.pools, HybridPools):
-            self.pools.problems.update(zip(slots.tolist(), problems.values(), strict=True))
             begun = self._begun(problems, len(self.pools.numbers), times)
         else:
             tops = self.tops
