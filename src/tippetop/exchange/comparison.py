@@ -19,9 +19,9 @@ from ..mechanics.operand import Vector
 from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
-from ..runs.shape import angular_velocity, frames, lies, lowest
+from ..runs.shape import angular_velocity, lies, lowest
 from .headers import CAMERA, KIND
-from .motion import Convention, angle_between, angle_in_picture, motion
+from .motion import Convention, angle_between, angle_in_picture, in_body_axes, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .simulators import gravity, motion_of
@@ -105,7 +105,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         )
     columns = reference(run)
     if {"omega", "orientation"} <= columns.keys():
-        columns["gyroscope"] = _in_body_axes(columns["omega"], columns)
+        columns["gyroscope"] = in_body_axes(columns["orientation"], columns["omega"])
     theirs = {name: part[:rows] for name, part in motion(table, convention).items()}
     if "axis" in columns:
         columns |= {
@@ -208,11 +208,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
         raise InputError(
             f"`chip` must be 0,0,0 to be compared where the contact may change, but is {chip}."
         )
-    return _in_body_axes(columns["force"], columns) / problem.body().m
-
-
-def _in_body_axes(vectors: np.ndarray, columns: Arrays) -> np.ndarray:
-    return np.einsum("nij,nj->ni", frames(columns["orientation"]), vectors)
+    return in_body_axes(columns["orientation"], columns["force"]) / problem.body().m
 
 
 def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:

@@ -112,11 +112,6 @@ def moments(b: Any) -> np.ndarray:
     return np.array([b.I1, getattr(b, "I2", b.I1), b.I3], float)
 
 
-def frames(orientation: np.ndarray) -> np.ndarray:
-    """Return the axes of a body in space, (n, axis, 3), by its unit quaternions, (n, 4)."""
-    return np.moveaxis(np.array(axes(Quaternion(*orientation.T))), -1, 0)
-
-
 def lies(attitude: np.ndarray, b: Any) -> Any:
     """Return how a body lies, its axis or its Frame, by unit quaternions (n, 4).
 
