@@ -13,12 +13,12 @@ import numpy as np
 from ..arguments import path_of
 from ..errors import InputError, suggestion
 from ..exchange.comparison import ROUNDING, Compared, shown, size_of
-from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
+from ..exchange.motion import angle_between, in_body_axes, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..exchange.simulators import gravity
 from ..mechanics.contact.body import size
 from ..problem import Problem
-from ..runs.shape import frames, moments, surface_of
+from ..runs.shape import moments, surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
@@ -416,10 +416,9 @@ def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     spins = []
     energies = []
     for m in (there, exact):
-        axis = axis_of(m.quaternion)
-        spins.append((m.omega * axis).sum(axis=1))
-        parts = np.einsum("nij,nj->in", frames(m.quaternion), m.omega)
-        moving = body.m * (m.velocity**2).sum(axis=1) + moments(body) @ parts**2
+        parts = in_body_axes(m.quaternion, m.omega)
+        spins.append(parts[:, 2])
+        moving = body.m * (m.velocity**2).sum(axis=1) + parts**2 @ moments(body)
         energies.append(moving / 2 - body.m * m.position @ gravity(body))
     return {
         "attitude": apart["attitude [rad]"],

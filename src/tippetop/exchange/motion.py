@@ -166,8 +166,14 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return vectors v, (3,) or (n, 3), rotated by one unit quaternion, (4,), or (n, 4) of them."""
-    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=-1)
+    """Return vectors v (..., 3), rotated by unit quaternions q (..., 4)."""
+    parts = rotated(Quaternion(*np.moveaxis(q, -1, 0)), Vector(*np.moveaxis(v, -1, 0)))
+    return np.stack(parts, axis=-1)
+
+
+def in_body_axes(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Return the components along body axes of vectors v (..., 3) in space, as `turned`."""
+    return turned(q * [1, -1, -1, -1], v)
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:

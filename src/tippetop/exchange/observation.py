@@ -6,14 +6,12 @@ import numpy as np
 
 from ..columns import Arrays
 from ..errors import InputError, suggestion
-from ..mechanics import rotation
 from ..mechanics.number import Number
-from ..mechanics.rotation import Quaternion
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
-from .motion import angle_in_picture, theta_of
+from .motion import angle_in_picture, theta_of, turned
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
@@ -219,9 +217,7 @@ class Observation:
             return read[name] if read[name].ndim > 2 else read[name][..., None]
         model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
         if group == "marker":
-            axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
-            # axes of the body, components in space, points, rows; the marker is fixed to the body
-            model = model + np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
+            model = model + turned(read["orientation"], np.array(self.marker))
         return model
 
 

@@ -10,13 +10,11 @@ from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import is_frictionless
-from ..mechanics.operand import Vector
-from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
 from ..runs.shape import Surface, angular_velocity, moments, surface_of
 from ..scenario import build
-from .motion import turned
+from .motion import in_body_axes, turned
 
 
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
@@ -39,7 +37,7 @@ def start_of(problem: Problem) -> Start:
     if problem.contact is None and problem.system.name != "heavy-top":
         problem = _opened(problem)
     place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
-    return Start(place, q, velocity, np.array(rotated(inverse(Quaternion(*q)), Vector(*w))))
+    return Start(place, q, velocity, in_body_axes(q, w))
 
 
 def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
