@@ -135,55 +135,53 @@ class Motion(NamedTuple):
                 after[:size, some + (k - 1) * directions + 1] = moved.swapaxes(0, 1)
         return after[..., back[1:]]
 
-    def rates(self, state: np.ndarray) -> np.ndarray:
-        """Return the values of the rates of a state, without derivatives."""
+    def rates(self, values: np.ndarray) -> list:
+        """Return the rates of the variables of states (n, times), without derivatives."""
+        return self.variables.rates(*self.variables.split(values), plain(self.body))
 
-        def rates(b: Any, state: tuple) -> list:
-            return [*self.variables.rates(*self.variables.split(state), b), 1.0]
-
-        return self._evaluated(None, rates, state[:, :1])[: len(state), 0]
-
-    def slopes(self, event: Any, state: np.ndarray, order: int = 0) -> tuple:
-        """Return the rates of a state, and the derivatives of an event function along each
-        direction, and last by time; of order 1, those of its rate too.
+    def functions(self, state: Sequence, b: Any) -> dict[str, tuple]:
+        """Return the event functions of numbers with derivatives, by the name of the event: their
+        values, and their first derivatives.
         """
+        values = self.formulas.functions(*self.variables.split(state), b)
         events = self.formulas.events
+        return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
 
-        def function(b: Any, state: tuple) -> Sequence:
-            """Return the event function at a state, and its first `order` time derivatives."""
-            q, carried = self.variables.split(in_motion(self.variables, state, b, order))
+    def slopes(self, event: Any, state: np.ndarray, order: int = 1) -> tuple:
+        """Return the rates of a state; and an event function and its time derivatives up to an
+        order, as rows. Without an event, there are the rates alone.
+        """
+        count = len(self.pars)
+        size = len(self.variables.names)
+
+        def function(_: Any, numbers: tuple) -> tuple:
+            """Return the rates, then the event function and its time derivatives."""
+            b = self.formulas.body(iter(numbers))
+            moving = in_motion(self.variables, numbers[count:], b, order)
+            q, carried = self.variables.split(moving)
+            events = self.formulas.events
             if event in events:
                 h = self.formulas.functions(q, carried, b)[events.index(event)]
             else:
-                h = event.formula(self.formulas.form.scalars(q, b), b)
-            return parts_of(h, order) if order else [h]
+                h = event.formula(self.formulas.form.scalars(q, b), b) if event else 0.0
+            return [*(parts_of(one, 1)[1] for one in moving), *parts_of(h, order)], None
 
-        rates = self.rates(state)
-        ways = np.column_stack([state, rates])
-        return rates, *self._evaluated((event, order), function, ways)[:, 1:]
-
-    def _evaluated(self, what: Any, function: Callable, state: np.ndarray) -> np.ndarray:
-        """Return the numbers function(body, state) as rows."""
-
-        def of_numbers(_: Any, numbers: tuple) -> tuple:
-            return function(self.formulas.body(iter(numbers)), numbers[count:]), None
-
-        count = len(self.pars)
-        columns = 1 + (self.pars.shape[1] - 1) // self.order
-        size = len(self.variables.names)
+        columns = min(state.shape[1], 1 + (self.pars.shape[1] - 1) // self.order)
         numbers = np.zeros((count + size, state.shape[1]))
-        numbers[:count, :columns] = self.pars[:, : min(columns, state.shape[1])]
+        numbers[:count, :columns] = self.pars[:, :columns]
         numbers[count:] = state[:size]
-        return evaluated((self.formulas, self.variables, what), of_numbers, numbers)[0]
+        key = self.formulas, self.variables, event, order
+        made, *_ = evaluated(key, function, numbers)
+        return np.append(made[:size, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
         """Return the state as it moves with an event.
 
         `known`: the derivatives of its function, where they are known better than from the state.
         """
-        rates, (*by, pace) = self.slopes(event, state)
+        rates, (h, pace) = self.slopes(event, state)
         moved = state.copy()
-        moved[:, 1:] -= np.outer(rates, by if known is None else known) / pace
+        moved[:, 1:] -= np.outer(rates, h[1:] if known is None else known) / pace[0]
         return moved
 
     def lost(self, event: Any, state: np.ndarray) -> np.ndarray:
@@ -191,7 +189,7 @@ class Motion(NamedTuple):
 
         There the next extreme of its function comes to zero.
         """
-        _, (*by, pace), (*turns, bend) = self.slopes(event, state, 1)
+        _, ((_, *by), (pace, *turns), (bend, *_)) = self.slopes(event, state, 2)
         extreme = pace**2 / (2 * abs(bend))
         least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
         # a disc gives way where the function falls like a square root: it has no extreme there
@@ -540,8 +538,8 @@ class Pass:
         event = next(iter(events), None)
         stops = []
         if event and event.name == STICK.name:
-            _, (pace,) = motion.slopes(event, last[:, None])
-            stops = [end + speed / pace for speed in PROJECTED_AT]
+            _, (_, pace) = motion.slopes(event, last[:, None])
+            stops = [end + speed / pace[0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
@@ -561,13 +559,14 @@ class Pass:
             known = None
             if event.name in zeros and end - interval.began < BRIEF_PHASE:
                 three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one, 1)[-1][:-1] for one in three]
+                paces = [motion.slopes(event, one)[1][1, 1:] for one in three]
                 known = (end - interval.began) * (SIMPSON @ paces)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
             state = motion.happens(event, state, known)
         elif exit:  # by the clock
-            state[:, 1:] += np.outer(motion.rates(state), start[-1, 1:] + lasts - state[-1, 1:])
+            rates, _ = motion.slopes(None, state)
+            state[:, 1:] += np.outer(rates, start[-1, 1:] + lasts - state[-1, 1:])
         self.between.append(Samples(motion, np.array([number]), state[..., None]))
         return state
 
@@ -615,13 +614,9 @@ class Pass:
         if self.times[0] == 0:  # a phase may begin later
             rows[..., 0] = self.start[:-1]
         for motion, which, state in self._together(self.samples):
-            split = motion.variables.split
-            values = split(state[:, 0])
-            for row, rate in zip(
-                state, motion.variables.rates(*values, plain(motion.body)), strict=False
-            ):
+            for row, rate in zip(state, motion.rates(state[:, 0]), strict=False):
                 row[1:] -= rate * state[-1, 1:]
-            q, carried = split(duals_of(state))
+            q, carried = motion.variables.split(duals_of(state))
             read, _ = self.problem.system.read(motion.phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
@@ -651,20 +646,19 @@ class Pass:
         There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
-        samples = [one for one in self.samples if len(one.which)]
-        begun = np.array([one.which[0] for one in samples])
-        for shift, name, time in zip(shifts.T, names, times.tolist(), strict=True):
+        at = np.searchsorted(self.times, times)
+        for motion, which, states in self._together(self.samples):
+            mine = np.flatnonzero(np.isin(at, which))
+            some = states[:, : self.directions + 1, np.searchsorted(which, at[mine])]
+            moving = [*map(Dual, some[:, 0], motion.rates(some[:, 0]))]
+            in_time = motion.functions(moving, plain(motion.body))
+            for name, (_, by) in motion.functions(duals_of(some), motion.body).items():
+                happens = [names[k] == name for k in mine]
+                shift = some[-1, 1:] - by / in_time[name][1]
+                shifts[:, mine[happens]] = shift[:, happens]
+        for k, time in enumerate(times.tolist()):
             if time in self.shifts:
-                shift[:] = self.shifts[time]
-                continue
-            at = np.searchsorted(self.times, time)
-            motion, which, states = samples[np.searchsorted(begun, at, side="right") - 1]
-            column = at - which[0]
-            for event in motion.formulas.events:
-                if event.name == name and column < len(which):
-                    state = states[:, : self.directions + 1, column]
-                    _, (*by, pace) = motion.slopes(event, state)
-                    shift[:] = state[-1, 1:] - np.array(by) / pace
+                shifts[:, k] = self.shifts[time]
         return shifts
 
     @QUIET
@@ -673,21 +667,18 @@ class Pass:
         notes = list(self.notes)
         for motion, which, state in self._together(self.between):
             assert motion.phase is not None
-            q, _ = motion.variables.split(duals_of(state))
-            scalars = motion.phase.form.scalars(q, motion.body)
             exits = {one.event for one in motion.phase.exits if not one.smooth}
-            for event in motion.phase.events:
-                if event.name not in exits or event.sampled:
+            for name, (h, by) in motion.functions(duals_of(state), motion.body).items():
+                if name not in exits:
                     continue
-                h, by = parts_of(event.formula(scalars, motion.body), 1)
                 size = np.abs(h)
                 least = size / np.abs(by)
                 for k in _lows(size, which):
                     interval = self.driver.intervals[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
-                    is_exit = interval.jump and interval.jump.exit.event == event.name
+                    is_exit = interval.jump and interval.jump.exit.event == name
                     if size[k] > NOISE and not (is_end and is_exit):
-                        notes.append(Note(interval.began, f"`{event.name}`", least[:, k]))
+                        notes.append(Note(interval.began, f"`{name}`", least[:, k]))
         return sorted(notes, key=operator.attrgetter("time"))
 
 
