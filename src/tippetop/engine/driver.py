@@ -273,8 +273,7 @@ class Driver:
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def clear_counts(self) -> None:
-        """Reset the counters before a new phase or a new piece of an impact: running, no step made.
-        """
+        """Reset the counters before a phase or a piece of an impact: running, no step made."""
         self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
     def clear_findings(self) -> None:

@@ -508,8 +508,7 @@ class HybridDriver(Driver):
     # --- phases ----------------------------------------------------------------------------------
 
     def solver_of(self, name: str) -> PhaseSolver:
-        """Return the `PhaseSolver` of a phase by its name; it is compiled when it is first entered.
-        """
+        """Return the `PhaseSolver` of a phase by name, compiled when it is first entered."""
         if name not in self.solvers:
             solver = self.solvers[name] = PhaseSolver(self, name)
             if self.jump_programs:

@@ -77,8 +77,7 @@ def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> For
 
 
 class Impact(NamedTuple):
-    """The result of an impact of a ball: its impulses and works. `ImpactMotions.struck` makes it.
-    """
+    """The impulses and works of an impact of a ball. `ImpactMotions.struck` makes it."""
 
     p: Vector  # impulses of force and torque, (3,) each
     twist: Vector
@@ -174,7 +173,7 @@ class ImpactMotions:
         Returns
         -------
         list
-            The code of the status, the number of steps, that of the event (-1: none), then the state.
+            The code of the status, the steps made, the number of the event or -1, then the state.
         """
         driver = self.driver(region)
         known = driver.functions

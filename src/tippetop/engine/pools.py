@@ -380,8 +380,7 @@ class HybridPools(Pools, HybridDriver):
         self.of_tops.lane["lasts_since"][slots] = np.nan
 
     def _load(self, slot: int) -> None:
-        """Load the top in a slot into the driver, so that the methods of `HybridDriver` act on it.
-        """
+        """Load the top in a slot into the driver: the methods of `HybridDriver` act on it."""
         self.problem = self.problems[slot]
         body = refill(self.world.body, iter(self.bodies[slot].tolist()))
         self.world = self.world._replace(body=body, rules=self.problem.contact)

@@ -173,8 +173,7 @@ class Motion(NamedTuple):
         return rates, *self._evaluated((event, order), function, ways)[:, 1:]
 
     def _evaluated(self, what: Any, function: Callable, state: np.ndarray) -> np.ndarray:
-        """Return function(body, state), a list of numbers, as rows; `what` identifies the function.
-        """
+        """Return the numbers function(body, state) as rows; `what` identifies the function."""
 
         def of_numbers(_: Any, numbers: tuple) -> tuple:
             """Return the numbers of the function, in the form that `evaluated` expects."""

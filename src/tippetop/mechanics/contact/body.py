@@ -63,7 +63,7 @@ class Touch(NamedTuple):
 
 
 class Bent(Touch):
-    """A body with an outline: a `Touch` whose touching ball depends on the inclination of its axis."""
+    """A body with an outline: a `Touch` whose touching ball depends on the inclination."""
 
     __slots__ = ()
 
@@ -86,7 +86,7 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
 
 
 def seen_from_other(b: Touch) -> Touch:
-    """Return the same body as a `Touch` of its other ball; `b` must have `clearance` and `lever`."""
+    """Return the same body as a `Touch` of its other ball; b has `clearance` and `lever`."""
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
@@ -198,7 +198,7 @@ class Top(Record, abstract=True):
 
 
 def body_units(friction: Any) -> Touch:
-    """Return a `Touch` that contains the unit of each field; `friction` contains those of the law."""
+    """Return a `Touch` with the unit of each field; `friction` contains those of the law."""
     return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
 
 
@@ -556,7 +556,7 @@ def g_n(s, b):
 
 @formula
 def drag(s, b):
-    """Return -k g_n [kg/s], where k is the coefficient of the law: the friction is this times v_A."""
+    """Return -k g_n [kg/s], k being the coefficient of the law: friction is this times v_A."""
     return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b))
 
 

@@ -106,7 +106,7 @@ OF_FRAME = Orientation(lambda q, carried, b: axis(q).axes[::2])
 
 
 def orientation_of(units: Any) -> Orientation:
-    """Return the `Orientation` of states with these variables: their own frame, or 3hat and a turn."""
+    """Return the `Orientation` of states with these variables: their frame, or 3hat and a turn."""
     return OF_FRAME if "ix" in units._fields else TURN
 
 
@@ -138,7 +138,7 @@ def on_ball(
     """
 
     def moving(q, b):
-        """Return the motion that `forces` take: a `Moving` on a turntable, which needs the place."""
+        """Return the motion that `forces` take: a `Moving` on a turntable, or a `Turning`."""
         return leave(q, b) if b.around and b.around.table else turning(q)
 
     def acts(q, b):
@@ -148,7 +148,7 @@ def on_ball(
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
-        """Return the rates of a state: 3hat', L' = a x F + torque, and those of v_A by `changes`."""
+        """Return the rates of a state: 3hat', L' = a x F + torque, and `changes` of v_A."""
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
@@ -409,7 +409,7 @@ Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
 def patch_speed2(omega, b):
-    """Return U^2 = (patch Omega_z)^2 [m^2/s^2], to which STILL^2 is added so that it is never zero."""
+    """Return U^2 = (patch Omega_z)^2 [m^2/s^2], plus STILL^2 so that it is never zero."""
     turn = b.friction.patch * omega.z
     return turn * turn + STILL**2
 

@@ -116,7 +116,7 @@ impulse, that of friction, energy that the body gained, and how friction ended."
 
 
 def rise(x: Moving, b: Touch) -> Any:
-    """Return v_n, the vertical velocity of the lowest point of the ball of b; negative if it falls."""
+    """Return v_n, the vertical velocity of the lowest point of a ball; negative if it falls."""
     return contact_velocity(x, b).z
 
 
@@ -441,7 +441,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (weight * contact.size(b))))
 
     def lasts(end: np.ndarray) -> bool:
-        """Return whether the ball still presses on the plane, and the other one does not touch it."""
+        """Return whether the ball still presses on the plane, and the other one is above it."""
         q, _ = read(end)
         return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 

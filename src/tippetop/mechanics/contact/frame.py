@@ -250,7 +250,7 @@ def rolling(x, b):
 
 
 def resting(x, b):
-    """Return force and torque of the plane on a body that rolls, (3,) in space; the torque is zero."""
+    """Return the force of the plane on a body that rolls, (3,) in space, and a zero torque."""
     _, F = rolling(x, b)
     return in_space(F, x.u), times(0, F)
 

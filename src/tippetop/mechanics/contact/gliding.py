@@ -115,7 +115,7 @@ def vector_scalars(q, b):
 
 @formula
 def reaction(q, b):
-    """Return the force of the plane in a vector state, F = g_n (zhat - k v_A), (3,) [N]. [T 3.16]"""
+    """Return g_n (zhat - k v_A), the force of the plane in a vector state, (3,) [N]. [T 3.16]"""
     s = vector_scalars(q, b)
     v = sliding_velocity(q, b)
     k = drag(s, b)
@@ -157,7 +157,7 @@ EulerState = type(EULER_UNITS)
 
 @formula
 def centre_velocity(e, s, z, b):
-    """Return the velocity of the centre of mass along e and 2hat [m/s], from angles and nu_x, nu_y."""
+    """Return the velocity of the centre of mass along e and 2hat [m/s], by angles and rates."""
     along_e, along_2 = rolling_velocity(e, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 

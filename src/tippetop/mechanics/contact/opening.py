@@ -107,7 +107,7 @@ TABLES = {
 
 
 def kind_of(law: Any) -> tuple:
-    """Return the attributes of a law on which its phases depend: laws of one kind can be exchanged."""
+    """Return the attributes of a law that decide about phases: others may be exchanged."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 

@@ -166,7 +166,7 @@ def contact_acceleration(x, F, torque, b):
 
 @formula
 def work_of(x, p, twist, b):
-    """Return the energy that the impulses p [N s] and twist [N m s] at the contact give a body [J]."""
+    """Return the energy [J] that the impulses p [N s] and twist [N m s] give a body."""
     speeds = zip(velocities(x, b), gains(x.u, p, twist, b), strict=True)
     v, omega = (plus(times(2, before), more) for before, more in speeds)
     return (dot(p, v) + dot(twist, omega)) / 2
@@ -283,7 +283,7 @@ def held(u, bias, free, omega, b):
 
 @formula
 def cone(F, body):
-    """Return mu^2 N^2 - |F_h|^2 [N^2], the function of the event `slip`: zero where rolling ends."""
+    """Return mu^2 N^2 - |F_h|^2 [N^2], the function of `slip`: zero where rolling ends."""
     return (body.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
 
 

@@ -86,7 +86,7 @@ def push_across(s, b):
 
 @formula
 def horizontal_force(s, b):
-    """Return |F_h| [N], the size of the horizontal part of the force of the plane; s are `Scalars`."""
+    """Return |F_h| [N], the size of the horizontal force of the plane; s are `Scalars`."""
     return sqrt(s.friction_force2)
 
 
@@ -153,7 +153,7 @@ def euler_rates(e, b):
 
 @formula
 def vertical_force(q, carried, b):
-    """Return the normal force of a state q in Euler angles [N]: the rate of the integral `impulse`."""
+    """Return the normal force of a state q in Euler angles [N]: the rate of `impulse`."""
     return normal_force(euler_scalars(q, b), b)
 
 
@@ -199,7 +199,7 @@ def spin(q, b):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """Return the vector state of angles e; s = sin(theta), z = cos(theta) are exact at the poles."""
+    """Return the vector state of angles e; s, z: sin(theta), cos(theta), exact at the poles."""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     return VectorState(*u, *L)
 
