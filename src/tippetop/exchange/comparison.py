@@ -212,6 +212,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
 
 
 def _in_body_axes(vectors: np.ndarray, columns: Arrays) -> np.ndarray:
+    """Return vectors in space (rows, 3) along the axes of the body in each row."""
     return np.einsum("nij,nj->ni", frames(columns["orientation"]), vectors)
 
 
