@@ -73,6 +73,7 @@ def minima(prepare, guess, slopes, slope, value, reaches_pole):
 
     @entry
     def minima(several, xs, ys, r, F, q, status):
+        """Fill F, q and status (xs, ys) with the minimum at each point of the grid."""
         last = np.empty(ys.size)
         for i in range(xs.size):
             row(several, xs[i], ys, r, F[i], q[i], status[i], last)
@@ -99,6 +100,9 @@ def gradients(prepare, gradient):
 
     @entry
     def gradients(xs, ys, r, q, by_x, by_y):
+        """Fill by_x and by_y (xs, ys) with the derivatives of the minimum at each point of the
+        grid.
+        """
         for i in range(xs.size):
             for j in range(ys.size):
                 by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)

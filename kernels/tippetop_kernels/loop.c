@@ -19,7 +19,12 @@
    change it (-ffp-contract=off, no -ffast-math).
 
    Loops over lanes write to local arrays first: the compiler then knows that they do not overlap
-   with what is read, and uses vectors. */
+   with what is read, and uses vectors.
+
+   Names: l, the arrays of one integrator (`Loop`); lane, a place in it, and top, the run there;
+   e, event, the number of an event, f its function; p, n, the ascending coefficients of a polynomial
+   and their number, x its variable, the time since the start of the step over h; t, the internal
+   time where a step of length h starts; j, the jumps of a system; c, a program of one of them. */
 
 #include <math.h>
 #include <stdbool.h>
@@ -80,10 +85,12 @@ typedef struct {
     bool watched, ranged; /* whether its zeros are searched, and its extremes */
 } Event;
 
+/* A number that an event keeps: FIRST, LAST or COUNT, of passages in this direction. */
 typedef struct {
     integer what, direction;
 } Number;
 
+/* The counters of a run, see `engine.tallies`, which has the meaning of each. */
 typedef struct {
     integer status;
     real t;
@@ -102,6 +109,7 @@ typedef struct {
     real sign, on_zero, low, high, extremes[2], times[2];
 } Function;
 
+/* A row of the log: a zero of an event function. */
 typedef struct {
     real time;
     integer event, sign, phase, lane;
@@ -155,6 +163,7 @@ typedef struct {
     integer rows_at_steps, row_count;
 } Loop;
 
+/* Copy n numbers that lie `stride` apart to others that lie `to_stride` apart. */
 static void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
     for (integer i = 0; i < n; i++)
         to[i * to_stride] = from[i * stride];
@@ -162,6 +171,7 @@ static void copy(integer n, const real *from, integer stride, real *to, integer 
 
 /* --- polynomials on [0, 1], ascending coefficients --- */
 
+/* p(x). */
 static real value_at(const real *p, integer n, real x) {
     real sum = 0;
     for (integer k = n - 1; k >= 0; k--)
@@ -312,10 +322,12 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 
 /* --- bounds of the event functions over a step, in all lanes --- */
 
+/* The counters of the top in a lane. */
 static Tally *tally_of(const Loop *l, integer lane) {
     return l->tallies + l->slots[lane];
 }
 
+/* The state of an event function of the top in a lane. */
 static Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->tops + l->slots[lane];
 }
@@ -372,6 +384,7 @@ static integer roots(const Tally *tally, const Function *f) {
     return tally->steps == 0 && f->on_zero < 0 ? -(integer)f->on_zero : 0;
 }
 
+/* Whether the bounds of a function show that it has no zero in the step. */
 static bool keeps_sign(const Tally *tally, const Function *f) {
     return roots(tally, f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
 }
@@ -425,6 +438,7 @@ static integer count_turning(Tally *tally, real noise_floor, integer sign, real 
     return (confirmed ? CONFIRMS : 0) + (waits ? WAITS : 0);
 }
 
+/* theta of an axis (ux, uy, uz) of any length. */
 static real theta_of(const real *axis) {
     return atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]);
 }
@@ -852,6 +866,7 @@ typedef struct {
     integer stops_by, phase, event, steps, waits, short_phases;
 } Top;
 
+/* A run of several phases, for `loop_run`: see `engine.jump_programs`. */
 typedef struct {
     Jumps jumps;
     Top *top;

@@ -211,6 +211,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
+            """Call the function; a keyword that it does not have is an InputError."""
             hint = IN_TABLES if "start" in signature.parameters else ""
             refuse_unknown(function.__name__, named, signature.parameters, hint)
             return function(*arguments, **named)

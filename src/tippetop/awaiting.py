@@ -48,6 +48,7 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     result = Future[Result]()
 
     def done() -> None:
+        """Do the work, and keep its result or its exception."""
         try:
             result.set_result(context.run(work))
         except BaseException as error:

@@ -117,6 +117,7 @@ def missing_extra(error: ImportError) -> str | None:
 
 
 def _missing(name: str) -> str:
+    """Return a sentence on a package that is required but not installed."""
     extra = EXTRAS[name]
     return (
         f"{name} is required, but not installed: pip install 'tippetop[{extra}]', "
@@ -200,6 +201,7 @@ def is_one_number(value: Any, arguments: tuple = (0.0,)) -> bool:
 
 
 def _is_complex(value: Any) -> bool:
+    """Return whether a value is a complex number or an array of them."""
     return isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c"
 
 

@@ -173,6 +173,7 @@ def export(
     made = []
 
     def write(name: str, text: str) -> None:
+        """Write a text file, and note it as made."""
         disk.write_text(root / name, text, overwrite=overwrite)
         made.append(root / name)
 

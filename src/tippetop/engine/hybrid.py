@@ -1,8 +1,18 @@
 """One run of a hybrid system: several phases with equations of their own, and jumps between them.
 
-Each phase has its own integrator; all of them share the tallies, the log and the integrals of the
-run. A phase ends by an exit: an event, and a jump, which is a function of the state that all phases
-have in common. The driver does not depend on balls or friction laws.
+A `Problem` whose system has phases goes in; out come slices, as from `driver.Driver`, and rows of
+the tables of phases and impacts. Each phase has its own integrator; all of them share the tallies,
+the log and the integrals of the run. A phase ends by an exit: an event, and a jump, which is a
+function of the state that all phases have in common. The driver does not depend on balls or
+friction laws.
+
+Symbols
+    n         the result of a jump, a `form.Next`; x: the common state, in which a phase ends
+    q         the state of a phase; carried: the record of the integrals of the run
+    b, body   parameters of the formulas of a phase; the body, from which they are taken
+    number    of an event: its index among all events of the run, `HybridDriver.numbers`
+    solver    a `PhaseSolver`; at: the index of its phase
+    signs     of event functions: the side of its zero on which each is; zeros: see `begins`
 """
 
 import copy
@@ -68,7 +78,10 @@ QUIET = np.errstate(all="ignore")
 
 @lru_cache(maxsize=256)
 def completed(phase: Phase, variables: Variables) -> Phase:
-    """Return a phase with all integrals of a run; those that it does not change have rate 0."""
+    """Return a phase with all integrals of a run, so that every phase has the same ones.
+
+    Integrals that the phase does not change have the rate 0.
+    """
     moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
     integrals = tuple(
         moved.get(one.name, replace(one, rate=lambda q, carried, b: 0.0))
@@ -79,9 +92,11 @@ def completed(phase: Phase, variables: Variables) -> Phase:
 
 @lru_cache(maxsize=256)
 def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) -> Formulas:
-    """Return the equations and event functions of a phase.
+    """Return the equations and event functions of a phase, to be compiled by `taylor.code_for`.
 
-    `pattern` is a record like its parameters; `types` are the `kinds` of this record.
+    The events are those of the phase, then those of the system that no phase has. `pattern` is a
+    record like the parameters of the phase, whose numbers do not matter; `types` are its `kinds`,
+    by which results are cached.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]
@@ -105,7 +120,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
 
 
 class World(NamedTuple):
-    """The arguments of a jump in addition to the state: see `form.Exit`."""
+    """The second argument of a jump, see `form.Exit`; a `HybridDriver` makes it."""
 
     body: Any
     system: System
@@ -116,7 +131,7 @@ class World(NamedTuple):
     left: Any = None
 
     def rates(self, phase: Phase, q: Any, carried: Any) -> list:
-        """Return the rates of the integrals of the run in a state of a phase."""
+        """Return the rates of the integrals of the run, for the state q of a phase."""
         b = phase.parameters(self.body)
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
@@ -149,7 +164,7 @@ class Jump:
 
     @property
     def where(self) -> str:
-        """Return the jump in words."""
+        """Return the name of the jump for messages."""
         of_phase = f" from phase `{self.name}`" if self.name else ""
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
@@ -375,7 +390,9 @@ class PhaseSolver:
 
 
 class HybridDriver(Driver):
-    """Integrate one run through its phases, in doubles.
+    """Integrate one run through its phases, in doubles: a `Driver` for systems with phases.
+
+    `taylor.driver_of` makes it.
 
     Parameters
     ----------
@@ -443,10 +460,14 @@ class HybridDriver(Driver):
         self.begin_run()
 
     def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body as jumps take it, in internal units, and the phases of a problem."""
+        """Return the body as `World.body`, in internal units, and the phases of a problem by name.
+
+        Of a body with a stem these are the body seen from both balls.
+        """
         system = problem.system
 
         def internal(value: float, unit: Any) -> Any:
+            """Return an SI value in internal units."""
             return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
 
         body = problem.internal_body
@@ -487,12 +508,12 @@ class HybridDriver(Driver):
         begin_lasting(self.tallies, self.all_events)
 
     def learn_start(self, jump: Jump, *given: Any) -> None:
-        """Record the jump to the first phase, where several runs share a loop."""
+        """Do nothing here; `HybridPools` records the jump to the first phase as a program."""
 
     # --- phases ----------------------------------------------------------------------------------
 
     def solver_of(self, name: str) -> PhaseSolver:
-        """Return the phase of this name, which is compiled when it is first entered."""
+        """Return the `PhaseSolver` of a phase by name, compiled when it is first entered."""
         if name not in self.solvers:
             solver = self.solvers[name] = PhaseSolver(self, name)
             if self.jump_programs:
@@ -591,9 +612,11 @@ class HybridDriver(Driver):
         return steps, when, self.last, status
 
     def end_next(self) -> None:
-        """Let the next steps end with the phase, or at a sampled event in the next step.
+        """Set the time at which the next steps end: with the phase, or at a sampled event in the
+        next step.
 
-        `ending` is the number of that event, or that of the clock.
+        `ending` becomes the number of that event, or that of the clock. `run` calls it before each
+        `drive`.
         """
         when, self.ending = self.next_end()
         self.set_end(when)
@@ -603,7 +626,7 @@ class HybridDriver(Driver):
             self.status[0] = Status.FINISHED.code
 
     def next_end(self) -> tuple[Any, Any]:
-        """Return the time at which the next steps end, and `ending`."""
+        """Return the internal time at which the next steps end, and `ending`."""
         ends = [(min(self.end, self.until), self.clock_number)]
         if self.solver.sampled:
             ends += sampled_in_next_step(self)
@@ -657,7 +680,9 @@ class HybridDriver(Driver):
         return self.jump_programs.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:
-        """Add the rows at given times in the jump to the present phase."""
+        """Write the rows at given times that lie in the jump to the present phase, in which no step
+        is made.
+        """
         if not self.output.steps:
             times = self.output.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):
@@ -665,7 +690,9 @@ class HybridDriver(Driver):
                 self.add(inside, self.series(*inside) if self.series else first)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Add rows that lie in no step: times, and states of the present phase (k, variables)."""
+        """Write rows at times that lie in no step; `states` are of the present phase, (k,
+        variables).
+        """
         rows = self.output
         made = self.made
         part = slice(made[0], made[0] + len(times))
@@ -689,9 +716,9 @@ class HybridDriver(Driver):
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
-        """Update the extremes of event functions during a jump that takes time.
+        """Update the extremes of event functions during a jump from time `began` to `end`.
 
-        Return the event functions at its start.
+        Return the values of the event functions at its start.
         """
         solver = self.solver
         every = []
@@ -709,7 +736,9 @@ class HybridDriver(Driver):
         return every[0]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
-        """Log an event that happens in a jump from a phase."""
+        """Log an event whose function changes sign in the jump from the phase `before` at the time
+        `now`.
+        """
         solver = self.solver
         during = self.series
         if during:
@@ -738,7 +767,7 @@ class HybridDriver(Driver):
     def read(
         self, rows: np.ndarray, some: Any, solver: PhaseSolver, states: np.ndarray, b: Any
     ) -> None:
-        """Convert states of a phase with parameters b to rows, in place for the indices `some`."""
+        """Write rows[some] from states[some] of a phase with parameters b; `some` are indices."""
         variables = self.problem.variables
         q, carried = solver.variables.split(states[some].T)
         read, _ = self.problem.system.read(solver.phase, q, carried, b)
@@ -749,7 +778,7 @@ class HybridDriver(Driver):
     # --- where the run is ------------------------------------------------------------------------
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
-        """End the present phase; return its row of the table of phases."""
+        """End the present phase with the run; return the last rows of its tables."""
         self.keep_interval(self.solver, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take_rows()
@@ -769,7 +798,8 @@ class HybridDriver(Driver):
         return joint | {"next": follows, "lasted": lasted}
 
     def snapshot(self) -> dict[str, Any]:
-        """Return plain data from which a run continues bit by bit.
+        """Return plain data from which a run continues bit by bit: those of `Driver`, and the
+        phase.
 
         The lists have the same length in every phase, except for `state`.
         """
@@ -777,7 +807,9 @@ class HybridDriver(Driver):
         return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue from a snapshot, of which state and time come in the working precision."""
+        """Continue in the phase of a snapshot `kept`; its state and time are in the working
+        precision.
+        """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]
         self.set_phase(self.solver_of([*self.phases][int(at)]), began)

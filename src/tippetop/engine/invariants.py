@@ -1,4 +1,8 @@
-"""Conserved quantities of a motion, and the scales of their drifts."""
+"""Conserved quantities of a motion, and the scales of their drifts.
+
+Values of rows by name go in, as `observables.values_of` returns them; out come the quantities that
+a run must conserve. `runs.drift` and `ensembles.outcomes` compare them with those of the start.
+"""
 
 import numpy as np
 
@@ -40,7 +44,7 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
 
 
 def taken(name: str) -> str:
-    """Return the name of the column with an integral's value where the present contact began."""
+    """Return the name of an integral's value where the present contact began: `jellett_taken`."""
     return f"{name}_taken"
 
 

@@ -1,11 +1,17 @@
 """Changes of phase that the compiled loop makes by itself, by programs of jumps.
 
-A jump is a Python function: it takes 0.2 to 0.5 ms, its arithmetic some microseconds, and a
-bouncing top jumps hundreds of times. The jump is therefore recorded once, by numbers that write
-down each operation, and the loop repeats this straight-line program with other numbers. A
-comparison that turns out otherwise ends a program; then one that was recorded on another branch is
-tried, and at last Python makes the jump. All have the same bits, so it does not matter when a
-program is recorded.
+A jump that Python has made goes into `JumpPrograms.learn`, and `drive` lets the loop make steps and
+the jumps that it can; the changes come back as rows of `made`. A jump is a Python function: it
+takes 0.2 to 0.5 ms, its arithmetic some microseconds, and a bouncing top jumps hundreds of times.
+The jump is therefore recorded once, by numbers that write down each operation (`mechanics.lines`),
+and the loop repeats this straight-line program with other numbers. A comparison that turns out
+otherwise ends a program; then one that was recorded on another branch is tried, and at last Python
+makes the jump. All have the same bits, so it does not matter when a program is recorded.
+
+Symbols
+    jump      a `hybrid.Jump`; solver, to: the `PhaseSolver` of the phase that ends, of the next
+    number    of an event: its index among all events of the run; of a program: its index in `known`
+    lines     the operations of a program; registers: its numbers: inputs, constants, results
 """
 
 import ctypes
@@ -102,7 +108,8 @@ class JumpProgram(NamedTuple):
 
 
 class JumpPrograms:
-    """Record the jumps of a run as programs, and let the loop execute them.
+    """Record the jumps of a run as programs, and let the loop execute them; `HybridDriver` makes
+    it.
 
     Parameters
     ----------
@@ -136,7 +143,8 @@ class JumpPrograms:
         self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
     def learn(self, jump: Any, *given: Any) -> None:
-        """Count a jump that Python has made with these arguments, and record it when it is due.
+        """Count a jump that Python has made with these arguments (state, world); record it when it
+        is due.
 
         Only a jump that begins a phase, and does nothing else, becomes a program.
         """
@@ -150,7 +158,7 @@ class JumpPrograms:
         self.register(self.run.solver, jump)
 
     def register(self, solver: Any, jump: Any) -> None:
-        """Register the programs of a jump as those of an exit of this phase."""
+        """Enter the programs of a jump into the table of the loop, for the exit of this phase."""
         run = self.run
         event = run.endings[jump.exit.event]
         if event < 0:  # a stall, which Python follows
@@ -182,6 +190,7 @@ class JumpPrograms:
         program = Program(*given)
 
         def followed(region: str, *given: Any) -> list:
+            """Record the call of `ImpactMotions.piece` as one line of the program."""
             place = len(run.phases) + [*run.impacts.stages].index(region)
             motions.append((place, region))
             return program.call(place, partial(run.impacts.piece, region), *given)
@@ -236,7 +245,10 @@ class JumpPrograms:
         )
 
     def drive(self, steps: int, changes: int) -> int:
-        """Make at most this many steps and changes of phase; return the number of steps."""
+        """Make at most `steps` steps and `changes` changes of phase; return the number of steps.
+
+        The changes that the loop made are entered into the tables of the run.
+        """
         run: Any = self.run
         record = self.record
         for solver in run.solvers.values():
@@ -272,8 +284,10 @@ class JumpPrograms:
 
 
 def _ranged(n: Any, to: Any, now: Any, body: Any) -> tuple[list[int], list]:
-    """Return the events whose extremes may lie in a jump that takes time, and their functions
-    there, one event after the other.
+    """Return the events whose extremes may lie in the delay of n, and their functions there.
+
+    They are numbers of events, and JUMP_PARTS + 1 values of each, one event after the other. n
+    begins the phase `to` at the time `now`.
     """
     b = to.phase.parameters(body)
     time = now + n.delay

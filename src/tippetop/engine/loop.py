@@ -1,7 +1,14 @@
 """Call the compiled loop, `loop.c` of `tippetop_kernels`, with arrays of Python.
 
 A record (named tuple) of numbers and arrays becomes a structure of C with the same fields, in which
-arrays are pointers: `structure` makes its type, `filled` its values.
+arrays are pointers: `structure` makes its type, `filled` its values. A field that is added to a
+record here must be added to its struct in loop.c, at the same place. `driver` and `pools` make a
+`Loop` for each integrator.
+
+Symbols
+    tops, lanes  runs in the arrays, and places in a SIMD integrator; 1 each for a single run
+    size         order + 1, the number of Taylor coefficients; h: length of the present step
+    width        numbers from one state to the next in logs, samples and rows
 """
 
 import ctypes
@@ -226,7 +233,7 @@ class Loop:
         self.output = NO_ROWS
 
     def fill(self, rows: Rows) -> None:
-        """Let the next steps write their rows here."""
+        """Set the arrays into which the next steps write their rows."""
         if rows is not self.output:
             states = rows.states if self.record.sizes.width else self.out
             self.structure.output = filled(rows._replace(states=states))
@@ -254,6 +261,7 @@ def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -
         """Return a C function of `count` pointers that does the work, or ends the runs."""
 
         def function(*_: int) -> None:
+            """Do the work, and keep an error for `Loop.drive`."""
             try:
                 if not failures:
                     work()

@@ -1,13 +1,20 @@
 """Integrate many tops in SIMD lanes.
 
-Each phase has a pool: the lanes of its integrator, and a queue of tops that are in this phase. The
-loop steps the phase in which most tops are until a lane ends, moves its top by a program to the
-queue of the next phase, and fills the lane from its queue. Python makes only the jumps that have no
-program. The result of a top does not depend on its neighbours, its slot or its turn.
+Starts of tops go into `Pools.begin_tops`; `step` returns the slots of those that have ended, whose
+rows and tallies `ensembles.lanes` then reads. Each phase has a pool: the lanes of its integrator,
+and a queue of tops that are in this phase. The loop steps the phase in which most tops are until a
+lane ends, moves its top by a program to the queue of the next phase, and fills the lane from its
+queue. Python makes only the jumps that have no program. The result of a top does not depend on its
+neighbours, its slot or its turn.
 
 The start of a top is a jump too, to its first phase, and there are as many starts as tops. So tops
 begin in a further phase, the last one, which has no equations and ends at its start: its jump gets
 programs like any other, and only the first few tops start by Python.
+
+Symbols
+    slot      index of a top among those under way, in all arrays; lane: index in a SIMD integrator
+    phase     index of a phase; width: most variables of a state, padded with zeros
+    numbers   of a body: those that formulas take, and of its contact
 """
 
 import ctypes
@@ -90,6 +97,8 @@ class Begun(NamedTuple):
 
 class Pools:
     """Integrate tops, each of which has a slot, in the pools of their phases.
+
+    The base of `ensembles.lanes` (one phase) and of `HybridPools` (several).
 
     Attributes
     ----------
@@ -188,14 +197,17 @@ class Pools:
             self.over = self.step(0)[0]
 
     def place_in_first(self, slots: np.ndarray) -> None:
-        """Put tops that begin into the phase of starts, if there is one."""
+        """Put tops that begin into the phase of starts; without phases there is nothing to do."""
 
     def push(self, slot: int) -> None:
         """Append a top to the queue of its phase."""
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
-        """Make a jump that the loop cannot make. Return the next reason for which the top waits."""
+        """Make a jump that the loop cannot make; without phases there is none.
+
+        Return what the top waits for next: A_LANE, A_LOOK or NOTHING.
+        """
         return NOTHING
 
     @QUIET
@@ -228,7 +240,11 @@ class Pools:
         return self.rows_at(phases, self.rows.states[slots, numbers], slots)
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""
+        """Return states (k, width) as rows (k, variables); a top with one phase has them as they
+        are.
+
+        `phases` and `slots` are the index of the phase and the slot of each, (k,).
+        """
         return states[:, : self.variables]
 
 
@@ -241,6 +257,7 @@ def bodies_of(tops: Problems) -> np.ndarray:
     rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
 
     def internal(value: Any, unit: Any) -> np.ndarray:
+        """Return SI values in internal units."""
         return (np.asarray(value, base.exact) / tops.scales.of(unit)).astype(float)
 
     body, _ = base.system.assembled(tops.internal_body, rules, internal)
@@ -250,7 +267,8 @@ def bodies_of(tops: Problems) -> np.ndarray:
 class HybridPools(Pools, HybridDriver):
     """Pools of tops whose contact may change its phase.
 
-    It is also the driver of one top at a time: that for which Python makes a jump.
+    It is also the driver of one top at a time, that for which Python makes a jump: `_load` reads it
+    from its slot, `_store` writes it back.
 
     Parameters
     ----------
@@ -291,7 +309,7 @@ class HybridPools(Pools, HybridDriver):
 
     @property
     def programs(self) -> JumpPrograms:
-        """Return the programs of jumps."""
+        """Return the programs of jumps, which pools always have."""
         assert self.jump_programs is not None
         return self.jump_programs
 
@@ -347,7 +365,7 @@ class HybridPools(Pools, HybridDriver):
         self.of_tops.lane["lasts_since"][slots] = np.nan
 
     def _load(self, slot: int) -> None:
-        """Load a top from its slot into the driver."""
+        """Load a top from its slot into the driver: the methods of `HybridDriver` act on it."""
         *numbers, e_n = self.bodies[slot].tolist()
         body = refill(self.world.body, iter(numbers))
         self.world = self.world._replace(body=body, rules=self.world.rules._replace(e_n=e_n))
@@ -369,7 +387,7 @@ class HybridPools(Pools, HybridDriver):
         self.last = self.state.copy()
 
     def _store(self, slot: int) -> None:
-        """Store the top that the driver holds in its slot."""
+        """Write the top that the driver holds back to its slot, after a jump."""
         self.add_in_jump()
         top = self.top
         top["until"] = min(self.until, self.end)

@@ -19,6 +19,7 @@ def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
     _, h = ta.step(write_tc=True)
 
     def value(event: Event, t: Any) -> float:
+        """Return the event function at the time t of the trial step."""
         q, _ = solver.variables.split(ta.update_d_output(t).tolist())
         return float(event.formula(solver.phase.form.scalars(q, solver.b), solver.b))
 

@@ -42,7 +42,7 @@ class Status(Enum):
 
     @property
     def code(self) -> int:
-        """Return the number of the status: its index in the list above."""
+        """Return the number of the status in stores: its index in the enumeration."""
         return list(Status).index(self)
 
     @property

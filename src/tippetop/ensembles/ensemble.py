@@ -72,6 +72,7 @@ def measure(
     total = int(tops.valid.sum())
 
     def ended() -> None:
+        """Report that one more top has ended."""
         if progress is not None:
             with lock:
                 progress(next(counted), total)

@@ -21,6 +21,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     """Return the problem of one top, to run alone."""
 
     def numbers(table: str) -> dict[str, Any]:
+        """Return the numbers of this top in a table of the scenario."""
         given = tops.given(table)
         return {
             name: v if isinstance(v, bool) else float(v[top] if np.ndim(v) else v)

@@ -62,6 +62,7 @@ class PoolOfOne(Pools):
         code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
 
         def reads(*names: str) -> bool:
+            """Return whether a requested column begins with one of these names."""
             return wanted is None or any(name.startswith(names) for name in wanted)
 
         rows = watched(code.rows, base, reads)

@@ -106,6 +106,7 @@ def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) 
 
 
 def _value(value: Any) -> str:
+    """Return a value in TOML."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_value, value))}]"
     return repr(float(value)) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

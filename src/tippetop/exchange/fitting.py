@@ -150,6 +150,7 @@ def fit(
         expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
         def report(done: int, before: int = n * count, total: int = expected * count) -> None:
+            """Report the progress of one search as part of all."""
             progress(before + done, total)
 
         report(0)
@@ -306,6 +307,9 @@ def judged(
     reasons += doubts
 
     def moved(name: str, shift: np.ndarray) -> list[str]:
+        """Return [] or a sentence, if an influence moves a number by more than LARGE standard
+        errors.
+        """
         worst = int(np.argmax(shift / sigma))
         errors = shift[worst] / sigma[worst]
         words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."
@@ -423,6 +427,7 @@ def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[st
     best = ends[0]
 
     def freed(end: Minimum, changes: Arrays) -> Minimum:
+        """Return a minimum with the cost that it has if the influences are free numbers too."""
         return end._replace(cost=end.cost - _gain(misfit, end, changes, best.variance))
 
     values = [misfit.space.values(end.point) for end in ends[1:]]

@@ -178,6 +178,7 @@ class Space:
         """Return d value/d coordinate, (free, free), as central differences."""
 
         def values(moved: np.ndarray) -> np.ndarray:
+            """Return the numbers of a point, as an array."""
             return np.array(list(self.values(moved).values()))
 
         steps = STEP * np.eye(len(point))

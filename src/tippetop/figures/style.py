@@ -130,6 +130,7 @@ class ShownFigure(Figure):
     """A figure that a notebook shows, whether pyplot was imported or not."""
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as PNG; notebooks call this."""
         memory = BytesIO()
         self.savefig(memory, format="png", dpi=100)
         return memory.getvalue()

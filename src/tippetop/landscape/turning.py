@@ -78,9 +78,11 @@ def turning_angles(
     shape = aligned[0].shape
 
     def over(values: np.ndarray, units: str, long_name: str) -> tuple:
+        """Return values as a labelled variable over the dimensions of the arguments."""
         return labelled(dims, values.reshape(shape), units, long_name)
 
     def angle(q: np.ndarray, long_name: str) -> tuple:
+        """Return theta of q as a labelled variable [rad]."""
         return over(inclination(q, t.upright), "rad", long_name)
 
     data = {

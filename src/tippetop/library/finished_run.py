@@ -83,6 +83,7 @@ class Run:
 
     @cached_property
     def _datasets(self) -> dict[str, xr.Dataset]:
+        """Return the tables of the run by name; a stored run opens them from its store."""
         return attributes.datasets(self.solution, self.attributes)
 
     @property
@@ -291,6 +292,7 @@ class Run:
 
     @property
     def _headline(self) -> str:
+        """Return the first line of the representations."""
         return attributes.headline_of(self.attributes)
 
     @property
@@ -303,10 +305,12 @@ class Run:
         return [*doubtful, *broken_promises(self.attributes)]
 
     def _lines(self) -> list[tuple[str, str]]:
+        """Return the summary as pairs of a word and a text."""
         return lines(self.summary, self._seconds) + [("warning", each) for each in self.warnings]
 
     @property
     def _seconds(self) -> dict[str, float] | None:
+        """Return the times that compiling and integrating took [s]; None for a stored run."""
         return self.solution.seconds
 
     def __str__(self) -> str:

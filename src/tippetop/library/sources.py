@@ -56,4 +56,5 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
 
 
 def _words(kinds: tuple[type, ...]) -> str:
+    """Return types as words: "a Run or a Problem"."""
     return " or ".join(f"a {kind.__name__}" for kind in kinds)

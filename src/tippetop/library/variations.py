@@ -201,6 +201,7 @@ def sweep(
     place = path_of("out", out)
 
     def base(tables: dict[str, Any]) -> Problem:
+        """Return the problem of these tables, with the events and columns of the user."""
         return problem_of(tables, events=events, columns=columns)
 
     if isinstance(plan, Mapping):

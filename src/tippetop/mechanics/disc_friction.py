@@ -116,11 +116,13 @@ class Region(NamedTuple):
 
 
 def _beyond(x: float) -> Callable:
+    """Return the function of a border: zero where |v|/U is x."""
     return formula(lambda s, b: s.v2 - x**2 * s.U2)
 
 
 @formula
 def _beyond_slow(s, b):
+    """Return |v|^2 - SLOW^2, the function of the border of slow sliding."""
     return s.v2 - SLOW**2
 
 

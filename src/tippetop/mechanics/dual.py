@@ -27,6 +27,7 @@ COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda differenc
 
 
 def _sum(a: Sequence, b: Sequence) -> list:
+    """Return the sums of parts, of which the shorter list lacks the last."""
     return [y if x is None else x if y is None else x + y for x, y in zip_longest(a, b)]
 
 
@@ -84,6 +85,7 @@ ARITHMETIC: dict[str, Callable] = {
 
 
 def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
+    """Return the rate of a^p = r, by the rates da and dp."""
     slope = p * a ** (p - 1) * da
     return slope if dp is CONSTANT else slope + r * log(a) * dp
 
@@ -159,6 +161,7 @@ class Dual(NDArrayOperatorsMixin):
             return NotImplemented
 
         def joined(parts: Sequence) -> Any:
+            """Return parts as one number with derivatives, or as the plain number."""
             return parts[0] if len(parts) == 1 else kind(*parts)
 
         heads = [joined(parts[:-1] or parts) for parts in every]

@@ -70,6 +70,7 @@ def _lift(name: str) -> Callable:
         return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
     def for_numba(*x: Any) -> Callable:
+        """Return the function that numba compiles for arguments of these types."""
         from numba import types
 
         is_real = all(isinstance(v, (types.Float, types.Integer)) for v in x)
@@ -113,6 +114,7 @@ def product_error(x: Operand, y: Operand) -> Operand:
 
 
 def _half(x: Operand) -> Operand:
+    """Return the upper half of the digits of doubles."""
     big = 134217729 * x  # 2^27 + 1 (Veltkamp 1968)
     return big - (big - x)
 
@@ -209,9 +211,11 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
     """
 
     def selected(*arguments: Operand) -> Operand:
+        """Call the formula of the last argument's kind."""
         return choose(arguments[-1])(*arguments)
 
     def for_numba(*arguments: Any) -> Callable:
+        """Return the formula that numba compiles for arguments of these types."""
         record = arguments[-1]
         return choose(record.instance_class._make(record.types))
 
@@ -242,17 +246,20 @@ def teach_numba() -> None:
 
             @overload(function, jit_options={"error_model": "numpy"})
             def _(*arguments):
+                """Return the formula that numba compiles for these arguments."""
                 chosen = choice(*arguments)
                 return lambda *arguments: chosen(*arguments)
 
     @intrinsic
     def fma(typing, x, y, z):
+        """Declare the instruction x y + z, which rounds once."""
         return types.float64(
             types.float64, types.float64, types.float64
         ), lambda _, builder, __, a: builder.fma(*a)
 
     @intrinsic
     def plain(typing, record):
+        """Declare the conversion of a NamedTuple to a plain tuple."""
         whole = types.Tuple(record.types)
         return whole(record), lambda context, builder, _, a: context.make_tuple(
             builder, whole, [builder.extract_value(a[0], k) for k in range(len(record))]
@@ -260,12 +267,14 @@ def teach_numba() -> None:
 
     @overload(operator.add)  # of a record with a star before other arguments
     def _(before, record):
+        """Return the sum of a tuple and a record, for `+`."""
         if isinstance(before, types.BaseTuple) and isinstance(record, types.BaseNamedTuple):
             return lambda before, record: before + plain(record)  # type: ignore[call-arg]
         return None
 
     @overload(product_error)
     def _(x, y):
+        """Return `product_error` by one fma."""
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
     _teach = teach

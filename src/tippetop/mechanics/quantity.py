@@ -232,6 +232,7 @@ def _symbol(powers: Powers) -> str:
 
 
 def _python(text: str) -> str:
+    """Return a text with `^` as the power of Python."""
     return text.strip().replace("^", "**")
 
 
@@ -311,5 +312,6 @@ def worked_out(
 
 
 def _is_number(value: Any) -> bool:
+    """Return whether a value is a finite int or float, and no bool."""
     plain = isinstance(value, int | float) and not isinstance(value, bool)
     return plain and abs(value) <= sys.float_info.max

@@ -8,6 +8,7 @@ class ReadOnly(dict):
     """A dict that refuses to be changed; `|` and `copy` give a plain dict."""
 
     def _refused(self, *_: Any, **__: Any) -> NoReturn:
+        """Raise TypeError; every method that changes a dict is this one."""
         raise TypeError(
             "a record cannot be changed: make a changed copy, as dataclasses.replace does."
         )

@@ -113,6 +113,7 @@ class Opening(NamedTuple):
 
 
 def _same(value: Any) -> Any:
+    """Return the value: the default of conversions of a System."""
     return value
 
 

@@ -109,6 +109,7 @@ class Problems:
 
     @cached_property
     def _body(self) -> Any:
+        """Return the bodies that formulas take, in SI units and in the widest precision."""
         return self.body(self._wide)
 
     @cached_property

@@ -169,6 +169,7 @@ def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
     owners = {number: owner(formula) for number, formula in enumerate(formulas) if owner(formula)}
 
     def values(q: Any, carried: Any, b: Any) -> list:
+        """Return the values of the formulas of the user."""
         state = moment(form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
@@ -187,9 +188,11 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
+        """Return k of the law of each problem, (n,)."""
         return kind.coefficient(np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
+        """Return a fault for the problems in which k is bad, (n,) of bool."""
         return [(f"the coefficient k of {of} must {must}, but {found}.", bad)]
 
     for v2, z in PLACES:

@@ -143,6 +143,7 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
     kinds = problem.system.tables
 
     def words(table: str, column: str) -> set[str]:
+        """Return the words that occur in a column of a table."""
         return {kinds[table][column][k] for k in tables[table][column].values}
 
     sticks = words("impacts", "mode") - {"slip"} if problem.law.torque else {}

@@ -306,6 +306,7 @@ class Integration:
         }
 
     def _encoded(self, state: dict[str, Any]) -> PlainData:
+        """Return the state of a run as plain data, with the fingerprint of its equations."""
         return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
     def restore(self, kept: PlainData) -> None:

@@ -91,6 +91,9 @@ class Recorder(Writer, Sink):
             raise Interrupted
 
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
+        """Append rows to the table of this name, and to the table of its late columns, which may
+        change.
+        """
         values = {key: column.values for key, column in columns.items()}
         for part in self.growing.keys() & {name, name + LATE}:
             self.growing[part].append(values)
@@ -107,6 +110,7 @@ class Recorder(Writer, Sink):
         }
 
         def work() -> None:
+            """Commit on the writer's thread."""
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
@@ -145,6 +149,7 @@ class Recorder(Writer, Sink):
         attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
+            """Write the last rows and the end of the store."""
             for table in self.growing.values():
                 table.finish()
             begun = self.store.state.header["attributes"]
@@ -198,6 +203,9 @@ def record(
     begun: list[Integration] = []
 
     def head() -> PlainData:  # called once the folder can be written: compiling takes seconds
+        """Return the header of the store; called once its folder can be written, as compiling takes
+        seconds.
+        """
         begun.append(Integration(problem, stop))
         return header(begun[0])
 

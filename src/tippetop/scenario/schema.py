@@ -26,6 +26,7 @@ def _number(rule: Number, kind: Any = float) -> Any:
     """Return the type of a number in the interval of its record."""
 
     def within(value: float) -> float:
+        """Return the value, if it lies in the interval of the number."""
         if rule.broken(value):
             raise PydanticCustomError("interval", "{must}", {"must": rule.must(value)})
         return value

@@ -90,4 +90,5 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
 
 
 def _line(key: str, value: Any, text: str) -> str:
+    """Return a line of a template: key, value, and its meaning as a comment."""
     return f"{f'{key} = {json.dumps(value)}':{WIDTH}}  # {text}"

@@ -102,6 +102,7 @@ def _csv(table: Any, path: Path, of: str) -> None:
     """Write a table as CSV, with units in its header."""
 
     def head(column: str) -> str:
+        """Return the name of a column with its unit."""
         name = column if column in table else column.rpartition("_")[0]
         units = table[name].attrs.get("units", "1")
         return column if units in ("", "1") else f"{column} [{units}]"

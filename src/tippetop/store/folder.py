@@ -126,6 +126,7 @@ class Folder:
         names = sorted(self.unsynced)
 
         def work(first: int) -> None:
+            """Sync every `threads`-th file."""
             for name in names[first :: self.threads]:
                 self.sync_one(name)
 

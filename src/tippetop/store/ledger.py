@@ -340,6 +340,7 @@ class Ledger:
             raise
 
     def _make_folders(self) -> None:
+        """Make the folders of all arrays."""
         for path in self.state.header["members"]:
             self.folder.mkdir(path)
 

@@ -58,6 +58,7 @@ class Table:
         return self.waiting[column][0]
 
     def _file(self, column: str, first: int) -> str:
+        """Return the path of the file of a column with the chunk that begins at row `first`."""
         name = zarr3.chunk_name(self.documents[column], first // self.chunk)
         return f"{self.group}/{column}/{name}"
 

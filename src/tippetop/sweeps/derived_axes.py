@@ -36,6 +36,7 @@ def jellett(base: Problem, columns: Numbers) -> np.ndarray:
 
 
 def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
+    """Return I3 and I1 at which sigma = m R^2/I3 has these values, with gamma as it is."""
     b = body(base, columns)
     now = thresholds.shape(b)
     I3 = b.I3 * now.sigma / sigma
@@ -43,11 +44,13 @@ def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
 
 
 def _by_gamma(base: Problem, columns: Numbers, gamma: np.ndarray) -> Numbers:
+    """Return I1 at which gamma = I1/I3 has these values."""
     b = body(base, columns)
     return {"parameters.I1": b.I1 * gamma / thresholds.shape(b).gamma}
 
 
 def _by_lambda(base: Problem, columns: Numbers, ratio: np.ndarray) -> Numbers:
+    """Return omega3 at the start at which lambda/lambda_s has these values."""
     still, turning = (
         jellett(base, {**columns, "initial.omega3": np.full(len(ratio), w)}) for w in (0.0, 1.0)
     )

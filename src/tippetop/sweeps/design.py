@@ -81,6 +81,7 @@ class Design:
 
     @cached_property
     def _drawn(self) -> Arrays:
+        """Return the numbers of drawn axes, by key."""
         axes = [axis for axis in self.axes if axis.sampled]
         points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
         return {axis.key: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}

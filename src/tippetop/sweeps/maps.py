@@ -113,6 +113,7 @@ def make_map(path: Path, kind: str) -> Map:
     cells = np.ravel_multi_index(places, shape)[chosen]
 
     def field(name: str) -> np.ndarray:
+        """Return the values of a column on the cells of the map."""
         values = values_of(path, table, name)
         if kind == "normal-force":
             b = derived_axes.body(plan.base, columns)
@@ -210,6 +211,7 @@ def labelled(attrs: PlainData) -> str:
 
 
 def _middle(axis: Axis) -> float:
+    """Return the middle one of the numbers of an axis."""
     return axis.values[len(axis.values) // 2]
 
 

@@ -125,10 +125,12 @@ def lines(facts: PlainData) -> list[tuple[str, str]]:
 
 
 def _text(counts: dict[str, int]) -> str:
+    """Return counts in words: "12 inverted, 3 under way"."""
     return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"
 
 
 def _plain(value: Any) -> str:
+    """Return a value as text; a list without brackets."""
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 

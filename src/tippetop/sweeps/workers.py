@@ -146,6 +146,7 @@ def _prepare(alive: Connection) -> None:
     """Prepare a worker: it ignores Ctrl-C, reports nothing, and ends with its parent."""
 
     def watch() -> None:
+        """End this process when the one that started it has gone."""
         alive.poll(None)  # until the other end is closed, or its process is gone
         os._exit(1)
 
@@ -172,6 +173,9 @@ def connect(scheduler: str) -> Iterator[Workers]:
 
     @contextlib.contextmanager
     def start(again: bool) -> Iterator[Executor]:
+        """Provide dask's executor; a lost connection is not made again, so `again` changes
+        nothing.
+        """
         try:
             yield client.get_executor(pure=False)
         except (CancelledError, OSError) as error:  # CommClosedError is an OSError

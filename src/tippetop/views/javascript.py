@@ -30,6 +30,7 @@ def arrow(inputs: dict[str, Any], formula: Callable, *, fills: bool = False, row
     ]
 
     def flat(symbols: list) -> list:
+        """Return the results of the formula as a flat list."""
         rest = iter(symbols)
         given = [next(rest) if r is None else refill(r, rest) for r in inputs.values()]
         return leaves(formula(*given))

@@ -67,6 +67,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
 
 
 def _module(name: str) -> str:
+    """Return the name of the JavaScript constant that has the exports of a module."""
     return f"module_{name.partition('.')[0]}"
 
 

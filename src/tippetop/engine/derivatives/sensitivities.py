@@ -99,6 +99,7 @@ def differentiate(
     unit = problem.unit(SECOND)
 
     def moved(names: Sequence[str], when: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the times of events by each number, SI, (numbers, events)."""
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)

@@ -1,13 +1,21 @@
 """Derivatives of a run through every change of its contact.
 
-A plain run decides which phases follow each other. They are then followed once more: the flow of
-each by its variational equations, one number in each lane; the start, times of events, jumps and
-columns by dual numbers, which the formulas take like any numbers. The end of a phase so moves with
-the numbers, which is the saltation matrix of the textbooks, and no jump needs written derivatives.
-Whole steps in dual numbers would need step control and events a second time.
+`followed(problem, wrt, times)` is the entrance; it returns a `Pass`, from which `sensitivities`
+takes columns, times of events, and how far they are valid. A plain run decides which phases follow
+each other. They are then followed once more: the flow of each by its variational equations, one
+number in each lane; the start, times of events, jumps and columns by dual numbers, which the
+formulas take like any numbers. The end of a phase so moves with the numbers, which is the saltation
+matrix of the textbooks, and no jump needs written derivatives. Whole steps in dual numbers would
+need step control and events a second time.
 
-Between formulas, numbers are the rows of an array: the value, then its derivatives along each
-direction. The time is the last row of a state, so that it moves with the end of a phase too.
+Symbols
+    rows      numbers with derivatives as an array: the value, then those along each direction
+    state     such rows of the variables of a phase, (n, 1 + directions); its last row is the time,
+              so that the time moves with the end of a phase too
+    direction a change of the numbers of the user, each relative to its size; wrt: their names
+    pace      the rate of an event function; by: its derivatives along the directions
+    motion    a `Motion`: the equations of a phase or of an impact
+    jump, n   jump(x, world) -> n, a `form.Next`; q, b: state and parameters of a phase
 """
 
 import operator
@@ -113,6 +121,7 @@ class Motion(NamedTuple):
         scales = np.array([sizes**k for k in range(order + 1)])
 
         def in_lanes(rows: np.ndarray) -> np.ndarray:
+            """Return rows as lanes: the value and the scaled derivatives along each direction."""
             moves = rows[:, 1:].reshape(len(rows), order, directions)
             values = np.repeat(rows[:, :1, None], directions, axis=2)
             return (np.hstack([values, moves]) / scales).reshape(-1, directions)
@@ -203,6 +212,7 @@ def noting(directions: int) -> Iterator[list[np.ndarray]]:
     least = [np.full(directions, np.inf)]
 
     def note(one: Dual) -> None:
+        """Collect the change at which the comparison of a number with zero turns out otherwise."""
         if np.shape(one.first) == (directions,):  # otherwise it is along another line
             least.append(abs(one.value) / abs(one.first))
 
@@ -252,6 +262,7 @@ def evaluated(
     directions = numbers.shape[1] - 1
 
     def call(place: int, _: Any, *given: Any) -> list:
+        """Follow a motion, without a tape."""
         return duals_of(follow(place, rows_of(leaves(given), directions)))
 
     with noting(directions) as least:
@@ -279,7 +290,7 @@ class Samples(NamedTuple):
 
 
 class Pass:
-    """Repeat a run with derivatives.
+    """Repeat a run with derivatives; `followed` makes it.
 
     Parameters
     ----------
@@ -345,8 +356,11 @@ class Pass:
         self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
-        """Set the numbers of the run, whose world has the body `of_world`, in its units, with
-        derivatives along directions by the relative changes of some.
+        """Set start, body and scales of the run, in internal units, with derivatives along the
+        directions.
+
+        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
+        `of_world` is the body of the plain run, whose values are kept bit by bit.
         """
         problem = self.problem
         system = problem.system
@@ -365,6 +379,7 @@ class Pass:
         self.scales = _columned(scales)
 
         def internal(value: Any, unit: Any) -> Any:
+            """Return an SI value in internal units, with derivatives."""
             return value / scales.of(unit)
 
         units = leaves(system.body_units(problem.law.units()))
@@ -412,12 +427,14 @@ class Pass:
     def _motion(
         self, formulas: Formulas, variables: Variables, body: Any, phase: Any, tolerance: float
     ) -> Motion:
-        """Return equations with the numbers of a body."""
+        """Return the `Motion` of these equations, with the numbers of `body` and their derivatives
+        as rows.
+        """
         pars = rows_of(leaves(body), self.directions, self.order)
         return Motion(formulas, variables, pars, _columned(body), phase, self.order, tolerance)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the equations of a phase."""
+        """Return the `Motion` of a phase, made when it is first entered."""
         if solver.name not in self.motions:
             b = solver.phase.parameters(self.body)
             self.motions[solver.name] = self._motion(
@@ -473,6 +490,9 @@ class Pass:
             state = numbers[len(self.known) :]
 
             def piece(region: str, *given: Any) -> list:
+                """Integrate a piece of an impact with derivatives, in place of
+                `ImpactMotions.piece`.
+                """
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 
@@ -717,9 +737,9 @@ def _quaternion(products: Sequence, order: int) -> list[Dual]:
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Return the indices of local minima of `size`, without those at the starts of phases.
+    """Return the indices of local minima of `size`, (k,), without those at the starts of phases.
 
-    `which` has the number of the phase of each sample.
+    `which` has the number of the phase of each sample, (k,).
     """
     falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
     rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)

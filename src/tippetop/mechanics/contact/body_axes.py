@@ -22,9 +22,10 @@ from .body import axis
 
 @formula
 def transport(f, u, u_dot):
-    """Return f' = -(f.3hat') 3hat [1/s].
+    """Return f' = -(f.3hat') 3hat [1/s], by which f stays transverse to the axis without spin about
+    it.
 
-    f stays transverse, and its angular velocity has no part along the axis.
+    u is 3hat and u_dot its rate, (3,) each; the rate of the integrals fx, fy, fz.
     """
     return times(-dot(f, u_dot), u)
 
@@ -58,7 +59,9 @@ def psi_of_axes(first, u):
 
 
 def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
-    """Return axis 1 at the start."""
+    """Return axis 1 at the start, (3,); s, z are sin(theta), cos(theta), `data` may have phi and
+    psi.
+    """
     phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
     first, _ = axes_of_angles(s, z, phi, psi)
     return first
@@ -76,9 +79,11 @@ def carried_along(axis_rate: Callable, spin: Callable) -> Orientation:
     """
 
     def f(carried: Any) -> Vector:
+        """Return f from the record of integrals, (3,)."""
         return Vector(carried.fx, carried.fy, carried.fz)
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        """Return axes 1 and 3 of the body, (3,) each: f turned by the angle `turn`, and 3hat."""
         return turned(f(carried), carried.turn, axis(q)), axis(q)
 
     text = "transverse unit vector that follows the axis without spin, {} component"
@@ -109,6 +114,7 @@ def by_angles(theta: Callable, rate: Any = None) -> Orientation:
     """
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        """Return axes 1 and 3 of the body, (3,) each, from theta, phi and psi."""
         s, z = theta(q)
         phi, psi = (getattr(carried, name, 0 * z) for name in ("phi", "psi"))
         return axes_of_angles(s, z, phi, psi)

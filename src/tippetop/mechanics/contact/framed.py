@@ -1,7 +1,17 @@
-"""Bodies without an axis of symmetry: starts, scalars, columns, events and rows.
+"""Bodies without an axis of symmetry: starts, rows, forms, columns and events.
 
-Their phases and jumps are those of other bodies: a state has axes 1 and 3 of the body, so that
-their orientation needs no integral.
+In go the user's numbers and states of phases; out come the common state at the start, rows, and the
+scalars of columns and events. Phases and jumps are those of other bodies (`contact_phases`,
+`exits`); a state has axes 1 and 3 of the body, so that their orientation needs no integral.
+`systems.ellipsoid` makes its systems of these constants.
+
+Symbols
+    b         the body, a `frame.Asymmetric`; b.outline: its shape, with half axes a, b, c
+    u         how it lies, a `frame.Frame`: axes 3 and 1; up: zhat along its axes
+    x         the common state, a `body.Moving`: u, momentum L, velocity, height
+    q         the state of a phase, or a row; carried: the record of integrals; e: record of angles
+    s         in (s, b): record of `Scalars`; in (e, s, z, b): sin(theta), and z: cos(theta)
+    omega     angular velocity; spin: its vertical part; v: velocity of the contact point
 """
 
 from collections import namedtuple
@@ -47,7 +57,11 @@ Begin: Any = namedtuple("Begin", "moving x y")
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the start by the numbers that the user gave; s, z are sin(theta), cos(theta)."""
+    """Return the `Begin` of a start, from the numbers of the user in `data`: `System.start`.
+
+    s, z are sin(theta), cos(theta). The orientation is given by theta, phi and psi, or by tilt,
+    roll and heading; missing numbers are zero.
+    """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
     along = Vector(cos(given.phi), sin(given.phi), none)
@@ -77,7 +91,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
 
 
 def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of a start, or of angles."""
+    """Return the common state of e: of a `Begin`, or of a record of angles."""
     return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
 
 
@@ -100,7 +114,7 @@ Row = type(ROW_UNITS)
 
 
 def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmetric]:
-    """Return the row of a state of a phase, and the body."""
+    """Return a state q of a phase as a `Row`, and the body."""
     x = phase.leave(q, b)
     by = phase.reaction(q, b)
     numbers = x.height, *by.force, by.drilled, PHASES.index(phase.label), phase.ball
@@ -115,7 +129,7 @@ energy of rotation.
 
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
-    """Return the scalars of a row."""
+    """Return the `Scalars` of a row q."""
     x = rows.moving(q, ())
     u = x.u
     up = frame.up(u)
@@ -136,7 +150,9 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the row of a start, its reaction not yet known."""
+    """Return the row of a start e or of angles; the force of the plane in it is zero, not yet
+    known.
+    """
     x = begun(e, s, z, b)
     return Row(*x.u, *x.L, *x.velocity, x.height, *(0 * z,) * 6)
 
@@ -164,6 +180,7 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:
+        """Return the `Scalars` of a state of the phase."""
         return row_scalars(row(phase, q, (), b)[0], b)
 
     return replace(
@@ -176,7 +193,9 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
 
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg]."""
+    """Return the upward acceleration of the contact point per normal force [1/kg]; must be
+    positive.
+    """
     force, torque = smooth_friction(s.v, s.v, s.z, b)
     return gains(s.u, force, torque, b)[0].z
 
@@ -193,26 +212,26 @@ ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
 
 
 def heading(s: Any, b: Asymmetric) -> Any:
-    """Return the azimuth of half axis a."""
+    """Return the azimuth of half axis a [rad]."""
     one, two, _ = s.u.axes
     along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
     return atan2(along.y, along.x)
 
 
 def tilt(s: Any, b: Asymmetric) -> Any:
-    """Return the elevation of half axis a."""
+    """Return the elevation of half axis a [rad]."""
     rises = b.outline.half_axes(s.up)
     return atan2(rises.x, sqrt(rises.y * rises.y + rises.z * rises.z))
 
 
 def roll(s: Any, b: Asymmetric) -> Any:
-    """Return the turn about half axis a, zero where half axis b is horizontal."""
+    """Return the turn about half axis a [rad], zero where half axis b is horizontal."""
     rises = b.outline.half_axes(s.up)
     return atan2(rises.y, rises.z)
 
 
 def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return the rate of `roll` times a negative number."""
+    """Return a number with the opposite sign of roll': the function of the event `roll_peak`."""
     turns = b.outline.half_axes(s.turns)
     return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 

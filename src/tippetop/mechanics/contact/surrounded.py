@@ -1,4 +1,16 @@
-"""Systems in surroundings: gliding ones lose their theory, rolling ones get further integrals."""
+"""Systems in surroundings: air, and a plane that is tilted, vibrates or turns.
+
+A system goes in, and comes out with a body in surroundings, without the theory of a level plane at
+rest, and in rolling with further integrals. Where the equations depend on an integral of the run
+(time on a shaker, place on a turntable), the state ends with a copy of it: see `joined`.
+
+Symbols
+    around    names of the groups of surroundings, see `surroundings.GROUPS`
+    q         the state of a form; carried: the record of integrals; e: record of angles
+    b         the body; b.around: its record of surroundings
+    x         the common state, a `body.Moving`
+    s         in (s, b): record of scalars; in (e, s, z, b): sin(theta), and z: cos(theta)
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -96,7 +108,12 @@ def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
     """
 
     def seen(function: Callable) -> Callable:
+        """Return the adapted function."""
+
         def of_copies(q: Any, *more: Any) -> Any:
+            """Call the function with the state without its copies, and the body at their time and
+            place.
+            """
             b = at_present(more[-1], copied_integrals(q, names))
             return function(type(units)(*q[: len(units)]), *more[:-1], b)
 
@@ -118,10 +135,12 @@ def joined(form: Form, around: tuple[str, ...]) -> Form:
     seen = in_copies(form.units, names)
 
     def rates(q: Any, b: Any) -> Any:
+        """Return the rates of the state and of the copies."""
         moves = [seen(one.rate)(q, copied_integrals(q, names), b) for one in copied]
         return type(units)(*seen(form.rates)(q, b), *moves)
 
     def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
+        """Return the state of angles e, with the start of the copies."""
         starts = [one.start({}, s, z) if one.start else getattr(e, one.name) for one in copied]
         return type(units)(*form.of_angles(e, s, z, b), *starts)
 
@@ -142,6 +161,7 @@ def joined_phase(phase: Phase, around: tuple[str, ...]) -> Phase:
     seen = in_copies(phase.form.units, joined_names(around))
 
     def enter(x: Any, b: Any) -> Any:
+        """Return the state of the common state x, with copies of its integrals."""
         q = phase.enter(x, at_present(b, x.carried))
         return type(form.units)(*q, *joined_values(form.units, x.carried))
 
@@ -153,6 +173,7 @@ def joined_jump(jump: Callable) -> Callable:
     """Return a jump that is made with gravity and place of the body at its time."""
 
     def at_once(x: Any, world: Any) -> Any:
+        """Make the jump with the body at the time and place of the state."""
         return jump(x, world._replace(body=tuple(at_present(b, x.carried) for b in world.body)))
 
     return at_once
@@ -167,6 +188,7 @@ def rolling_form(angles: Any) -> Form:
     phase = without_slip(())
 
     def scalars(q: Any, b: Any) -> Any:
+        """Return the `Scalars` of a state q."""
         x = phase.leave(q, b)
         F = phase.reaction(q, b).force
         v = x.velocity
@@ -206,6 +228,7 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
         known = joined(known, around)
 
     def changed(records: Any) -> Any:
+        """Return records of quantities or events with the formulas NEEDED in surroundings."""
         return tuple(
             replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
         )
@@ -217,6 +240,7 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
     start = system.start
 
     def started(data: dict[str, Any], s: Any, z: Any, b: Any) -> Any:
+        """Return the record of angles of a start, whose further integrals are zero."""
         e: Any = start(data, s, z, b)
         return angles._make((*e, *(0 * z,) * (len(angles) - len(e)))) if hasattr(e, "phi") else e
 

@@ -1,7 +1,15 @@
 """Surroundings of a body: air that brakes its rotation; a plane that is tilted, vibrates or turns.
 
-Everything is seen from the plane: z is its normal, and x and y turn with it. A body has the gravity
-across the plane as `g`, and the rest in its record of surroundings.
+Numbers of the tables [air] and [plane] go in; out come the record b.around of a body, and from it
+the torque, acceleration and gravity by which `response` changes forces and equations. Everything is
+seen from the plane: z is its normal, and x and y turn with it. A body has the gravity across the
+plane as `g`, and the rest in its record of surroundings.
+
+Symbols
+    b         the body; b.g: gravity across the plane; b.around: a `Surroundings`
+    groups    names in GROUPS: the sets of numbers that are given together
+    omega, L  angular velocity and momentum, (3,), seen from the plane; Omega: that of a turntable
+    carried   the record of integrals of the run, with the phase of the vibration and the place x, y
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -246,14 +254,14 @@ JOINED = {"vibration": ("clock_cos", "clock_sin"), "turntable": ("x", "y")}
 
 
 def joined_names(groups: Iterable[str]) -> tuple[str, ...]:
-    """Return the integrals of a run that the equations of motion read."""
+    """Return the names of the integrals that the equations of motion read in these groups."""
     return tuple(name for group in groups for name in JOINED.get(group, ()))
 
 
 def at_present(b: Any, known: Any) -> Any:
-    """Return the body with the gravity on a shaker and the place on a turntable at one time.
+    """Return the body at one time: g of a vibrating plane, and its place on a turntable, filled in.
 
-    `known` has the integrals `joined_names` at that time as attributes.
+    `known` is the record of integrals, with the fields `joined_names`.
     """
     around = b.around
     if around.shake:

@@ -220,6 +220,7 @@ def to_angles(units: Any) -> Callable:
     """Return to_angles(q, carried, b) of a form whose state and integrals have these angles."""
 
     def angles(q: Any, carried: Any, b: Any) -> Any:
+        """Return the record of angles: the state and the integrals."""
         known = {**q._asdict(), **carried._asdict()}
         return type(units)(*(known[name] for name in units._fields))
 

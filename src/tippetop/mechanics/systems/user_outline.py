@@ -31,6 +31,7 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
     z = np.cos(THETA)
 
     def height(shape: Any) -> list[np.ndarray]:
+        """Return the height and its first derivatives by z on a grid."""
         return [part + 0 * z for part in at(z, s * s, shape.height).parts]
 
     f = height(shape)
@@ -82,6 +83,7 @@ def body_by_height(numbers: Mapping[str, Number], height: Callable) -> type[Outl
         )
 
     def faults(parameters: Mapping[str, float]) -> list[str]:
+        """Return sentences on parameters of which there is no such body."""
         own = shape._make(parameters[name] for name in numbers)
         return inertia_faults(parameters) + outline_faults(own, lengths)
 

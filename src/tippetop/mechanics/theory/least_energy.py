@@ -62,6 +62,7 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     """
 
     def state(kind: str, z: float, phi_dot: float, omega3: float, stable: bool) -> AsymptoticState:
+        """Return a critical point with its energy."""
         with np.errstate(over="ignore"):
             energy: Any = least_energy(z, np.float64(lam), b)
         return AsymptoticState(kind, math.acos(z), phi_dot, omega3, float(energy), stable)

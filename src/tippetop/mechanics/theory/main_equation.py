@@ -206,6 +206,7 @@ class Equation:
         follows = FOLLOWS / (period * fastest**2)
 
         def rates(t: float, y: np.ndarray) -> list[float]:
+            """Return the rates of z, z' and the correction r of z'', for scipy."""
             z, speed, r = y
             rest = self.drift(z, t) / 2 - r * speed
             return [speed, self.slope(z, t) / 2 + r, follows * speed * rest]

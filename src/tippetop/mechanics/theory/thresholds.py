@@ -152,6 +152,7 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
     alpha, gamma, *_ = shape(b)
 
     def spin_at(state: str, lam: Any) -> Any:
+        """Return |omega_3| of a spinning state that has this value of lambda."""
         return np.abs(spin(SPINS[state], lam, b))
 
     at_low = f"spin_{low}"
