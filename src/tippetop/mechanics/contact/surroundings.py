@@ -241,27 +241,22 @@ def surrounded_units(body_units: Callable, groups: tuple[str, ...]) -> Callable:
 COPY = "at_"
 """Begins the names of variables of a state that are copies of integrals."""
 
-JOINED = {"vibration": ("clock_cos", "clock_sin"), "turntable": ("x", "y")}
-"""Integrals of a run that the equations of motion read, by group."""
-
-
-def joined_names(groups: Iterable[str]) -> tuple[str, ...]:
-    """Return the integrals of a run that the equations of motion read."""
-    return tuple(name for group in groups for name in JOINED.get(group, ()))
-
 
 def at_present(b: Any, known: Any) -> Any:
     """Return the body with the gravity on a shaker and the place on a turntable at one time.
 
-    `known` has the integrals `joined_names` at that time as attributes.
+    `known` is a record of integrals at that time, or a state with copies of them.
     """
     around = b.around
+    if not around or not (around.shake or around.table):
+        return b
+    now = {name.removeprefix(COPY): value for name, value in known._asdict().items()}
     if around.shake:
         g, c, s, _ = around.shake
-        b = b._replace(g=g + c * known.clock_cos + s * known.clock_sin)
+        b = b._replace(g=g + c * now["clock_cos"] + s * now["clock_sin"])
     if around.table:
         table = around.table
-        at = Vector(known.x - table.x, known.y - table.y, 0 * known.x)
+        at = Vector(now["x"] - table.x, now["y"] - table.y, 0 * now["x"])
         b = b._replace(around=around._replace(table=table._replace(at=at)))
     return b
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
 from ..contact.body import Bent, Top
-from ..contact.outlined import in_scalars, outlined_form
+from ..contact.present_body import form_by_states, in_scalars
 from ..event import Event
 from ..friction import LAWS
 from ..number import Number, number, reuse
@@ -177,7 +177,7 @@ def systems(
         """Return the fields of a System of an outlined body, from the system of a ball."""
         return {
             "forms": {
-                name: outlined_form(replace(form, domains=(*domains, *form.domains)))
+                name: form_by_states(replace(form, domains=(*domains, *form.domains)))
                 for name, form in of_ball.FORMS.items()
             },
             "initial": of_ball.INITIAL,
