@@ -14,7 +14,7 @@ from .contact_phases import without_slip
 from .framed import form_of
 from .gliding import angles_by
 from .present_body import form_by_states
-from .surroundings import rules_of, surrounded_body, surrounded_units
+from .surroundings import rules_of, surrounded_body
 
 
 NO_OUTLOOK = "theory is that of a level plane at rest in still air: it predicts nothing here"
@@ -37,7 +37,7 @@ def in_surroundings(system: System, around: tuple[str, ...]) -> System:
     return replace(
         system,
         body=surrounded_body(system.body),
-        body_units=surrounded_units(system.body_units, around),
+        body_units=None,
         surroundings=rules_of(around),
         landscape=None,
         potential=None,

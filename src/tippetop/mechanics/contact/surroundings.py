@@ -14,7 +14,6 @@ from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
     METRE,
-    METRE_PER_SECOND2,
     PER_SECOND,
     RADIAN,
     RADIAN_PER_SECOND,
@@ -222,20 +221,6 @@ def surrounded_body(body: Callable) -> Callable:
         return b._replace(g=g, around=Surroundings(air, slope, shake, table))
 
     return surrounded
-
-
-UNITS = {
-    "air": Air(ANGULAR_MOMENTUM, INERTIA),
-    "tilt": Slope(METRE_PER_SECOND2, METRE_PER_SECOND2),
-    "vibration": Shake(*(METRE_PER_SECOND2,) * 3, PER_SECOND),
-    "turntable": Table(RADIAN_PER_SECOND, METRE, METRE),
-}
-
-
-def surrounded_units(body_units: Callable, groups: tuple[str, ...]) -> Callable:
-    """Return body_units(law) of a body in surroundings of these groups."""
-    around = Surroundings(*(units if name in groups else () for name, units in UNITS.items()))
-    return lambda law: body_units(law)._replace(around=around)
 
 
 COPY = "at_"
