@@ -113,11 +113,16 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
     gliding
         Whether the contact glides; it is at rest otherwise: rolling, or a fixed tip.
 
+    Notes
+    -----
+    A contact that a law without a slope at rest may hold is not said to be unstable.
     """
+    up = -1 if inverted else 1
     with np.errstate(all="ignore"):  # a disc has no ball at its poles
         free = takes_nothing(b.friction) if gliding else False
-        steadies, topples = stability(-1 if inverted else 1, b, rolls=not gliding, free=free)
-        return omega3**2 * steadies < topples
+        steadies, topples = stability(up, b, rolls=not gliding, free=free)
+        glides = np.isfinite(_slip(omega3, up, b.friction)) if gliding else True
+        return (omega3**2 * steadies < topples) & glides
 
 
 def stability(z: int, b: Touch, *, rolls: bool, free: Any = False) -> tuple[Any, Any]:
