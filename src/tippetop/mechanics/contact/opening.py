@@ -201,7 +201,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         rows = PLANAR_ANGLES, PLANAR_ROW
     elif law.torque or around:
         rows = DISC_ANGLES, DISC_ROW
-    angles, form, read = opening.framed or (*rows, row)
+    angles, form = opening.framed or rows
     form = replace(
         form, domains=opening.domains, integrals=(*form.integrals, *added_integrals(around))
     )
@@ -242,7 +242,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
         begin=jump_by_states(begin),
-        read=read,
+        read=row,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,

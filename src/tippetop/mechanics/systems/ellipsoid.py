@@ -105,7 +105,7 @@ ELLIPSOID, ROLLING_ELLIPSOID = pair(
         "quantities": framed.QUANTITIES,
         "events": framed.EVENTS,
         "undefined_at_poles": framed.UNDEFINED_AT_POLES,
-        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW, framed.row)),
+        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW)),
         "outlook": outlook.without_axis,
     },
     rolling.OF_SYSTEM
