@@ -135,7 +135,8 @@ class System(metaclass=Described):
         still and the plane level. `body` finds them among its parameters.
     body, body_units : callable
         body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units;
-        body_units(units of the friction record) -> the same, filled with units.
+        body_units(units of the friction record) -> the same, filled with units; by default `body`
+        of units.
     scales : callable
         scales(b) -> the mass [kg] and the length [m] that are 1 while it is integrated.
     normalised_to : dict of float
@@ -260,9 +261,13 @@ class System(metaclass=Described):
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and all_are(self.parameters, Mapping, Number):
             record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
-            units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
-            given["body_units"] = lambda friction: record(*units, friction)
+        if self.body_units is None:
+            body = given.get("body", self.body)
+            tables = self.parameters, self.surroundings
+            given["body_units"] = lambda friction: body(
+                {name: rule.unit for table in tables for name, rule in table.items()}, friction
+            )
         angles = self.angles
         if angles is None:
             angles = given["angles"] = self.phase.form.units

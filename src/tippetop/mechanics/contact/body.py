@@ -30,11 +30,7 @@ from ..number import Record
 from ..operand import Operand, Vector, cos, cross, dot, formula, minus, plus, select, sin, times
 from ..units import (
     ANGULAR_MOMENTUM,
-    INERTIA,
-    KILOGRAM,
-    METRE,
     METRE_PER_SECOND,
-    METRE_PER_SECOND2,
     ONE,
 )
 from . import frame
@@ -195,11 +191,6 @@ class Top(Record, abstract=True):
     def body_of(cls, parameters: Mapping[str, Any], friction: Any) -> Any:
         """Return the body of parameters by name, unchecked, with the record of a friction law."""
         return cls._make(parameters[name] for name in cls._fields).seen(friction)
-
-
-def body_units(friction: Any) -> Touch:
-    """Return a `Touch` with the unit of each field; `friction` contains those of the law."""
-    return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
 
 
 def filled(**units: Any) -> Any:

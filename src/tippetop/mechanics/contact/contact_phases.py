@@ -232,11 +232,11 @@ def free_rates(q, b):
     surroundings.
     """
     still = 0 * q.uz
-    if not b.around:
-        return type(q)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
-    push = pushing(free_velocity(q), still, b)
-    torque = around_torque(turning(q), b)
-    return type(q)(*axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot)
+    torque = push = Vector(still, still, still)
+    if b.around:
+        push = pushing(free_velocity(q), still, b)
+        torque = around_torque(turning(q), b)
+    return *axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot
 
 
 def free_leave(q, b):
@@ -270,7 +270,7 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     form = Form(
         "vector",
         units,
-        free_rates,
+        lambda q, b: type(units)(*free_rates(q, b)),
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height_of(axis(q), b)),
         integrals=(
             *place(lambda q, carried, b: free_velocity(q)),

@@ -27,9 +27,9 @@ from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, ti
 from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
-from .body import FRAME, VELOCITY, Moving, Turning, filled, state
+from .body import FRAME, Moving, Turning, filled
 from .body_axes import axes_of_angles
-from .contact_phases import OF_FRAME, PHASES, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
 from .response import gains
 
@@ -108,22 +108,9 @@ LONG_NAMES = gliding.LONG_NAMES | {
     "psi": "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
 }
 
-NUMBERS = ("height", "Fx", "Fy", "force", "drilled", "phase", "ball")
-ROW_UNITS = state(FRAME, **VELOCITY, **{name: rows.NUMBERS[name] for name in NUMBERS})
-Row = type(ROW_UNITS)
-
-
-def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmetric]:
-    """Return a state q of a phase as a `Row`, and the body."""
-    x = phase.leave(q, b)
-    by = phase.reaction(q, b)
-    numbers = x.height, *by.force, by.drilled, PHASES.index(phase.label), phase.ball
-    return Row(*x.u, *x.L, *x.velocity, *numbers), b
-
-
 OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
-Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *NUMBERS, *OWN))))
-"""As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
+Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *rows.OF_FRAME, *OWN))))
+"""As of other rows; v_A, how the body lies, zhat and omega x zhat along the half axes, omega_z,
 energy of rotation.
 """
 
@@ -138,28 +125,25 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     power = 0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled
     return Scalars(
         *rows.motion(x, v, power, contact.gap(x, b), b),
-        *(getattr(q, name) for name in NUMBERS),
+        *(getattr(q, name) for name in rows.OF_FRAME),
         q.Fx * q.Fx + q.Fy * q.Fy,
         v,
         u,
-        up,
-        cross(omega, up),
+        b.outline.half_axes(up),
+        b.outline.half_axes(cross(omega, up)),
         dot(up, omega),
         dot(omega, frame.along_axes(x.L, u)) / 2,
     )
 
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the row of a start e or of angles; the force of the plane in it is zero, not yet
-    known.
-    """
-    x = begun(e, s, z, b)
-    return Row(*x.u, *x.L, *x.velocity, x.height, *(0 * z,) * 6)
+    """Return the row of a start, its reaction not yet known."""
+    return rows.filled_row(rows.FRAME_UNITS, begun(e, s, z, b))
 
 
 OF_ROW = replace(
     rows.ROW,
-    units=ROW_UNITS,
+    units=rows.FRAME_UNITS,
     scalars=row_scalars,
     of_angles=row_of_angles,
     to_angles=gliding.angles_by(ROW_ANGLES, row_scalars),
@@ -181,7 +165,7 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
     def scalars(q: Any, b: Asymmetric) -> Any:
         """Return the `Scalars` of a state of the phase."""
-        return row_scalars(row(phase, q, (), b)[0], b)
+        return row_scalars(rows.row(phase, q, (), b)[0], b)
 
     return replace(
         phase.form,
@@ -220,20 +204,17 @@ def heading(s: Any, b: Asymmetric) -> Any:
 
 def tilt(s: Any, b: Asymmetric) -> Any:
     """Return the elevation of half axis a [rad]."""
-    rises = b.outline.half_axes(s.up)
-    return atan2(rises.x, sqrt(rises.y * rises.y + rises.z * rises.z))
+    return atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z))
 
 
 def roll(s: Any, b: Asymmetric) -> Any:
     """Return the turn about half axis a [rad], zero where half axis b is horizontal."""
-    rises = b.outline.half_axes(s.up)
-    return atan2(rises.y, rises.z)
+    return atan2(s.up.y, s.up.z)
 
 
 def roll_rate(s: Any, b: Asymmetric) -> Any:
     """Return a number with the opposite sign of roll': the function of the event `roll_peak`."""
-    turns = b.outline.half_axes(s.turns)
-    return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
+    return s.turns.y * s.up.z - s.up.y * s.turns.z
 
 
 SPIN = "angular velocity about the vertical"
@@ -267,7 +248,7 @@ OF_AXES = (
     Event(
         "tilt_peak",
         "the tilt (pitch) of half axis a is greatest or least",
-        lambda s, b: b.outline.half_axes(s.turns).x,
+        lambda s, b: s.turns.x,
     ),
     Event("roll_peak", "the roll about half axis a is greatest or least", roll_rate),
     gliding.EQUATOR,

@@ -23,6 +23,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..event import Event, Kept
+from ..friction import LAWS
 from ..operand import Vector, atan2, cos, formula, sin, sqrt
 from ..system import Alternative, Domain, Form, Integral, Number, Quantity
 from ..units import (
@@ -527,6 +528,20 @@ SETTLED = Event(
     kept=(Kept("settled_at", "last", "sliding last died out; NaN: never"),),
 )
 EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
+
+OF_SYSTEM: dict[str, Any] = {
+    "initial": INITIAL,
+    "alternatives": ALTERNATIVES,
+    "start": start_of(ANGLES),
+    "angles": ANGLES,
+    "forms": FORMS,
+    "events": EVENTS,
+    "undefined_at_poles": UNDEFINED_AT_POLES,
+    "vectors": VECTORS,
+    "long_names": LONG_NAMES,
+    "laws": LAWS,
+}
+"""Fields of a System."""
 
 ENERGIES = (
     Quantity("energy", "E", JOULE, "energy", energy),

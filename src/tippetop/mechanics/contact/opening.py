@@ -32,7 +32,7 @@ from .body import AXIS, BALLS, FRAME, Touch, seen_from_balls
 from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
 from .exits import IMPACT, JUMPS, REASONS, begin, go_on, slide_on
 from .integrals import NAMED, integral
-from .outlined import outlined_jump, outlined_phase
+from .present_body import added_integrals, jump_by_states, phase_by_states
 from .rows import (
     ANGLES,
     DISC_ANGLES,
@@ -46,15 +46,7 @@ from .rows import (
     planar_theta_dot,
     row,
 )
-from .surrounded import (
-    LOSSES,
-    added_integrals,
-    disturbed,
-    in_surroundings,
-    joined_jump,
-    joined_phase,
-)
-from .surroundings import joined_names
+from .surrounded import LOSSES, disturbed, in_surroundings
 
 
 ABOVE = {
@@ -147,11 +139,8 @@ def phases_of(
         The groups of surroundings.
     """
     known = phases_under(law, FRAME if opening.framed else AXIS, bool(around))
-    jumped = jumping(opening, around)
-    if joined_names(around):
-        known = {key: joined_phase(phase, around) for key, phase in known.items()}
     kinds = {
-        phase_name(label, ball, *regions): (phase, label, ball, regions)
+        phase_name(label, ball, *regions): (phase_by_states(phase, around), label, ball, regions)
         for (label, *regions), phase in known.items()
         for ball in range(balls - (label == "both"))
     }
@@ -167,36 +156,20 @@ def phases_of(
         if label == "slip" and law.set_valued:
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
-        if opening.outlined:
-            phase = outlined_phase(phase)
         gaps = ("land",) if opening.framed or opening.outlined else ()
         form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(
             phase,
             forms=in_plane(form) if opening.planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(n, tuple(kinds), jumped(jumps[n]), smooth=n in ways) for n in names),
+            exits=tuple(
+                Exit(n, tuple(kinds), jump_by_states(jumps[n]), smooth=n in ways) for n in names
+            ),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,
         )
     return phases
-
-
-def jumping(opening: Any, around: tuple[str, ...]) -> Callable:
-    """Return a function that adapts the jumps of `exits` to the body and its surroundings.
-
-    These jumps are written for balls on a plane at rest. For an outline they first choose the ball
-    that touches; in surroundings that move, gravity and place of that time.
-    """
-
-    def jumped(jump: Callable) -> Callable:
-        """Return the jump, adapted."""
-        if opening.outlined:
-            jump = outlined_jump(jump)
-        return joined_jump(jump) if joined_names(around) else jump
-
-    return jumped
 
 
 def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
@@ -242,7 +215,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         rows = PLANAR_ANGLES, PLANAR_ROW
     elif law.torque or around:
         rows = DISC_ANGLES, DISC_ROW
-    angles, form, read = opening.framed or (*rows, row)
+    angles, form = opening.framed or rows
     form = replace(
         form, domains=opening.domains, integrals=(*form.integrals, *added_integrals(around))
     )
@@ -285,8 +258,8 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         phases=phases,
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
-        begin=jumping(opening, around)(begin),
-        read=read,
+        begin=jump_by_states(begin),
+        read=row,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,

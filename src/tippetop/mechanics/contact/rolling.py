@@ -235,13 +235,23 @@ EULER = in_euler_angles(
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}
-
 LIFTOFF = replace(
     gliding.LIFTOFF,
     long_name="normal force falls to zero: beyond it the model is not valid",
     formula=normal_force,
 )
-EVENTS = (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED)
+OF_SYSTEM = gliding.OF_SYSTEM | {
+    "initial": INITIAL,
+    "alternatives": (gliding.BY_PSI_DOT,),
+    "start": gliding.start_of(ANGLES),
+    "angles": ANGLES,
+    "forms": FORMS,
+    "events": (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED),
+    "undefined_at_poles": UNDEFINED_AT_POLES,
+    "integrals": ("energy",),
+    "laws": {},
+}
+"""Fields of a System."""
 
 REACTION = (
     Quantity("normal_force", "F_z", NEWTON, "normal force", normal_force),

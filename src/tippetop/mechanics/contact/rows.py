@@ -31,9 +31,20 @@ from ..units import (
 )
 from . import body as contact
 from . import gliding
-from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
+from .body import (
+    BALLS,
+    FRAME,
+    VELOCITY,
+    Moving,
+    filled,
+    kinematics,
+    of_azimuth,
+    slip_scalars,
+    state,
+)
 from .body_axes import by_angles, carried_along
 from .contact_phases import PHASES
+from .frame import Asymmetric
 from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate, turning
 from .integrals import integral
 from .rolling import spin
@@ -56,6 +67,11 @@ ROW_UNITS = state(**VELOCITY, **NUMBERS)
 Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
+OF_BALL = ("radius", "offset", "stem_gap", "jellett_taken")
+OF_FRAME = {name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
+FRAME_UNITS = state(FRAME, **VELOCITY, **OF_FRAME)
+"""Of a body without an axis of symmetry."""
+
 
 def moving(row: Any, carried: Any) -> Moving:
     """Return the common state of a `Row`; its integrals are `carried`."""
@@ -64,7 +80,14 @@ def moving(row: Any, carried: Any) -> Moving:
     return Moving(x.u, x.L, velocity, row.height, carried)
 
 
-def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
+def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
+    """Return a common state as a row with these units; numbers that are not given are 0."""
+    values = [*x.u, *x.L, *x.velocity, x.height]
+    names = units._fields[len(values) :]
+    return type(units)(*values, *(numbers.get(name, 0 * x.height) for name in names))
+
+
+def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
     """Return a state of a phase as a `Row`, the record that all phases share, and the body.
 
     Parameters
@@ -78,6 +101,13 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     """
     x = phase.leave(q, b)
     by = phase.reaction(q, b)
+    numbers = dict(zip(("Fx", "Fy", "force"), by.force, strict=True)) | {
+        "drilled": by.drilled,
+        "phase": PHASES.index(phase.label),
+        "ball": phase.ball,
+    }
+    if isinstance(b, Asymmetric):
+        return filled_row(FRAME_UNITS, x, **numbers), b
     b = contact.by_axis(x.u, b)
     reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
@@ -88,8 +118,8 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
         gap = gap + b.clearance + b.lever * x.u.z
     else:
         first = contact.seen_from_other(b)
-    numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
-    return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers), first
+    numbers |= {"radius": b.R, "offset": b.c, "stem_gap": gap, "jellett_taken": reference}
+    return filled_row(ROW_UNITS, x, **numbers), first
 
 
 # --- scalars ------------------------------------------------------------------------------------
@@ -164,12 +194,14 @@ def row_of_angles(e, s, z, b):
     x = axis_and_momentum(e, s, z, b.I1, b.I3)
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
-    velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
-    height = e.gap + b.R - b.c * z
-    jellett = contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
-    zeros = (none,) * 3
-    ball = b.R + none, b.c + none
-    return Row(*x.u, *x.L, *velocity, height, *zeros, *ball, *zeros, jellett, none)
+    velocity = Vector(along_x - v.x, along_y - v.y, e.nu_z - v.z)
+    return filled_row(
+        ROW_UNITS,
+        Moving(*x, velocity, e.gap + b.R - b.c * z),
+        radius=b.R + none,
+        offset=b.c + none,
+        jellett_taken=contact.jellett_of(x.L.z, b.I3 * e.omega3, b),
+    )
 
 
 def planar_angles_of_row(q, carried, b):

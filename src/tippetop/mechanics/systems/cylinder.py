@@ -308,7 +308,6 @@ LONG_NAMES = {
 COMMON: dict[str, Any] = {
     "parameters": Cylinder.parameters,
     "body": Cylinder.body_of,
-    "body_units": contact.body_units,
     "scales": lambda b: (b.m, b.R),
     "normalised_to": {"m": 1.0, "R": 1.0},
     "long_names": LONG_NAMES,

@@ -8,7 +8,7 @@ from ..contact import gliding
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase
 from . import heavy_top, outlook
-from .tippe_top import GLIDING, SOURCE
+from .tippe_top import SOURCE
 
 
 @formula
@@ -39,10 +39,9 @@ GLIDING_HEAVY_TOP = of_one_phase(
         gliding.MODIFIED_ENERGY_RATE,
     ),
     integrals=("L3",),
-    events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
-    long_names=gliding.LONG_NAMES,
     outlook=outlook.gliding_heavy_top,
     opening=Opening(without=("L3", "Lz")),
-    **GLIDING,
+    **gliding.OF_SYSTEM
+    | {"events": (gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED)},
     **heavy_top.COMMON,
 )

@@ -224,11 +224,9 @@ MOMENTA = (
 COMMON: dict[str, Any] = {
     "parameters": HeavyTop.parameters,
     "body": HeavyTop.body_of,
-    "body_units": contact.body_units,
     "scales": lambda b: (b.m, -b.c),
     "normalised_to": {"m": 1.0, "R": 0.0, "c": -1.0},
     "checks": HeavyTop.faults,
-    "vectors": gliding.VECTORS,
     "potential": potential,
     "theta_inertia": theta_inertia,
     "momenta": ("Lz", "L3"),
@@ -240,26 +238,27 @@ HEAVY_TOP = of_one_phase(
     name="heavy-top",
     title="heavy symmetric top whose tip is fixed",
     source=SOURCE + "2",
-    initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
-    alternatives=(gliding.BY_PSI_DOT,),
-    start=gliding.start_of(ANGLES),
-    angles=ANGLES,
-    forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
     quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),
-    integrals=("L3", "Lz", "energy"),
-    events=(
-        gliding.TURNING,
-        replace(
-            rolling.LIFTOFF,
-            long_name="vertical reaction falls to zero: beyond it a tip that merely stood would "
-            "lift off",
-            ends=None,
-        ),
-        gliding.EQUATOR,
-    ),
-    undefined_at_poles=rolling.UNDEFINED_AT_POLES,
-    long_names={**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
     outlook=outlook.heavy_top,
     motion=outlook.heavy_top_motion,
+    **rolling.OF_SYSTEM
+    | {
+        "initial": {name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
+        "start": gliding.start_of(ANGLES),
+        "angles": ANGLES,
+        "forms": {"vector": FIXED_VECTOR, "euler": FIXED_EULER},
+        "integrals": ("L3", "Lz", "energy"),
+        "events": (
+            gliding.TURNING,
+            replace(
+                rolling.LIFTOFF,
+                long_name="vertical reaction falls to zero: beyond it a tip that merely stood "
+                "would lift off",
+                ends=None,
+            ),
+            gliding.EQUATOR,
+        ),
+        "long_names": {**gliding.LONG_NAMES, "L": "angular momentum about the tip, space frame"},
+    },
     **COMMON,
 )

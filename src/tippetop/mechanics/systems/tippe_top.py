@@ -11,7 +11,6 @@ from typing import Any
 from ..contact import body as contact
 from ..contact import gliding
 from ..contact.body import Top, Touch
-from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt
 from ..potential_coefficients import PotentialCoefficients
@@ -196,11 +195,8 @@ SOURCE = (
 COMMON: dict[str, Any] = {
     "parameters": TippeTop.parameters,
     "body": TippeTop.body_of,
-    "body_units": contact.body_units,
     "scales": lambda b: (b.m, b.R),
     "normalised_to": {"m": 1.0, "R": 1.0},
-    "long_names": gliding.LONG_NAMES,
-    "vectors": gliding.VECTORS,
     "checks": TippeTop.faults,
     "potential": potential,
     "theta_inertia": theta_inertia,
@@ -210,17 +206,6 @@ COMMON: dict[str, Any] = {
 }
 """Fields of the systems of a tippe top, gliding or rolling."""
 
-GLIDING: dict[str, Any] = {
-    "initial": gliding.INITIAL,
-    "alternatives": gliding.ALTERNATIVES,
-    "start": gliding.start_of(gliding.ANGLES),
-    "angles": gliding.ANGLES,
-    "forms": gliding.FORMS,
-    "undefined_at_poles": gliding.UNDEFINED_AT_POLES,
-    "laws": LAWS,
-}
-"""Fields of the systems of a top that glides."""
-
 TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
@@ -229,11 +214,10 @@ TIPPE_TOP = of_one_phase(
     quantities=QUANTITIES,
     on_request=ON_REQUEST,
     integrals=("jellett",),
-    events=gliding.EVENTS,
     outlook=outlook.tippe_top,
     opening=Opening(sphere=True, routh=routh, outlook=outlook.tippe_top_with_contact),
     borders=outlook.tippe_top_borders,
     inverts=True,
-    **GLIDING,
+    **gliding.OF_SYSTEM,
     **COMMON,
 )

@@ -11,32 +11,8 @@ from ..contact.body import Touch, height, shape_of, touching_ball
 from ..contact.outline import at
 from ..contact.uniqueness import THETA, painleve_bound
 from ..units import METRE, ONE, RADIAN_PER_SECOND
+from .modes import stability
 from .thresholds import SPINS, Threshold
-
-
-ROUNDED = 1e-12  # of a length or a moment of inertia
-
-
-def spin_limit(z: float, b: Touch, *, rolls: bool = False) -> tuple[str, float]:
-    """Return how a spin at the pole z = 1 or -1 must be to be stable.
-
-    "above" or "below" a limit [rad/s]; otherwise "stable", "neutral" or "unstable", and NaN. The
-    contact slides under friction, or rolls.
-    """
-    ball = touching_ball(z, 0.0, b)
-    high = height(z, ball)
-    rise = (high - ball.R) * (abs(high - ball.R) > ROUNDED * high)
-    needed = b.m * b.g * rise
-    if rolls:  # stable where lever*omega_3^2 > needed
-        lever = (b.I3 + b.m * high * ball.R) ** 2 * (rise != 0)
-        needed *= 4 * (b.I1 + b.m * high**2)
-    else:
-        lever = b.I3 * high - b.I1 * ball.R
-        lever *= abs(lever) > ROUNDED * b.I3 * high
-        needed *= high**2 / ball.R
-    if lever * needed > 0:
-        return "above" if needed > 0 else "below", math.sqrt(needed / lever)
-    return ("neutral", "stable", "unstable")[int(np.sign(lever - needed))], math.nan
 
 
 @np.errstate(all="ignore")  # a disc has no ball at its poles
@@ -47,8 +23,11 @@ def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Thresh
     for name, z in SPINS.items():
         if not np.isfinite(touching_ball(z, 0.0, b).R):
             continue
-        how, limit = spin_limit(z, b, rolls=rolls)
-        if limit > 0:
+        steadies, topples = stability(z, b, rolls=rolls)
+        how = ("neutral", "stable", "unstable")[int(np.sign(steadies - topples))]
+        if steadies * topples > 0:
+            limit = math.sqrt(topples / steadies)
+            how = "above" if topples > 0 else "below"
             text = f"{name} spin stable {how}"
             found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, text)
             how = f"stable {how} {limit:.6g} rad/s"
