@@ -821,15 +821,15 @@ enum {
 
 /* The program of a jump. Registers begin with the inputs: the numbers of the body, the
    time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`), the time
-   that it lasts, the time that the change takes, event functions in that time, and the numbers of
-   tables. */
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`); from
+   `after` on, the time that it lasts, the time that the change takes, event functions in that time,
+   and the numbers of tables. */
 typedef struct Program {
     const Line *lines;
     real *registers;
     const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
     const struct Program *other; /* to be tried next, if a comparison is not as expected */
-    integer length, result, out, next, number, logged, passed, ranged;
+    integer length, result, out, after, next, number, logged, passed, ranged;
 } Program;
 
 /* Points of time in a change at which event functions are known, its ends included. */
@@ -942,39 +942,29 @@ static bool execute(const Program *c, const Loop *const *loops) {
     return true;
 }
 
-/* Where the numbers of a change that follow the state of the next phase begin: the time that this
-   one lasts, and the time that the change takes. */
-static const real *numbers_after_state(const Program *c, const Loop *const *loops) {
-    return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
-}
-
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
                                     const real *body, const real *state) {
-    integer events = l->events, n = l->variables, numbers = j->numbers;
-    integer inputs = numbers + 2 + events + n;
-    const Program *first = j->programs[t->phase * (events + 1) + t->event], *c = first;
-    if (first == NULL)
-        return NULL;
-    real *r = first->registers, finite = 0;
-    memcpy(r, body, numbers * sizeof(real));
-    r[numbers] = t->high;
-    r[numbers + 1] = t->end - t->high;
-    for (integer e = 0; e < events; e++)
-        r[numbers + 2 + e] = function(l, e, lane)->sign;
-    copy(n, state, 1, r + numbers + 2 + events, 1);
-    while (c != NULL && !execute(c, j->loops)) {
-        c = c->other;
-        if (c != NULL)
-            memcpy(c->registers, r, inputs * sizeof(real));
+    integer events = l->events, numbers = j->numbers;
+    const Program *c = j->programs[t->phase * (events + 1) + t->event];
+    for (; c != NULL; c = c->other) {
+        real *r = c->registers;
+        memcpy(r, body, numbers * sizeof(real));
+        r[numbers] = t->high;
+        r[numbers + 1] = t->end - t->high;
+        for (integer e = 0; e < events; e++)
+            r[numbers + 2 + e] = function(l, e, lane)->sign;
+        copy(l->variables, state, 1, r + numbers + 2 + events, 1);
+        if (execute(c, j->loops))
+            break;
     }
     if (c == NULL)
         return NULL;
-    const real *end = numbers_after_state(c, j->loops);
-    for (const real *number = c->registers + c->out; number < end; number++)
-        finite += 0.0 * *number;
-    return finite == 0 && end[1] >= 0 ? c : NULL;
+    real finite = 0;
+    for (integer k = c->out; k < c->after; k++)
+        finite += 0.0 * c->registers[k];
+    return finite == 0 && c->registers[c->after + 1] >= 0 ? c : NULL;
 }
 
 /* Note what a change from a state logs, and what happens in it until `time`. */
@@ -1011,7 +1001,7 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     const Program *c = execute_first(j, t, l, lane, body, state);
     if (c == NULL)
         return NULL;
-    const real *more = numbers_after_state(c, j->loops), *ranges = more + 2;
+    const real *more = c->registers + c->after, *ranges = more + 2;
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
