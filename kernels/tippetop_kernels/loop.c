@@ -835,15 +835,15 @@ enum {
 
 /* The program of a jump. Registers begin with the inputs: the numbers of the body, the
    time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time
-   that it lasts, the time that the change takes, event functions in that time, and the numbers of
-   tables. */
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`); from
+   `after` on, the time that it lasts, the time that the change takes, event functions in that time,
+   and the numbers of tables. */
 typedef struct Program {
     const Line *lines;
     real *registers;
     const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
     const struct Program *other; /* to be tried next, if a comparison is not as expected */
-    integer length, result, out, next, number, logged, passed, ranged;
+    integer length, result, out, after, next, number, logged, passed, ranged;
 } Program;
 
 /* Points of time in a change at which event functions are known, its ends included. */
@@ -874,29 +874,38 @@ typedef struct {
     integer most;
 } Phases;
 
-/* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
-static void begin_motion(const Loop *l, real when, real end, const real *start) {
-    Tally *tally = l->tallies;
-    for (integer e = 0; e < l->events; e++) {
-        function(l, e, 0)->sign = start[e];
-        function(l, e, 0)->on_zero = start[l->events + e];
+/* Begin a phase or a motion: signs and zeros of its event functions. Its state follows them. */
+static const real *begin_functions(const Loop *l, integer lane, const real *start) {
+    Tally *tally = tally_of(l, lane);
+    integer events = l->events;
+    for (integer e = 0; e < events; e++) {
+        function(l, e, lane)->sign = start[e];
+        function(l, e, lane)->on_zero = start[events + e];
     }
-    copy(l->variables, start + 2 * l->events, 1, l->state, 1);
-    l->high[0] = when;
-    l->low[0] = 0;
-    l->end[0] = end;
-    tally->status = end > when ? RUNNING : FINISHED;
-    tally->t = when;
-    tally->upto = 1;
     tally->steps = tally->tiny = 0;
+    return start + 2 * events;
+}
+
+/* Begin steps in a lane at a time (high + low) in a state. */
+static void begin_lane(const Loop *l, integer lane, real high, real low, real end,
+                       const real *state) {
+    Tally *tally = tally_of(l, lane);
+    copy(l->variables, state, 1, l->state + lane, l->lanes);
+    l->high[lane] = high;
+    l->low[lane] = low;
+    l->end[lane] = end;
+    tally->status = end > high ? RUNNING : FINISHED;
+    tally->upto = 1;
+    tally->t = high;
 }
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and
    zeros of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Tally *tally = l->tallies;
-    begin_motion(l, 0, in[0], in + 2);
-    copy(l->parameters, in + 2 + 2 * l->events + l->variables, 1, l->pars, 1);
+    const real *state = begin_functions(l, 0, in + 2);
+    begin_lane(l, 0, 0, 0, in[0], state);
+    copy(l->parameters, state + l->variables, 1, l->pars, 1);
     l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
@@ -948,39 +957,29 @@ static bool execute(const Program *c, const Loop *const *loops) {
     return true;
 }
 
-/* Where the numbers of a change that follow the state of the next phase begin: the time that this
-   one lasts, and the time that the change takes. */
-static const real *numbers_after_state(const Program *c, const Loop *const *loops) {
-    return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
-}
-
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
                                     const real *body, const real *state) {
-    integer events = l->events, n = l->variables, numbers = j->numbers;
-    integer inputs = numbers + 2 + events + n;
-    const Program *first = j->programs[t->phase * (events + 1) + t->event], *c = first;
-    if (first == NULL)
-        return NULL;
-    real *r = first->registers, finite = 0;
-    memcpy(r, body, numbers * sizeof(real));
-    r[numbers] = t->high;
-    r[numbers + 1] = t->end - t->high;
-    for (integer e = 0; e < events; e++)
-        r[numbers + 2 + e] = function(l, e, lane)->sign;
-    copy(n, state, 1, r + numbers + 2 + events, 1);
-    while (c != NULL && !execute(c, j->loops)) {
-        c = c->other;
-        if (c != NULL)
-            memcpy(c->registers, r, inputs * sizeof(real));
+    integer events = l->events, numbers = j->numbers;
+    const Program *c = j->programs[t->phase * (events + 1) + t->event];
+    for (; c != NULL; c = c->other) {
+        real *r = c->registers;
+        memcpy(r, body, numbers * sizeof(real));
+        r[numbers] = t->high;
+        r[numbers + 1] = t->end - t->high;
+        for (integer e = 0; e < events; e++)
+            r[numbers + 2 + e] = function(l, e, lane)->sign;
+        copy(l->variables, state, 1, r + numbers + 2 + events, 1);
+        if (execute(c, j->loops))
+            break;
     }
     if (c == NULL)
         return NULL;
-    const real *end = numbers_after_state(c, j->loops);
-    for (const real *number = c->registers + c->out; number < end; number++)
-        finite += 0.0 * *number;
-    return finite == 0 && end[1] >= 0 ? c : NULL;
+    real finite = 0;
+    for (integer k = c->out; k < c->after; k++)
+        finite += 0.0 * c->registers[k];
+    return finite == 0 && c->registers[c->after + 1] >= 0 ? c : NULL;
 }
 
 /* Note what a change from a state logs, and what happens in it until `time`. */
@@ -1007,8 +1006,8 @@ static void note_change(const Loop *l, integer lane, const Event *events, const 
     }
 }
 
-/* Change the phase of the top in a lane in the state where the phase ended. Return what the next
-   phase begins with (see `begin_motion`); NULL if the caller must change it. */
+/* Change the phase of the top in a lane in the state where the phase ended. Return the state in
+   which the next phase begins; NULL if the caller must change it. */
 static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *body,
                           const real *state) {
     bool lasts = t->until > t->began;
@@ -1017,7 +1016,7 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     const Program *c = execute_first(j, t, l, lane, body, state);
     if (c == NULL)
         return NULL;
-    const real *more = numbers_after_state(c, j->loops), *ranges = more + 2;
+    const real *more = c->registers + c->after, *ranges = more + 2;
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
@@ -1035,31 +1034,44 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     t->until = t->stop = MIN(t->end, time + more[0]);
     t->stops_by = l->events;
     t->short_phases = lasts ? 0 : t->short_phases;
-    return c->registers + c->out;
+    return begin_functions(l, lane, c->registers + c->out);
 }
 
 /* A phase ends in this last part of a run only where the run does. */
 static const real AT_END = 0x1p-50;
 
+/* Take the time of a top, and the event by which its phase ends, from its lane. Return whether the
+   phase ends. */
+static bool ends_phase(Top *t, const Loop *l, integer lane) {
+    const Tally *tally = tally_of(l, lane);
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
+    bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
+    t->high = goes_on ? l->high[lane] : tally->t;
+    t->low = goes_on ? l->low[lane] : 0;
+    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
+    return within || by_clock;
+}
+
+static bool is_at_end(const Top *t) {
+    return t->end - t->high <= AT_END * t->end;
+}
+
 /* Change the phase of a run where it has ended. Return false if the caller must do it. */
 static bool change_phase(Phases *p) {
     Top *t = p->top;
     const Loop *l = p->jumps.loops[t->phase];
-    const Tally *tally = l->tallies;
-    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->until < t->end;
+    bool within = l->tallies->upto < 1;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
-    t->high = tally->t;
-    if (!(within || by_clock) || full || t->end - t->high <= AT_END * t->end)
+    if (!ends_phase(t, l, 0) || full || is_at_end(t))
         return false;
     integer last = l->logged[0] -= within;
-    t->event = within ? l->passages[last].event : t->stops_by;
     const real *state = within ? l->logged_states + last * l->width : l->state;
-    const real *start = change(&p->jumps, t, l, 0, p->body, state);
-    if (start == NULL) {
+    state = change(&p->jumps, t, l, 0, p->body, state);
+    if (state == NULL) {
         l->logged[0] += within;
         return false;
     }
-    begin_motion(p->jumps.loops[t->phase], t->high, t->until, start);
+    begin_lane(p->jumps.loops[t->phase], 0, t->high, 0, t->until, state);
     return true;
 }
 
@@ -1106,36 +1118,22 @@ void loop_push(Pools *p, integer top) {
     p->tops[top].waits = A_LANE;
 }
 
-/* Take the first top out of the queue of a phase. */
-static integer pop(const Pools *p, integer phase) {
-    Pool *pool = p->pools + phase;
-    integer top = p->queues[phase * p->room + pool->first];
-    pool->first = (pool->first + 1) % p->room;
-    pool->count--;
-    return top;
-}
-
 /* Put the next top of a queue into a lane. */
 static void enter_lane(const Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
-    integer top = pop(p, phase), n = l->lanes;
+    integer top = p->queues[phase * p->room + pool->first], n = l->lanes;
     const Top *t = p->tops + top;
     const real *body = p->bodies + top * p->jumps.numbers;
+    pool->first = (pool->first + 1) % p->room;
+    pool->count--;
     pool->occupied++;
     l->slots[lane] = top;
-    copy(l->variables, p->states + top * p->width, 1, l->state + lane, n);
     for (integer k = 0; k < l->parameters; k++)
         l->pars[k * n + lane] = body[pool->parameters[k]];
     l->in_lane[lane] = top * p->phases + phase;
     l->steps_before[lane] = t->steps;
-    l->high[lane] = t->high;
-    l->low[lane] = t->low;
-    l->end[lane] = t->stop;
-    Tally *tally = tally_of(l, lane);
-    tally->status = t->stop > t->high ? RUNNING : FINISHED;
-    tally->upto = 1;
-    tally->t = t->high;
+    begin_lane(l, lane, t->high, t->low, t->stop, p->states + top * p->width);
 }
 
 /* Whether tops only begin in a phase: in the last one, if there are several. */
@@ -1146,22 +1144,18 @@ static bool is_start(const Pools *p, integer phase) {
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
 static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
     Top *t = p->tops + top;
-    integer events = l->events;
     bool starts = is_start(p, t->phase);
     real when = t->high, *state = p->states + top * p->width;
     const real *body = p->bodies + top * p->jumps.numbers;
-    const real *start = change(&p->jumps, t, l, lane, body, state);
-    if (start == NULL)
+    const real *next = change(&p->jumps, t, l, lane, body, state);
+    if (next == NULL)
         return false;
-    for (integer e = 0; e < events; e++) {
-        Function *f = function(l, e, lane);
+    for (integer e = 0; starts && e < l->events; e++) {
         const Event *event = p->jumps.events + e;
-        f->sign = start[e];
-        f->on_zero = start[events + e];
-        if (starts && event->lasting && f->sign == (real)event->direction)
+        if (event->lasting && function(l, e, lane)->sign == (real)event->direction)
             tally_of(l, lane)->lasts_since = when;
     }
-    copy(p->jumps.loops[t->phase]->variables, start + 2 * events, 1, state, 1);
+    copy(p->jumps.loops[t->phase]->variables, next, 1, state, 1);
     return true;
 }
 
@@ -1169,30 +1163,27 @@ static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
-    integer top = l->slots[lane], n = l->lanes;
+    integer top = l->slots[lane];
     Top *t = p->tops + top;
     Tally *tally = tally_of(l, lane);
-    real *state = p->states + top * p->width;
-    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
+    bool within = tally->upto < 1, ends = ends_phase(t, l, lane);
     if (within)
         state_at(l, lane, tally->t, l->out);
-    copy(l->variables, (within ? l->out : l->state) + lane, n, state, 1);
-    bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
-    t->high = goes_on ? l->high[lane] : tally->t;
-    t->low = goes_on ? l->low[lane] : 0;
-    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
+    copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, p->states + top * p->width, 1);
     t->waits = NOTHING;
-    if ((within || by_clock) && t->end - t->high <= AT_END * t->end) {
+    if (ends && is_at_end(t)) {
         tally->status = FINISHED;
         tally->t = t->end;
-    } else if (within || by_clock || tally->status == STALLED) {
+    } else if (ends || tally->status == STALLED) {
         t->steps += tally->steps;
         tally->steps = 0;
         bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
         bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
         t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
-    } else if (goes_on)
-        t->waits = tally->status == SETTLED ? A_LOOK : AN_END;
+    } else if (tally->status == SETTLED)
+        t->waits = A_LOOK;
+    else if (tally->status == RUNNING)
+        t->waits = AN_END;
     l->in_lane[lane] = -1;
     l->slots[lane] = p->room;
     pool->occupied--;

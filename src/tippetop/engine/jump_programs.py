@@ -58,6 +58,7 @@ class _Program(NamedTuple):
     length: int
     result: int
     out: int
+    after: int
     next: int
     number: int
     logged: int
@@ -232,7 +233,8 @@ class JumpPrograms:
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS + STATE)
         registers[program.count : result] = constants
-        places = result, first.place + len(constants), to.at, 0
+        out = first.place + len(constants)
+        places = result, out, out + 2 * len(sides) + len(after) + len(pad), to.at, 0
         events = [run.numbers[name] for name in n.logged], passed, ranged
         every = np.array([*chain(*events)], np.int64)
         return JumpProgram(
