@@ -957,6 +957,31 @@ static bool execute(const Program *c, const Loop *const *loops) {
     return true;
 }
 
+/* Execute lines of arithmetic on n columns of 80-bit numbers; `first` is the register of the first
+   line's result. */
+void loop_columns(integer length, integer first, integer n, const Line *line, long double *r) {
+    for (long double *to = r + first * n; length > 0; length--, line++)
+        for (integer i = 0; i < n; i++, to++) {
+            long double a = r[line->a * n + i], b = r[line->b * n + i];
+            switch (line->what) {
+            case ADD: *to = a + b; break;
+            case SUBTRACT: *to = a - b; break;
+            case MULTIPLY: *to = a * b; break;
+            case DIVIDE: *to = a / b; break;
+            case POWER: *to = powl(a, b); break;
+            case NEGATIVE: *to = -a; break;
+            case SQRT: *to = sqrtl(a); break;
+            case ABSOLUTE: *to = fabsl(a); break;
+            case MAXIMUM: *to = MAX(a, b); break;
+            case EXP: *to = expl(a); break;
+            case LOG: *to = logl(a); break;
+            case ARCTAN2: *to = atan2l(a, b); break;
+            case SIN: *to = sinl(a); break;
+            case COS: *to = cosl(a); break;
+            }
+        }
+}
+
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,

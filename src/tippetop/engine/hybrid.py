@@ -18,7 +18,7 @@ Symbols
 import copy
 import math
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import islice, repeat
@@ -39,6 +39,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
+from .column_programs import ColumnProgram
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -119,6 +120,10 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     return Formulas(form, events, functions, body)
 
 
+COLUMN_PROGRAMS: dict[tuple, ColumnProgram] = {}
+"""By their keys: see `World.repeated`."""
+
+
 class World(NamedTuple):
     """The second argument of a jump, see `form.Exit`; a `HybridDriver` makes it."""
 
@@ -134,6 +139,19 @@ class World(NamedTuple):
         """Return the rates of the integrals of the run, for the state q of a phase."""
         b = phase.parameters(self.body)
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
+
+    def repeated(self, key: tuple, function: Callable, values: Sequence) -> Callable:
+        """Return function(world, *values), which returns a list, for columns with 80 bits.
+
+        It takes an array (values, n) and returns one (results, n). The function is recorded once
+        for each key, on which its operations depend, as on the kind of the body.
+        """
+        key = *key, kinds(self.body)
+        if key not in COLUMN_PROGRAMS:
+            called = lambda body, *values: function(self._replace(body=body), *values)  # noqa: E731
+            COLUMN_PROGRAMS[key] = ColumnProgram(called, self.body, values)
+        common = np.array(leaves(self.body), np.longdouble)
+        return partial(COLUMN_PROGRAMS[key], common[:, None])
 
 
 @dataclass(eq=False)

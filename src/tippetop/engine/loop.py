@@ -165,6 +165,7 @@ def library() -> ctypes.CDLL:
     for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = integer
         function.argtypes = [array, integer]
+    loaded.loop_columns.argtypes = [*[integer] * 3, array, array]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
     return loaded
 

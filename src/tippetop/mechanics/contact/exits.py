@@ -423,18 +423,18 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         carried = x.carried._make(moved[first:])
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
 
-    def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
+    def rates(world: Any, *values: Any) -> list:
         """Return the rates of the state and of its speed w, and w beta'.
 
         The slide is found with the direction beta as the unknown: where w = 0, beta' = 0/0.
         """
-        q, carried = read((*state, beta))
-        speed = 1 + 0 * beta  # of which the forces are independent, but on a table
+        q, carried = read(values)
+        b = world.body[ball]
+        speed: Any = 1.0  # of which the forces are independent, but on a table
         if b.around and b.around.table:
-            speed = np.maximum(q.w, SLOWEST) + 0 * beta
+            speed = np.maximum(q.w, SLOWEST)
         by = phase.form.rates(q._replace(w=speed), b)
-        every = (*by[:first], *wide.rates(phase, q, carried), by.w)
-        return np.array(np.broadcast_arrays(*every)), by.beta * speed
+        return [*by[:first], *world.rates(phase, q, carried), by.w, by.beta * speed]
 
     omega = contact.angular_velocity(x, b)
     weight = b.m * mean_gravity(b)
@@ -445,8 +445,8 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         q, _ = read(end)
         return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
-    state = np.array([*x.u, *x.L, *x.carried, eighty_bits(w)])
-    slides = first_slip(rates, state, eighty_bits(beta), span, lasts)
+    start = np.array([*x.u, *x.L, *x.carried, eighty_bits(w), eighty_bits(beta)])
+    slides = first_slip(wide.repeated((phase, type(x.carried)), rates, start), start, span, lasts)
     if slides is None:
         return None
     duration, at, is_slow = slides
