@@ -1161,26 +1161,29 @@ static void enter_lane(const Pools *p, integer phase, integer lane) {
     begin_lane(l, lane, t->high, t->low, t->stop, p->states + top * p->width);
 }
 
-/* Whether tops only begin in a phase: in the last one, if there are several. */
-static bool is_start(const Pools *p, integer phase) {
-    return p->phases > 1 && phase == p->phases - 1;
-}
-
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
 static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
     Top *t = p->tops + top;
-    bool starts = is_start(p, t->phase);
-    real when = t->high, *state = p->states + top * p->width;
+    real *state = p->states + top * p->width;
     const real *body = p->bodies + top * p->jumps.numbers;
     const real *next = change(&p->jumps, t, l, lane, body, state);
     if (next == NULL)
         return false;
-    for (integer e = 0; starts && e < l->events; e++) {
-        const Event *event = p->jumps.events + e;
-        if (event->lasting && function(l, e, lane)->sign == (real)event->direction)
-            tally_of(l, lane)->lasts_since = when;
-    }
     copy(p->jumps.loops[t->phase]->variables, next, 1, state, 1);
+    return true;
+}
+
+/* Begin the first phase of a top, whose jump is noted by a loop. Return whether a program could. */
+bool loop_start(Pools *p, const Loop *l, integer top) {
+    l->slots[0] = top;
+    if (!change_top(p, l, 0, top))
+        return false;
+    for (integer e = 0; e < l->events; e++) {
+        const Event *event = p->jumps.events + e;
+        if (event->lasting && function(l, e, 0)->sign == (real)event->direction)
+            tally_of(l, 0)->lasts_since = 0;
+    }
+    loop_push(p, top);
     return true;
 }
 
@@ -1218,11 +1221,9 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
         p->called[p->calls++] = top;
 }
 
-/* Return the phase in which tops begin, or else the one in which most tops are; -1 without a top. */
+/* Return the phase in which most tops are; -1 without a top. */
 static integer fullest(const Pools *p) {
-    integer best = -1, most = 0, last = p->phases - 1;
-    if (is_start(p, last) && p->pools[last].count > 0)
-        return last;
+    integer best = -1, most = 0;
     for (integer k = 0; k < p->phases; k++) {
         integer count = p->pools[k].count + p->pools[k].occupied;
         if (count > most) {
@@ -1233,11 +1234,11 @@ static integer fullest(const Pools *p) {
     return best;
 }
 
-/* Begin tops, and make at most `most` steps of lanes, in one phase after another, until a top waits
-   for the caller. Return their number. */
+/* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
+   Return their number. */
 integer loop_pools(Pools *p, integer most) {
     integer steps = 0, phase = fullest(p);
-    while (phase >= 0 && (steps < most || is_start(p, phase)) && p->calls == 0) {
+    while (phase >= 0 && steps < most && p->calls == 0) {
         Pool *pool = p->pools + phase;
         const Loop *l = pool->loop;
         for (integer lane = 0; lane < l->lanes; lane++)

@@ -422,6 +422,7 @@ class HybridDriver(Driver):
 
     solver: PhaseSolver
     slot = 0  # of the tallies of the run
+    parameters_in: Any  # slots of tops in lanes and a phase -> its parameters
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
@@ -474,7 +475,7 @@ class HybridDriver(Driver):
         }
         self.jump = partial(jump_of, system, kind)
         self.world = World(body, system, contact, self.phases, struck)
-        self.jump_programs = JumpPrograms(self) if struck and number is float else None
+        self.jump_programs: Any = JumpPrograms(self) if struck and number is float else None
         self.begin_run()
 
     def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
@@ -604,7 +605,8 @@ class HybridDriver(Driver):
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending = {Status.FINISHED: self.ending, Status.STALLED: -1}.get(status)
+            endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: -1}
+            ending: Any = endings.get(status)
             if self.upto[0] < 1.0:
                 ending = self.motion.ended_by[0]
             jump = self.solver.exits.get(ending)
@@ -768,18 +770,22 @@ class HybridDriver(Driver):
         if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
             self._note(number, now, sign, before, state)
 
-    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return states of phases, by number (k,), as rows in the variables of the run."""
+    def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
+        """Return states of phases, by number (k,), as rows in the variables of the run.
+
+        They are those of the tops in these slots, where a loop has many.
+        """
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
-        known = phases == AS_ROW
+        known = (phases == AS_ROW) | (phases == len(self.phases))
         rows[known, : as_rows.shape[1]] = as_rows[known]
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                self.read(rows, some, solver, states, solver.b)
+                b = solver.b if slots is None else self.parameters_in(slots[some], solver)
+                self.read(rows, some, solver, states, b)
         return rows
 
     def read(

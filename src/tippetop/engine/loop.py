@@ -162,6 +162,8 @@ def library() -> ctypes.CDLL:
     array = ctypes.c_void_p
     loaded.loop_note.argtypes = [array, array, *[integer] * 4, ctypes.c_double, array]
     loaded.loop_push.argtypes = [array, integer]
+    loaded.loop_start.argtypes = [array, array, integer]
+    loaded.loop_start.restype = ctypes.c_bool
     for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = integer
         function.argtypes = [array, integer]

@@ -7,9 +7,9 @@ lane ends, moves its top by a program to the queue of the next phase, and fills 
 queue. Python makes only the jumps that have no program. The result of a top does not depend on its
 neighbours, its slot or its turn.
 
-The start of a top is a jump too, to its first phase, and there are as many starts as tops. So tops
-begin in a further phase, the last one, which has no equations and ends at its start: its jump gets
-programs like any other, and only the first few tops start by Python.
+The start of a top is a jump too, to its first phase, and there are as many starts as tops. So it
+has programs like any other jump, those of a phase after the last one, and only the first few tops
+start by Python.
 
 Symbols
     slot      index of a top among those under way, in all arrays; lane: index in a SIMD integrator
@@ -30,7 +30,7 @@ from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
 from .driver import ENDLESS, STATUSES
 from .hybrid import QUIET, HybridDriver, PhaseSolver
-from .jump_programs import TOP_RECORD, JumpPrograms, Jumps
+from .jump_programs import TOP_RECORD, Jumps
 from .loop import (
     Loop,
     Rows,
@@ -119,6 +119,7 @@ class Pools:
     all_events: EventRows
     log: PassageLog
     samples: Samples
+    rows_of: Any
 
     def allocate_tops(
         self, room: int, phases: int, width: int, numbers: int, row_count: int, programs: Any = None
@@ -190,14 +191,12 @@ class Pools:
         self.rows.filled[slots] = (begun.times < 0).sum(axis=1)
         self.tops[slots] = 0
         self.tops["end"][slots] = self.tops["stop"][slots] = begun.ends
-        self.place_in_first(slots)
         for slot in slots.tolist():
-            self.push(slot)
-        while len(self.pools) > 1 and self.pools["count"][-1]:  # there they begin
-            self.over = self.step(0)[0]
+            self.start(slot)
 
-    def place_in_first(self, slots: np.ndarray) -> None:
-        """Put tops that begin into the phase of starts; without phases there is nothing to do."""
+    def start(self, slot: int) -> None:
+        """Begin the first phase of a top."""
+        self.push(slot)
 
     def push(self, slot: int) -> None:
         """Append a top to the queue of its phase."""
@@ -232,20 +231,12 @@ class Pools:
 
     def rows_in(self, slots: np.ndarray) -> np.ndarray:
         """Return the rows of the present states of the tops in slots (k,)."""
-        return self.rows_at(self.tops["phase"][slots], self.states[slots], slots)
+        return self.rows_of(self.tops["phase"][slots], self.states[slots], slots)
 
     def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
         """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
         phases = self.rows.phases[slots, numbers] % len(self.pools)
-        return self.rows_at(phases, self.rows.states[slots, numbers], slots)
-
-    def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states (k, width) as rows (k, variables); a top with one phase has them as they
-        are.
-
-        `phases` and `slots` are the index of the phase and the slot of each, (k,).
-        """
-        return states[:, : self.variables]
+        return self.rows_of(phases, self.rows.states[slots, numbers], slots)
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
@@ -292,26 +283,19 @@ class HybridPools(Pools, HybridDriver):
     def begin_run(self) -> None:
         """Allocate the arrays of all tops; none has begun."""
         room, row_count = self.sizes
-        programs = self.programs
+        programs = self.jump_programs
         programs.patience = PATIENCE
         phases = len(self.phases)
-        self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
+        self.allocate_tops(room, phases, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
         rows = self.all_events._replace(axis=np.zeros(0, int))
         found = self.findings(rows)
         self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
-        self.add_pool(phases, self.notes, ())
         workspace = SimpleNamespace(motion=motion)
         none = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
             at=phases, workspace=workspace, variables=none, sampled={}, exits={}
         )
-
-    @property
-    def programs(self) -> JumpPrograms:
-        """Return the programs of jumps, which pools always have."""
-        assert self.jump_programs is not None
-        return self.jump_programs
 
     # --- lanes of phases -------------------------------------------------------------------------
 
@@ -328,7 +312,7 @@ class HybridPools(Pools, HybridDriver):
             order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
             mine = leaves(order)[: len(solver.workspace.motion.pars)]
             self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
-            self.programs.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
+            self.jump_programs.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
         return solver
 
     def set_workspace(self, workspace: Any) -> None:
@@ -355,14 +339,18 @@ class HybridPools(Pools, HybridDriver):
 
     # --- one top ---------------------------------------------------------------------------------
 
-    def place_in_first(self, slots: np.ndarray) -> None:
-        """Put tops that begin into the phase of starts."""
-        self.tops["stop"][slots] = 0.0
-        self.tops["stops_by"][slots] = self.clock_number
-        self.tops["phase"][slots] = len(self.phases)
+    def start(self, slot: int) -> None:
+        """Make the jump of a top to its first phase, by a program or by Python."""
+        self.tops["event"][slot] = self.clock_number
+        self.tops["phase"][slot] = len(self.phases)
         for name in "sign", "on_zero":
-            self.of_tops.functions[name][:, slots] = 0.0
-        self.of_tops.lane["lasts_since"][slots] = np.nan
+            self.of_tops.functions[name][:, slot] = 0.0
+        self.of_tops.lane["lasts_since"][slot] = np.nan
+        if not library().loop_start(self.record_at, self.notes.place, slot):
+            if self.attend(slot) == NOTHING:
+                self.over.append(slot)
+            else:
+                self.push(slot)
 
     def _load(self, slot: int) -> None:
         """Load a top from its slot into the driver: the methods of `HybridDriver` act on it."""
@@ -407,7 +395,7 @@ class HybridPools(Pools, HybridDriver):
 
     def learn_start(self, *given: Any) -> None:
         """Record the jump to the first phase."""
-        self.programs.learn(*given)
+        self.jump_programs.learn(*given)
 
     def attend(self, slot: int) -> int:
         """Start a top, make its jump, or set the end of its next step in a sampled phase."""
@@ -433,12 +421,6 @@ class HybridPools(Pools, HybridDriver):
         lasted = self.clock[0] - self.tally["lasts_since"]
         return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
-    def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states of phases, by number, as rows in the variables of the runs."""
-        rows = states[:, : self.variables].copy()
-        for solver in self.solvers.values():
-            mine = np.flatnonzero(phases == solver.at)
-            body = refill(self.world.body, iter(self.bodies[slots[mine]].T))
-            b = solver.phase.parameters(body)
-            self.read(rows, mine, solver, states, b)
-        return rows
+    def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
+        """Return the parameters of a phase of the tops in slots (k,)."""
+        return solver.phase.parameters(refill(self.world.body, iter(self.bodies[slots].T)))

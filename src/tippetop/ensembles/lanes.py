@@ -81,6 +81,10 @@ class PoolOfOne(Pools):
         self.loop = Loop(self.motion, rows, *found, rules, code.machine)
         self.add_pool(0, self.loop, range(numbers))
 
+    def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
+        """Return states of the tops in slots as rows."""
+        return states[:, : self.variables]
+
 
 class Lanes:
     """Integrate tops of a common queue on one thread, and write their outcomes.
@@ -241,7 +245,7 @@ class Lanes:
         pools = self.pools
         if count := int(pools.samples.filled[0]):
             slots, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
-            rows = pools.rows_at(phases, pools.samples.states[:count], slots)
+            rows = pools.rows_of(phases, pools.samples.states[:count], slots)
             self.outcomes.look(rows.T, self.top_in[slots])
             pools.samples.filled[0] = 0
         if self.logs and (count := int(pools.log.filled[0])):
