@@ -24,6 +24,7 @@ from .headers import CAMERA, KIND
 from .motion import Convention, angle_between, angle_in_picture, in_body_axes, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
+from .residuals import wrapped
 from .simulators import gravity, motion_of
 
 
@@ -217,7 +218,7 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi") or CAMERA.fullmatch(name):
-            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+            off = wrapped(off)
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))
         if name == "axis":

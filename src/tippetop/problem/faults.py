@@ -1,6 +1,6 @@
 """Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -33,9 +33,7 @@ SAME = 1e-6
 """Relative difference that a constant which keeps a root from 0 may cause: sqrt(v2 + 1e-20)."""
 
 
-def key_faults(
-    base: "Problem", keys: Iterable[str], also: Iterable[str] = (), without: tuple[str, ...] = ()
-) -> list[str]:
+def key_faults(base: "Problem", keys: Collection[str], known: Collection[str]) -> list[str]:
     """Return sentences on varying these keys of a problem.
 
     Parameters
@@ -44,18 +42,14 @@ def key_faults(
         The problem that varies.
     keys
         Dotted keys like `friction.mu`.
-    also
-        Names that may vary in addition to those of the problem.
-    without
-        Tables with names that may not vary.
+    known
+        Names that may vary.
 
     Returns
     -------
     list of str
         Empty if all may vary together.
     """
-    keys = list(keys)
-    known = [*also, *(key for key in base.rules if not key.startswith(without))]
     faults = []
     for key in keys:
         if key not in known:
@@ -88,7 +82,7 @@ def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
     """
     if not columns:
         return ["`variations` must vary something, but is empty."]
-    faults = key_faults(base, columns)
+    faults = key_faults(base, columns, base.rules)
     shapes = {key: np.shape(values) for key, values in columns.items() if key in base.rules}
     if len({*shapes.values()}) > 1 or any(len(s) != 1 or not s[0] for s in shapes.values()):
         sizes = ", ".join(f"{key} {shape}" for key, shape in shapes.items())

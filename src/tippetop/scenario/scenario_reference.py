@@ -16,7 +16,7 @@ from ..mechanics.systems import (
     surroundable_systems,
     systems_of_laws,
 )
-from ..problem import ORIENTATION, PSI
+from ..problem.row_columns import every_source
 from .schema import ContactTable, RunTable, StemTable, number_table, tables_of
 
 
@@ -238,33 +238,22 @@ def columns() -> list[Section]:
     return [*sections, Section("Columns of a contact that may open", text, COLUMNS, new)]
 
 
-def _columns(system: System) -> list[tuple[str, ...]]:
+def _columns(system: System) -> list[tuple[str, str, str]]:
     """Return a row (column, unit, meaning) for each column of a system.
 
     Systems that share a column have equal rows, so that a set of them has each once.
     """
-    names = system.long_names
-    turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
-    if system.undefined_at_poles:
-        turn.insert(0, ("psi", "rad", PSI))
-    units = system.forms["vector"].units if system.vectors else None
-    return [
-        *((n, unit.symbol, names.get(n, "")) for n, unit in system.angles._asdict().items()),
-        *(
-            (n, getattr(units, variables[0]).symbol, f"{names.get(n, '')}, (time, xyz)")
-            for n, variables in system.vectors.items()
-        ),
-        *turn,
-        *(
-            (q.name, q.unit.symbol, ": ".join([q.long_name, ", ".join(q.meanings)]).rstrip(": "))
-            for q in system.quantities
-            if q.is_column
-        ),
-        *(
-            (q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it")
-            for q in system.on_request
-        ),
+    form = "vector" if system.vectors else next(iter(system.forms))
+    rows = []
+    for name, source in every_source(system, form).items():
+        dims = f", (time, {source.dims[0]})" if source.dims else ""
+        flags = f": {', '.join(source.flags)}" if source.flags else ""
+        rows.append((name, source.unit.symbol, f"{source.long_name}{dims}{flags}"))
+    rows += [
+        (q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it")
+        for q in system.on_request
     ]
+    return rows
 
 
 TOPICS = {

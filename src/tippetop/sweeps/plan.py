@@ -23,11 +23,11 @@ from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
 from ..scenario.doubts import doubts
-from ..scenario.identity import user_records
+from ..scenario.identity import Records, user_records
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived_axes
-from .chunk import Records, base_of, column_names
+from .chunk import base_of, column_names
 from .design import MOST_TOPS, Axis, Design, Sample
 
 
@@ -130,7 +130,7 @@ class Plan:
         sentences = []
         keys = [axis.of for axis in shape.axis]
         plain = [key for key in keys if key not in derived_axes.DERIVED]
-        if unknown := key_faults(base, plain, derived_axes.DERIVED):
+        if unknown := key_faults(base, plain, [*derived_axes.DERIVED, *base.rules]):
             raise InputError(unknown)  # a text of an unknown number has no unit
         for i, axis in enumerate(shape.axis, 1):
             rule = base.rules.get(axis.of)
