@@ -129,11 +129,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             "to be compared, but has none."
         )
     body = problem.body()
-    kept = {}
-    touching = {}
-    if hasattr(body, "outline") and "axis" in theirs:
-        kept = conserved(theirs, problem, body)
-        touching = _contact(theirs, problem, body)
+    kept = conserved(theirs, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: PlainData = {
         "file": str(path),
@@ -145,7 +141,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     for what, changes in (("drift", kept), ("error", errors)):
         for name, curve in changes.items():
             numbers[f"{name}_{what}"] = float(np.nanmax(np.abs(curve)))
-    numbers |= touching
+    numbers |= _contact(theirs, problem, body)
     if rows < len(t):
         numbers["reference_ended"] = run.reason
     if faults := _start_faults(numbers, curves, convention):
@@ -193,7 +189,8 @@ def reference(run: Solution) -> Arrays:
 
 def _attitude(motion: Arrays, body: Any) -> Any:
     """Return the orientation or the axis, as `shape.lies` takes it; None if it is missing."""
-    return motion.get("orientation" if hasattr(body, "I2") else "axis")
+    name = "orientation" if hasattr(body, "I2") else "axis"
+    return motion.get(name) if hasattr(body, "outline") else None
 
 
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:

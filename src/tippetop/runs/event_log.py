@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column
+from ..columns import Column, counted
 from ..engine.driver import Passages
 from ..engine.loop import count_turnings
 from ..engine.observables import Observables
@@ -109,9 +109,7 @@ class EventLog:
         if len(angles := theta[turning]):
             swing[turning] = np.abs(angles - np.concatenate([[self.before], angles[:-1]]))
             self.before = float(angles[-1])
-        for name, count in zip(
-            self.kinds, np.bincount(kind, minlength=len(self.kinds)).tolist(), strict=True
-        ):
+        for name, count in counted(kind, self.kinds).items():
             self.counts[name] += count
         state = self._states(seconds, zeros.states)
         is_known = ~(turning | lasts)  # the others may become significant later

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column, column, flag_attributes
+from ..columns import Column, column, counted, flag_attributes
 from ..engine.phase_tables import as_table
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
@@ -63,12 +63,9 @@ class PhaseHistory:
             return
         self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
         table = new["phases"]
-        names = self.words["phase"]
         count = len(table["phase"])
-        numbers = np.bincount(table["phase"], minlength=len(names)).tolist()
-        for name, n in zip(names, numbers, strict=True):
-            if n:
-                self.counts[name] = self.counts.get(name, 0) + n
+        for name, n in counted(table["phase"], self.words["phase"]).items():
+            self.counts[name] = self.counts.get(name, 0) + n
         for k in sorted({*range(min(count, FIRST - len(self.first))), *range(count)[-1:]}):
             self.last = {
                 key: self.words[key][values[k]] if key in self.words else float(values[k])

@@ -1,8 +1,8 @@
 """The keys of a plan as tables, for `tippetop help plan` and the manual."""
 
 from ..scenario.scenario_reference import KEYS, Section, keys_of
-from .design import Sample
-from .plan import AxisTable, PlanTable
+from .design import Axis, Sample
+from .plan import PlanTable
 
 
 def plan() -> list[Section]:
@@ -14,6 +14,6 @@ def plan() -> list[Section]:
             KEYS,
             keys_of(PlanTable),
         ),
-        Section("[[axis]]", "", KEYS, keys_of(AxisTable)),
+        Section("[[axis]]", "", KEYS, keys_of(Axis)),
         Section("[sample]", "", KEYS, keys_of(Sample)),
     ]
