@@ -61,9 +61,7 @@ def test_points_lie_in_the_range_and_spread_over_it(method: str) -> None:
         (EVEN, (numbers["even"] + 1) / 4),
         (LOG, (np.log10(numbers["log"]) + 3) / 5),
     ):
-        assert np.all(
-            (numbers[axis.of] >= axis.between[0]) & (numbers[axis.of] <= axis.between[1])
-        )
+        assert np.all((numbers[axis.of] >= axis.between[0]) & (numbers[axis.of] <= axis.between[1]))
         assert np.mean(unit) == pytest.approx(0.5, abs=6 / np.sqrt(12 * n))
         assert np.var(unit) == pytest.approx(1 / 12, abs=6 / np.sqrt(180 * n))
     assert abs(np.corrcoef(numbers["even"], np.log(numbers["log"]))[0, 1]) < 6 / np.sqrt(n)

@@ -54,6 +54,11 @@ def allowed(schema: Mapping[str, Any]) -> str:
     return f"{KINDS.get(schema.get('type', ''), 'a table')}{bound}"
 
 
+def keys_section(title: str, table: type[BaseModel], text: str = "") -> Section:
+    """Return the section on the keys of a table."""
+    return Section(title, text, KEYS, keys_of(table))
+
+
 def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
     """Return the keys of a table of a scenario or of a plan, as rows under KEYS.
 
@@ -119,35 +124,23 @@ def scenario() -> list[Section]:
                 for a in system.alternatives
                 if table == "initial"
             ]
-            keys = keys_of(tables[name][table])
-            section = Section(f"[{table}] of {name}", " ".join(words), KEYS, keys)
-            first.setdefault(tuple(key for key, *_ in keys), section)
+            section = keys_section(f"[{table}] of {name}", tables[name][table], " ".join(words))
+            first.setdefault(tuple(key for key, *_ in section.rows), section)
         sections += first.values()
+    air = "The torque about the centre of mass is -(c1 + c2 |omega|) omega."
+    plane = (
+        "A plane that is tilted or vibrates, or that turns: give the numbers of what it does. "
+        "Axes, velocities and spins are those seen from the plane."
+    )
     above = number_table(ABOVE, required=False)
     return [
         *sections,
-        Section(
-            "[initial] of a contact that may open",
-            "In addition to the others.",
-            KEYS,
-            keys_of(above),
-        ),
-        Section("[contact]", "", KEYS, keys_of(ContactTable)),
-        Section("[stem]", "", KEYS, keys_of(StemTable)),
-        Section(
-            "[air]",
-            "The torque about the centre of mass is -(c1 + c2 |omega|) omega.",
-            KEYS,
-            keys_of(number_table(RULES["air"])),
-        ),
-        Section(
-            "[plane]",
-            "A plane that is tilted or vibrates, or that turns: give the numbers of what it does. "
-            "Axes, velocities and spins are those seen from the plane.",
-            KEYS,
-            keys_of(number_table(RULES["plane"])),
-        ),
-        Section("[run]", "", KEYS, keys_of(RunTable)),
+        keys_section("[initial] of a contact that may open", above, "In addition to the others."),
+        keys_section("[contact]", ContactTable),
+        keys_section("[stem]", StemTable),
+        keys_section("[air]", number_table(RULES["air"]), air),
+        keys_section("[plane]", number_table(RULES["plane"]), plane),
+        keys_section("[run]", RunTable),
     ]
 
 
@@ -162,11 +155,10 @@ def friction() -> list[Section]:
     opening = opening_systems().items()
     rolling = {name for name, system in opening if system.opening and system.opening.rounded}
     return [
-        Section(
+        keys_section(
             name,
+            number_table({**law.parameters} | (PARTS if rolling & {*of} else {})),
             f"{_meaning(law)} For {', '.join(of) or 'no system'}.",
-            KEYS,
-            keys_of(number_table({**law.parameters} | (PARTS if rolling & {*of} else {}))),
         )
         for name, (law, of) in laws.items()
     ]
