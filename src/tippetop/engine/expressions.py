@@ -24,6 +24,7 @@ from ..mechanics.moment import moment
 from ..mechanics.operand import cos, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
+from ..problem.row_columns import component
 from .code_cache import compiled_once
 from .opt_level import opt_level
 
@@ -106,15 +107,6 @@ def equations_of_motion(formulas: Formulas, variables: Variables) -> Equations:
     symbols, q, carried, body = in_symbols(formulas, variables)
     rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
-
-
-def component(variable: str) -> str:
-    """Return the name of a component of a vector among the values of a row.
-
-    It differs from that of the variable, because a quantity may have the same name: L_z of a heavy
-    top is about the tip, that of the column L about the centre of mass.
-    """
-    return f"vector_{variable}"
 
 
 SINE2, SPEED2 = "pole_sine2", "pole_speed2"

@@ -9,7 +9,8 @@ import numpy as np
 from ..columns import Arrays
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT
 from ..problem import Problem
-from .expressions import component, integrated, integrates_axis
+from ..problem.row_columns import component
+from .expressions import integrated, integrates_axis
 
 
 def invariants(problem: Problem, values: Arrays) -> Arrays:

@@ -8,9 +8,9 @@ Symbols
     which     number of the run of each state in a `Problems`, (k,)
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,14 +18,14 @@ from ..columns import Arrays, Column, column, flag_attributes
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import Vector, refill
 from ..mechanics.rotation import outer
-from ..mechanics.units import ONE, RADIAN, SECOND, Unit
-from ..problem import ORIENTATION, PSI, TURN, Problem, Problems
+from ..mechanics.units import SECOND
+from ..problem import TURN, Problem, Problems
+from ..problem.row_columns import QUATERNION, Source, every_source
 from .expressions import (
     AXES,
     SINE2,
     SPEED2,
     compile_observables,
-    component,
     observed,
     orientation_of,
 )
@@ -114,52 +114,11 @@ class Observables:
         return columns
 
 
-class Source(NamedTuple):
-    """The source of a column of a run.
-
-    Parameters
-    ----------
-    parts
-        Names of the values that it consists of.
-    unit, long_name
-        Unit and description of the column.
-    dims
-        Its dimensions beyond the time.
-    attributes
-        Further attributes: the symbol in TeX of a quantity.
-    flags
-        Meanings of its numbers, where these are flags.
-    """
-
-    parts: tuple[str, ...]
-    unit: Unit
-    long_name: str
-    dims: tuple[str, ...] = ()
-    attributes: Mapping[str, str] = {}
-    flags: tuple[str, ...] = ()
-
-
-QUATERNION = tuple(f"orientation_{part}" for part in "wxyz")
-"""Names of the parts of the orientation among the values of a row."""
-
-
 def sources(problem: Problem) -> dict[str, Source]:
     """Return the sources of the columns of a run by name, apart from the time and the low parts."""
-    system = problem.system
-    names = problem.system.long_names
-    found = {
-        name: Source((name,), unit, names[name]) for name, unit in system.angles._asdict().items()
-    }
-    for name, variables in system.vectors.items():
-        unit = getattr(system.forms["vector"].units, variables[0])
-        found[name] = Source(tuple(map(component, variables)), unit, names[name], ("xyz",))
-    found["psi"] = Source(("psi",), RADIAN, PSI)
-    found["orientation"] = Source(QUATERNION, ONE, ORIENTATION, ("wxyz",))
-    found |= {
-        q.name: Source((q.name,), q.unit, q.long_name, (), {"symbol": q.symbol}, tuple(q.meanings))
-        for q in system.quantities
-    }
-    return {name: found[name] for name in found if name in problem.kept_columns}
+    kept = problem.kept_columns
+    known = every_source(problem.system, problem.form.name)
+    return {name: source for name, source in known.items() if name in kept}
 
 
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:

@@ -8,7 +8,7 @@ from ..engine.observables import Observables
 from ..engine.tallies import event_rows, new_tallies
 from ..problem import Problems
 from ..runs.event_log import EventLog
-from ..runs.events import EventTable, event_columns
+from ..runs.events import EventTable
 from .hybrid_tops import problem_of
 from .outcomes import Outcomes
 
@@ -45,4 +45,4 @@ def event_table(measured: Outcomes) -> dict[str, Column]:
     each = sorted(measured.events.items())
     joined = EventTable.joined([log_of(measured.tops, 0).empty, *(table for _, table in each)])
     numbers = np.repeat([top for top, _ in each], [len(table.time) for _, table in each])
-    return {"top": Column(("event",), numbers.astype(np.int64), TOP), **event_columns(joined)}
+    return {"top": Column(("event",), numbers.astype(np.int64), TOP), **joined}

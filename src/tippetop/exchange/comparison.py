@@ -24,6 +24,7 @@ from .headers import CAMERA, KIND
 from .motion import Convention, angle_between, angle_in_picture, in_body_axes, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
+from .residuals import wrapped
 from .simulators import gravity, motion_of
 
 
@@ -128,11 +129,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             "to be compared, but has none."
         )
     body = problem.body()
-    kept = {}
-    touching = {}
-    if hasattr(body, "outline") and "axis" in theirs:
-        kept = conserved(theirs, problem, body)
-        touching = _contact(theirs, problem, body)
+    kept = conserved(theirs, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: PlainData = {
         "file": str(path),
@@ -144,7 +141,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     for what, changes in (("drift", kept), ("error", errors)):
         for name, curve in changes.items():
             numbers[f"{name}_{what}"] = float(np.nanmax(np.abs(curve)))
-    numbers |= touching
+    numbers |= _contact(theirs, problem, body)
     if rows < len(t):
         numbers["reference_ended"] = run.reason
     if faults := _start_faults(numbers, curves, convention):
@@ -192,7 +189,8 @@ def reference(run: Solution) -> Arrays:
 
 def _attitude(motion: Arrays, body: Any) -> Any:
     """Return the orientation or the axis, as `shape.lies` takes it; None if it is missing."""
-    return motion.get("orientation" if hasattr(body, "I2") else "axis")
+    name = "orientation" if hasattr(body, "I2") else "axis"
+    return motion.get(name) if hasattr(body, "outline") else None
 
 
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
@@ -217,7 +215,7 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi") or CAMERA.fullmatch(name):
-            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+            off = wrapped(off)
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))
         if name == "axis":

@@ -202,7 +202,7 @@ class Observation:
             return residuals.OF_ATTITUDES[group](seen, model)
         off = seen - model
         if group == "phi" or CAMERA.fullmatch(group):
-            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+            off = residuals.wrapped(off)
         return off
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:

@@ -30,6 +30,11 @@ def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     return np.moveaxis(vector * (angle / np.maximum(sine, 1e-300)), 0, -1)
 
 
+def wrapped(angles: np.ndarray) -> np.ndarray:
+    """Return angles within half a turn."""
+    return np.remainder(angles + np.pi, 2 * np.pi) - np.pi
+
+
 OF_ATTITUDES = {"axis": of_axis, "orientation": of_orientation}
 """Residuals of measured attitudes (rows, parts), by kind of measurement."""
 PARTS = {"axis": 2, "orientation": 3}

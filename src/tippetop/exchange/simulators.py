@@ -119,7 +119,7 @@ def text_of(problem: Problem, to: str) -> str:
     require_still(problem.tables, "a body for a simulator", tilted=True)
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
-    return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))
+    return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](Model(problem))
 
 
 def formats_of(problem: Problem) -> tuple[str, ...]:
@@ -160,19 +160,21 @@ DRILLING = 3 * math.pi / 16
 """Drilling torque of a disc that does not slide, per mu N and radius, under Hertz's pressure."""
 
 
-class Model(NamedTuple):
+class Model:
     """A body as simulators take it.
 
-    Parameters
+    Attributes
     ----------
-    system, title
-        Name and title of the system.
+    system
+        Its system, with name and title.
     body, start
         In SI units.
     fixed
         Whether its tip is fixed.
-    moments
-        Principal moments of inertia.
+    moments, inertia
+        Principal moments of inertia; the same as text by their names in URDF and SDF.
+    gravity
+        In the axes of the plane, which is level in a simulator, as text.
     surfaces
         Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem.
     friction
@@ -183,27 +185,61 @@ class Model(NamedTuple):
         Those of a simulator from the scenario, in sentences.
     """
 
-    system: str
-    body: Any
-    start: Start
-    fixed: bool
-    moments: np.ndarray
-    surfaces: dict[str, Surface]
-    friction: tuple[float, float, float]
-    bounce: float
-    title: str
-    differences: list[str]
-
-    @property
-    def inertia(self) -> dict[str, str]:
-        """Moments of inertia about the centre of mass by their names in URDF and SDF."""
-        moments = dict(zip(("ixx", "iyy", "izz"), map(_numbers, self.moments), strict=True))
-        return moments | {"ixy": "0", "ixz": "0", "iyz": "0"}
-
-    @property
-    def gravity(self) -> str:
-        """Gravity in the axes of the plane, which is level in a simulator."""
-        return _numbers(*gravity(self.body))
+    def __init__(self, problem: Problem):
+        """Choose surfaces and coefficients, and list what a simulator computes differently."""
+        law = problem.friction
+        opens = problem.contact
+        self.system = problem.system
+        self.body = problem.body()
+        self.start = start_of(problem)
+        self.fixed = fixed = problem.system.name == "heavy-top"
+        self.moments = moments(self.body)
+        self.inertia = dict(zip(("ixx", "iyy", "izz"), map(_numbers, self.moments), strict=True))
+        self.inertia |= {"ixy": "0", "ixz": "0", "iyz": "0"}
+        self.gravity = _numbers(*gravity(self.body))
+        touching = surface_of(self.body)
+        pointed = not touching.half.any()
+        tip = TIP * abs(touching.centre[2])
+        name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
+        self.surfaces = {name: touching._replace(half=np.full(3, tip)) if pointed else touching}
+        if opens is not None and opens.stem:
+            centre = touching.centre + np.array([0.0, 0.0, opens.h])
+            self.surfaces["stem"] = Surface(centre, np.full(3, opens.r))
+        mu = float(getattr(law, "mu", 0.0))
+        self.differences = sentences = []
+        if not fixed:
+            sentences.append(
+                "contacts in simulators are soft, or solved once a step: refine step and stiffness"
+            )
+        if problem.system.name.startswith("rolling"):
+            mu = 10.0
+            sentences.append(
+                "pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips"
+            )
+        elif problem.system.frictional and is_frictionless(law):
+            mu = 0.0
+        elif "eps" in law._fields and problem.law.key == "coulomb":
+            sentences.append(
+                f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its "
+                "own"
+            )
+        elif problem.system.frictional and not problem.law.set_valued:
+            words = problem.law.long_name
+            sentences.append(
+                f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, "
+                "another law"
+            )
+        torsion = DRILLING * mu * getattr(law, "patch", 0.0) + getattr(law, "mu_d", 0.0)
+        self.friction = mu, torsion, float(getattr(law, "mu_r", 0.0))
+        self.bounce = opens.e_n if opens is not None else 0.0
+        if self.bounce:
+            sentences.append(f"restitution e_n = {self.bounce:g}: set it in the simulator")
+        if "axis" not in problem.system.vectors:
+            sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
+        if pointed and not fixed:
+            sentences.append(f"a tip that is a point: here a ball of radius {tip:.3g} m")
+        if opens is None and not fixed:
+            sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
 
     def comment(self, *sentences: str) -> str:
         """Return the differences of a simulator, and further ones, as a comment."""
@@ -211,7 +247,8 @@ class Model(NamedTuple):
         lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
         third = "its axis of symmetry" if self.moments[0] == self.moments[1] else "axis 3"
         return (
-            f"<!--\n  {self.title}, from tippetop. SI units, z up, z of the body along {third}.\n"
+            f"<!--\n  {self.system.title}, from tippetop. SI units, z up, z of the body along "
+            f"{third}.\n"
             f"  Compare the output with: {RESULT}\n"
             f"  Differences from tippetop:\n{lines}\n-->\n"
         )
@@ -227,68 +264,6 @@ class Model(NamedTuple):
             f"velocity {_numbers(start.velocity)}; angular velocity in body axes "
             f"{_numbers(start.omega)}",
         )
-
-
-def _model(problem: Problem) -> Model:
-    """Return the model of a problem."""
-    law = problem.friction
-    body = problem.body()
-    opens = problem.contact
-    fixed = problem.system.name == "heavy-top"
-    touching = surface_of(body)
-    pointed = not touching.half.any()
-    tip = TIP * abs(touching.centre[2])
-    name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
-    surfaces = {name: touching._replace(half=np.full(3, tip)) if pointed else touching}
-    if opens is not None and opens.stem:
-        centre = touching.centre + np.array([0.0, 0.0, opens.h])
-        surfaces["stem"] = Surface(centre, np.full(3, opens.r))
-    mu = float(getattr(law, "mu", 0.0))
-    sentences = []
-    if not fixed:
-        sentences.append(
-            "contacts in simulators are soft, or solved once a step: refine step and stiffness"
-        )
-    if problem.system.name.startswith("rolling"):
-        mu = 10.0
-        sentences.append(
-            "pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips"
-        )
-    elif problem.system.frictional and is_frictionless(law):
-        mu = 0.0
-    elif "eps" in law._fields and problem.law.key == "coulomb":
-        sentences.append(
-            f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own"
-        )
-    elif problem.system.frictional and not problem.law.set_valued:
-        words = problem.law.long_name
-        sentences.append(
-            f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, "
-            "another law"
-        )
-    torsion = DRILLING * mu * getattr(law, "patch", 0.0) + getattr(law, "mu_d", 0.0)
-    rolling = float(getattr(law, "mu_r", 0.0))
-    bounce = opens.e_n if opens is not None else 0.0
-    if bounce:
-        sentences.append(f"restitution e_n = {bounce:g}: set it in the simulator")
-    if "axis" not in problem.system.vectors:
-        sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
-    if pointed and not fixed:
-        sentences.append(f"a tip that is a point: here a ball of radius {tip:.3g} m")
-    if opens is None and not fixed:
-        sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
-    return Model(
-        problem.system.name,
-        body,
-        start_of(problem),
-        fixed,
-        moments(body),
-        surfaces,
-        (mu, torsion, rolling),
-        bounce,
-        problem.system.title,
-        sentences,
-    )
 
 
 def _ellipsoid(surface: Surface) -> str:
@@ -338,7 +313,7 @@ def _mjcf(model: Model) -> str:
         turning = turned(start.quaternion, start.omega)
         qpos = _numbers(start.place + arm, start.quaternion)
         qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
-    return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system}">
+    return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system.name}">
   <option timestep="{_numbers(STEP)}" gravity="{model.gravity}" cone="elliptic"
           integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
@@ -376,7 +351,7 @@ def _urdf(model: Model) -> str:
     )
     inertia = " ".join(f'{name}="{value}"' for name, value in model.inertia.items())
     return f"""<?xml version="1.0"?>
-{model.comment(*sentences, *model.settings())}<robot name="{model.system}">
+{model.comment(*sentences, *model.settings())}<robot name="{model.system.name}">
   <link name="top">
     <inertial>
       <origin xyz="0 0 0"/>

@@ -7,13 +7,12 @@ ends in noise not at all. Such rows are marked when this is known.
 """
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column
+from ..columns import Column, counted
 from ..engine.driver import Passages
 from ..engine.loop import count_turnings
 from ..engine.observables import Observables
@@ -22,7 +21,7 @@ from ..engine.tallies import Tallies
 from ..errors import owner
 from ..mechanics.event import Event, Kept
 from ..mechanics.units import SECOND
-from .events import EventTable
+from .events import EventTable, event_table
 
 
 def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | None:
@@ -73,7 +72,7 @@ class EventLog:
         self.senses = np.array([event.sense for event in self.events], int)
         self.lasts = np.array([event.lasting for event in self.events], bool)
         state = self._states(np.zeros(0), first[:0])
-        self.empty = replace(EventTable.empty(self.kinds), state=state)
+        self.empty = event_table(self.kinds, state)
         self.rows = 0
         self.counts = dict.fromkeys(self.kinds, 0)
         self.before = view.theta(first)  # theta where the present swing began
@@ -109,20 +108,19 @@ class EventLog:
         if len(angles := theta[turning]):
             swing[turning] = np.abs(angles - np.concatenate([[self.before], angles[:-1]]))
             self.before = float(angles[-1])
-        for name, count in zip(
-            self.kinds, np.bincount(kind, minlength=len(self.kinds)).tolist(), strict=True
-        ):
+        for name, count in counted(kind, self.kinds).items():
             self.counts[name] += count
         state = self._states(seconds, zeros.states)
         is_known = ~(turning | lasts)  # the others may become significant later
-        table = EventTable(self.kinds, seconds, kind, theta, rising, swing, is_known, state=state)
+        rows = seconds, kind, theta, rising, swing, is_known
+        table = event_table(self.kinds, state, rows)
         lasting = np.flatnonzero(lasts)
         if len(lasting):
             self.lasting = self.rows + int(lasting[-1])
-        rows = self.rows + np.flatnonzero(turning)
+        turnings = self.rows + np.flatnonzero(turning)
         self.rows += len(theta)
         ways = np.where(zeros.at_pole, 0, rising)[turning]
-        return table, self._marks(rows, ways, angles), zeros.states
+        return table, self._marks(turnings, ways, angles), zeros.states
 
     def _states(self, seconds: np.ndarray, states: np.ndarray) -> dict[str, Column]:
         """Return the columns of a trajectory at events, if an event of the user is logged."""

@@ -24,7 +24,7 @@ from ..store.root import finite, new_store
 from ..store.table import LATE, Table
 from ..store.writer import Writer, begin
 from . import attributes, keyframes, phases, reporting
-from .events import EventTable, event_columns
+from .events import EventTable
 from .integration import Integration
 from .phases import Rows
 from .reporting import Progress, RunProgress
@@ -72,7 +72,7 @@ class Recorder(Writer, Sink):
     def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Write rows of the event log, and mark rows as significant."""
         if len(table.time):
-            self.later(lambda: self._append("events", event_columns(table)))
+            self.later(lambda: self._append("events", table))
         if marks:
             self.later(lambda: self.mark(marks))
 
@@ -272,10 +272,9 @@ def header(integration: Integration, attrs: PlainData | None = None) -> PlainDat
 def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
     """Yield the groups of a run: name, columns without rows, rows per chunk."""
     problem = integration.problem
-    log = integration.log.empty
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, ROWS_PER_CHUNK
-    yield "events", event_columns(log), EVENTS_PER_CHUNK
+    yield "events", integration.log.empty, EVENTS_PER_CHUNK
     for name, columns in phases.joined(problem.system, {}).items():
         yield name, columns, phases.PER_CHUNK
     if problem.output == "keyframes":

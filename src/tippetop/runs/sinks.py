@@ -59,5 +59,6 @@ class Memory(Sink):
     def table(self) -> EventTable:
         """Return the whole event log, with its marks."""
         log = EventTable.joined(self.logs)
-        log.significant[self.marks] = True
+        if self.marks:
+            log.significant[self.marks] = True
         return log

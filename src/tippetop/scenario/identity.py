@@ -17,6 +17,8 @@ from ..problem import Problem
 
 DIGESTS = "own"  # the root attribute
 STATES = 16  # random states at which a formula is compared
+Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
+"""Events and columns that no registered system has."""
 
 
 def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
@@ -63,7 +65,7 @@ def missing_records(attrs: PlainData, system: System) -> list[str]:
     return [name for of in attrs.get(DIGESTS, {}).values() for name in of if name not in known]
 
 
-def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]]:
+def user_records(system: System) -> Records:
     """Return the events and columns of a system that the registered one does not have."""
     if find(system.name) is None:
         return (), ()

@@ -8,11 +8,10 @@ from ..arguments import PlainData
 from ..columns import Arrays, Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
-from ..mechanics.event import Event
-from ..mechanics.system import Quantity
 from ..mechanics.variables import Variables
 from ..problem import Problem
 from ..scenario import build
+from ..scenario.identity import Records
 from ..store import provenance
 
 
@@ -22,10 +21,6 @@ FINAL = "final_state"
 DRIFT = "drift"
 ORIENTATION = "orientation"
 EVENTS = "events"  # the name in `keep` of the table of events, which is left out unless it is named
-
-
-Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
-"""Events and columns that no registered system has."""
 
 
 class Task(NamedTuple):

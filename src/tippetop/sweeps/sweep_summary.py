@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
+from ..columns import counted
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
 from ..store import root
@@ -49,7 +50,7 @@ def gridded(table: Any) -> Any:
     names = [*design.sizes]
     shape = [*design.sizes.values()]
     axes = {
-        axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs) for axis in design.grid
+        axis.of: (axis.of, np.array(axis.numbers), table[axis.of].attrs) for axis in design.grid
     }
     columns = {
         name: (names, np.asarray(values).reshape(shape), values.attrs)
@@ -76,8 +77,7 @@ def report(path: str | Path) -> PlainData:
     for name in map(str, table):
         if name in ("status", "class"):
             meanings = table[name].attrs["flag_meanings"].split()
-            found = np.bincount(column(path, table, name), minlength=len(meanings)).tolist()
-            counts[name] = {word: n for word, n in zip(meanings, found, strict=True) if n}
+            counts[name] = counted(column(path, table, name), meanings)
         elif name.startswith("drift_"):
             values = column(path, table, name)
             top = int(np.where(np.isnan(values), -1.0, values).argmax())

@@ -72,7 +72,7 @@ def page_of_sweep(path: Path) -> str:
         if movable
         else None,
         "body": shape(build.resolved(plan.base)),
-        "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
+        "axes": [_axis(axis, numbers[axis.of], table[axis.of].attrs) for axis in axes],
         "columns": [
             _column(name, maps.values_of(path, table, name), table[name].attrs) for name in names
         ],
@@ -109,9 +109,9 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
     """Return an axis as JSON for the page."""
-    log = axis.log and bool(np.nanmin(numbers) > 0)
+    log = axis.is_log and bool(np.nanmin(numbers) > 0)
     return {
-        "key": axis.key,
+        "key": axis.of,
         "label": maps.labelled(attrs),
         "log": log,
         "sampled": axis.sampled,
