@@ -10,11 +10,11 @@ Between formulas, numbers are the rows of an array: the value, then its derivati
 direction. The time is the last row of a state, so that it moves with the end of a phase too.
 """
 
+import math
 import operator
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -32,13 +32,13 @@ from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem
 from ..driver import STEPS_PER_SLICE
-from ..expressions import AXES, Formulas, formulas_of, observed, orientation_of
+from ..expressions import AXES, Formulas, formulas_of
 from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, compiled_flow, in_motion
+from ..variational import EXACT, compiled_columns, compiled_flow, in_motion
 from .tape import Tape
 
 
@@ -89,6 +89,15 @@ def duals_of(rows: np.ndarray, order: int = 1) -> list[Dual]:
     return [Dual(row[0], *np.split(row[1:], order)) for row in rows]
 
 
+def in_lanes(rows: np.ndarray, order: int) -> np.ndarray:
+    """Return rows (n, 1 + order * directions, ...) as values and derivatives along each direction,
+    (n, 1 + order, directions, ...).
+    """
+    moves = rows[:, 1:].reshape(len(rows), order, -1, *rows.shape[2:])
+    values = np.broadcast_to(rows[:, :1, None], (len(rows), 1, *moves.shape[2:]))
+    return np.hstack([values, moves])
+
+
 class Motion(NamedTuple):
     """The equations of a phase or of an impact, and the numbers of the body in them."""
 
@@ -112,13 +121,8 @@ class Motion(NamedTuple):
         sizes = np.abs(state[:size, 1 : directions + 1]).max(axis=0).clip(min=1.0)
         scales = np.array([sizes**k for k in range(order + 1)])
 
-        def in_lanes(rows: np.ndarray) -> np.ndarray:
-            moves = rows[:, 1:].reshape(len(rows), order, directions)
-            values = np.repeat(rows[:, :1, None], directions, axis=2)
-            return (np.hstack([values, moves]) / scales).reshape(-1, directions)
-
-        start = in_lanes(state[:size])
-        known = in_lanes(self.pars)
+        start = (in_lanes(state[:size], order) / scales).reshape(-1, directions)
+        known = (in_lanes(self.pars, order) / scales).reshape(-1, directions)
         grid, back = np.unique(np.append(0.0, times), return_inverse=True)
         after = np.repeat(state[..., None], len(grid), axis=2)
         for first in range(0, directions, lanes):
@@ -388,7 +392,8 @@ class Pass:
         start = variables.join(values[: variables.moving], values[variables.moving :])
         self.start = rows_of([*start, 0.0], self.directions, self.order)
         self.start[:-1, 0] = problem.start()
-        self.first = _columned(valued(first, leaves(problem.internal_body)))
+        self.first = rows_of(leaves(first), self.directions, self.order)
+        self.first[:, 0] = leaves(problem.internal_body)
         self.body = valued(body, leaves(of_world))
 
     def _plain_run(self) -> HybridDriver:
@@ -626,16 +631,20 @@ class Pass:
     @QUIET
     def read(self) -> dict[str, Any]:
         """Return the columns at all times, by name, in numbers with derivatives."""
-        system = self.problem.system
-        variables = self.problem.variables
-        form = variables.form
-        form = replace(form, scalars=lru_cache(form.scalars))  # they are most of the work
-        given = system, form, *variables.split(duals_of(self.rows(), self.order)), self.first
-        values = observed(*given)
-        if variables.orientation and form.orientation:
-            values |= orientation_of(*given)
+        problem = self.problem
+        order = self.order
+        key = problem.system, problem.variables, problem.law, order
+        wait = "the derivatives of columns are being compiled"
+        names, function = awaited_once(compiled_columns, key, wait)
+        states, body = (in_lanes(rows, order) for rows in (self.rows(), self.first))
+        lanes = states.shape[2:]
+        pars = np.repeat(body.reshape(-1, self.directions), lanes[1], axis=1)
+        columns = function(states.reshape(-1, math.prod(lanes)), pars=pars[: function.nparams])
+        columns = columns.reshape(len(names), order + 1, *lanes)
+        values = {n: Dual(one[0, 0], *one[1:]) for n, one in zip(names, columns, strict=True)}
+        if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
-            values |= zip(QUATERNION, _quaternion(outer(*axes), self.order), strict=True)
+            values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
         return values
 
     @QUIET
