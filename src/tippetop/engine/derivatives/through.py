@@ -6,8 +6,9 @@ columns by dual numbers, which the formulas take like any numbers. The end of a 
 the numbers, which is the saltation matrix of the textbooks, and no jump needs written derivatives.
 Whole steps in dual numbers would need step control and events a second time.
 
-Between formulas, numbers are the rows of an array: the value, then its derivatives along each
-direction. The time is the last row of a state, so that it moves with the end of a phase too.
+Between formulas, numbers are the rows of an array (n, 1 + order, directions, ...): the value, again
+for each direction, then its derivatives. The time is the last row of a state, so that it moves with
+the end of a phase too.
 """
 
 import math
@@ -75,27 +76,17 @@ def valued(record: Any, values: Any) -> Any:
 
 
 def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
-    """Return numbers as rows: values and derivatives, (n, 1 + order * directions)."""
-    rows = np.zeros((len(numbers), 1 + order * directions))
+    """Return numbers as rows: values and derivatives, (n, 1 + order, directions)."""
+    rows = np.empty((len(numbers), 1 + order, directions))
     for row, one in zip(rows, numbers, strict=True):
-        row[0], *moves = parts_of(one, order)
-        for part, by in zip(row[1:].reshape(order, -1), moves, strict=True):
-            part[:] = by
+        for part, given in zip(row, parts_of(one, order), strict=True):
+            part[:] = given
     return rows
 
 
-def duals_of(rows: np.ndarray, order: int = 1) -> list[Dual]:
-    """Return rows (n, 1 + order * directions, ...) as dual numbers: the inverse of `rows_of`."""
-    return [Dual(row[0], *np.split(row[1:], order)) for row in rows]
-
-
-def in_lanes(rows: np.ndarray, order: int) -> np.ndarray:
-    """Return rows (n, 1 + order * directions, ...) as values and derivatives along each direction,
-    (n, 1 + order, directions, ...).
-    """
-    moves = rows[:, 1:].reshape(len(rows), order, -1, *rows.shape[2:])
-    values = np.broadcast_to(rows[:, :1, None], (len(rows), 1, *moves.shape[2:]))
-    return np.hstack([values, moves])
+def duals_of(rows: np.ndarray) -> list[Dual]:
+    """Return rows as dual numbers: the inverse of `rows_of`."""
+    return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
 class Motion(NamedTuple):
@@ -106,25 +97,23 @@ class Motion(NamedTuple):
     pars: np.ndarray  # as rows
     body: Any = None  # for states of several times
     phase: Phase | None = None
-    order: int = 1
     tolerance: float = EXACT
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state after each of these times, (..., times)."""
         size = len(self.variables.names)
-        order = self.order
-        directions = (state.shape[1] - 1) // order
+        _, parts, directions = state.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes, order, self.tolerance
+        key = self.formulas, self.variables, lanes, parts - 1, self.tolerance
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         # the largest decide the errors
-        sizes = np.abs(state[:size, 1 : directions + 1]).max(axis=0).clip(min=1.0)
-        scales = np.array([sizes**k for k in range(order + 1)])
-
-        start = (in_lanes(state[:size], order) / scales).reshape(-1, directions)
-        known = (in_lanes(self.pars, order) / scales).reshape(-1, directions)
+        sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
+        scales = np.array([sizes**k for k in range(parts)])
+        start, known = (
+            (rows / scales).reshape(-1, directions) for rows in (state[:size], self.pars)
+        )
         grid, back = np.unique(np.append(0.0, times), return_inverse=True)
-        after = np.repeat(state[..., None], len(grid), axis=2)
+        after = np.repeat(state[..., None], len(grid), axis=-1)
         for first in range(0, directions, lanes):
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             with _one_at_a_time:
@@ -132,11 +121,9 @@ class Motion(NamedTuple):
                 ta.state[:] = start[:, some]
                 ta.pars[:] = known[: len(ta.pars), some]
                 _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
-            parts = rows.T.reshape(lanes, size, order + 1, len(grid))
-            after[:size, 0] = parts[0, :, 0]
-            for k in range(1, order + 1):
-                moved = parts[:, :, k] * scales[k, some, None, None]
-                after[:size, some + (k - 1) * directions + 1] = moved.swapaxes(0, 1)
+            moved = np.moveaxis(rows, 0, -1).reshape(size, parts, lanes, len(grid))
+            after[:size, :, some] = moved * scales[:, some, None]
+        after[:, 0] = after[:, 0, :1]  # lanes take their own steps
         return after[..., back[1:]]
 
     def rates(self, values: np.ndarray) -> list:
@@ -170,13 +157,10 @@ class Motion(NamedTuple):
                 h = event.formula(self.formulas.form.scalars(q, b), b) if event else 0.0
             return [*(parts_of(one, 1)[1] for one in moving), *parts_of(h, order)], None
 
-        columns = min(state.shape[1], 1 + (self.pars.shape[1] - 1) // self.order)
-        numbers = np.zeros((count + size, state.shape[1]))
-        numbers[:count, :columns] = self.pars[:, :columns]
-        numbers[count:] = state[:size]
+        numbers = np.concatenate([self.pars, state[:size]])
         key = self.formulas, self.variables, event, order
         made, *_ = evaluated(key, function, numbers)
-        return np.append(made[:size, 0], 1.0)[: len(state)], made[size:]
+        return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
         """Return the state as it moves with an event.
@@ -185,7 +169,7 @@ class Motion(NamedTuple):
         """
         rates, (h, pace) = self.slopes(event, state)
         moved = state.copy()
-        moved[:, 1:] -= np.outer(rates, h[1:] if known is None else known) / pace[0]
+        moved[:, 1] -= np.outer(rates, h[1] if known is None else known) / pace[0]
         return moved
 
     def lost(self, event: Any, state: np.ndarray) -> np.ndarray:
@@ -193,12 +177,12 @@ class Motion(NamedTuple):
 
         There the next extreme of its function comes to zero.
         """
-        _, ((_, *by), (pace, *turns), (bend, *_)) = self.slopes(event, state, 2)
+        _, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state, 2)
         extreme = pace**2 / (2 * abs(bend))
-        least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
+        least = extreme / abs(by - pace / bend * turns)
         # a disc gives way where the function falls like a square root: it has no extreme there
-        counts = extreme > NOISE and abs(pace / bend) > BRIEF
-        return least if counts else np.full_like(least, np.inf)
+        counts = (extreme > NOISE) & (abs(pace / bend) > BRIEF)
+        return np.where(counts, least, np.inf)
 
 
 @contextmanager
@@ -249,11 +233,11 @@ def evaluated(
             return *made, tape.about
     if len(tapes) < BRANCHES:
         with suppress(Exception):  # whatever it does that is no line of a tape
-            tape = Tape(function, numbers[:, 0].tolist())
+            tape = Tape(function, numbers[:, 0, 0].tolist())
             if made := tape(numbers, follow):
                 tapes.append(tape)
                 return *made, tape.about
-    directions = numbers.shape[1] - 1
+    directions = numbers.shape[2]
 
     def call(place: int, _: Any, *given: Any) -> list:
         return duals_of(follow(place, rows_of(leaves(given), directions)))
@@ -391,9 +375,9 @@ class Pass:
         values = [*map(internal, (*q, *carried), variables.units.values())]
         start = variables.join(values[: variables.moving], values[variables.moving :])
         self.start = rows_of([*start, 0.0], self.directions, self.order)
-        self.start[:-1, 0] = problem.start()
+        self.start[:-1, 0] = problem.start()[:, None]
         self.first = rows_of(leaves(first), self.directions, self.order)
-        self.first[:, 0] = leaves(problem.internal_body)
+        self.first[:, 0] = np.array(leaves(problem.internal_body))[:, None]
         self.body = valued(body, leaves(of_world))
 
     def _plain_run(self) -> HybridDriver:
@@ -419,7 +403,7 @@ class Pass:
     ) -> Motion:
         """Return equations with the numbers of a body."""
         pars = rows_of(leaves(body), self.directions, self.order)
-        return Motion(formulas, variables, pars, _columned(body), phase, self.order, tolerance)
+        return Motion(formulas, variables, pars, _columned(body), phase, tolerance)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
         """Return the equations of a phase."""
@@ -454,7 +438,7 @@ class Pass:
             if interval.jump is None or not interval.ended <= self.times[-1]:
                 return
             ended = interval.ended
-            self.shifts.setdefault(ended, state[-1, 1:])
+            self.shifts.setdefault(ended, state[-1, 1])
             phase = interval.solver.phase
             exit = interval.jump.exit
 
@@ -504,7 +488,7 @@ class Pass:
         try:
             (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
         except ArithmeticError:
-            return "", (), state[-1, 1:], state
+            return "", (), state[-1, 1], state
         except (TypeError, AttributeError, ValueError) as error:
             raise InputError(
                 f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
@@ -512,8 +496,8 @@ class Pass:
                 f"{type(error).__name__}: {error}"
             ) from error
         if not exit.smooth:
-            self.notes.append(Note(numbers[-1, 0], f"what follows `{exit.event}`", least))
-        return *about, lasts[1:], np.array(begun)
+            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{exit.event}`", least))
+        return *about, lasts[1], np.array(begun)
 
     def _within(self, began: float, ended: float) -> np.ndarray:
         """Return which of the times lie after one time, or at the start, and not after another."""
@@ -543,8 +527,9 @@ class Pass:
         event = next(iter(events), None)
         stops = []
         if event and event.name == STICK.name:
-            _, (_, pace) = motion.slopes(event, last[:, None])
-            stops = [end + speed / pace[0] for speed in PROJECTED_AT]
+            at_end = rows_of(last, self.directions)
+            _, (_, pace) = motion.slopes(event, at_end)
+            stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
@@ -559,19 +544,19 @@ class Pass:
             if stop < end:
                 state = motion.happens(event, state)
         if is_whole:
-            state[:, 0] = last
+            state[:, 0] = last[:, None]
         if event:
             known = None
             if event.name in zeros and end - interval.began < BRIEF_PHASE:
                 three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one)[1][1, 1:] for one in three]
+                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
                 known = (end - interval.began) * (SIMPSON @ paces)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
             state = motion.happens(event, state, known)
         elif exit:  # by the clock
             rates, _ = motion.slopes(None, state)
-            state[:, 1:] += np.outer(rates, start[-1, 1:] + lasts - state[-1, 1:])
+            state[:, 1] += np.outer(rates, start[-1, 1] + lasts - state[-1, 1])
         self.between.append(Samples(motion, np.array([number]), state[..., None]))
         return state
 
@@ -584,18 +569,18 @@ class Pass:
         variables = variables_of(formulas.form, False)
         count = len(formulas.events)
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
-        made = impacts.piece(region, end[0], int(most[0]), *(rows[:, 0] for rows in given))
+        values = (rows[:, 0, 0] for rows in given)
+        made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
         elapsed = np.array([float(driver.reached()[0])])
         state = motion.flow(elapsed, state[: len(variables.names)])[..., 0]
-        results = np.zeros((len(made), numbers.shape[1]))
-        results[:, 0] = made
+        results = rows_of(made, self.directions)
         after = results[3 : 3 + len(state)]
         if made[2] >= 0:
             state[:, 0] = after[:, 0]
             state = motion.happens(formulas.events[int(made[2])], state)
-        after[:, 1:] = state[:, 1:]
+        after[:, 1] = state[:, 1]
         return results
 
     # --- what was found ---------------------------------------------------------------------------
@@ -615,17 +600,17 @@ class Pass:
         if not self.problem.system.is_hybrid:
             return self.samples[0].state[:-1]
         variables = self.problem.variables
-        rows = np.full((len(variables.names), 1 + self.directions, len(self.times)), np.nan)
+        rows = np.full((len(variables.names), 2, self.directions, len(self.times)), np.nan)
         if self.times[0] == 0:  # a phase may begin later
             rows[..., 0] = self.start[:-1]
         for motion, which, state in self._together(self.samples):
-            for row, rate in zip(state, motion.rates(state[:, 0]), strict=False):
-                row[1:] -= rate * state[-1, 1:]
+            for row, rate in zip(state, motion.rates(state[:, 0, 0]), strict=False):
+                row[1] -= rate * state[-1, 1]
             q, carried = motion.variables.split(duals_of(state))
             read, _ = self.problem.system.read(motion.phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
-                row[0, which], row[1:, which] = parts_of(one, 1)
+                row[0][:, which], row[1][:, which] = parts_of(one, 1)
         return rows
 
     @QUIET
@@ -636,12 +621,12 @@ class Pass:
         key = problem.system, problem.variables, problem.law, order
         wait = "the derivatives of columns are being compiled"
         names, function = awaited_once(compiled_columns, key, wait)
-        states, body = (in_lanes(rows, order) for rows in (self.rows(), self.first))
+        states = self.rows()
         lanes = states.shape[2:]
-        pars = np.repeat(body.reshape(-1, self.directions), lanes[1], axis=1)
+        pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
         columns = function(states.reshape(-1, math.prod(lanes)), pars=pars[: function.nparams])
         columns = columns.reshape(len(names), order + 1, *lanes)
-        values = {n: Dual(one[0, 0], *one[1:]) for n, one in zip(names, columns, strict=True)}
+        values = dict(zip(names, duals_of(columns), strict=True))
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
@@ -658,12 +643,13 @@ class Pass:
         at = np.searchsorted(self.times, times)
         for motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
-            some = states[:, : self.directions + 1, np.searchsorted(which, at[mine])]
-            moving = [*map(Dual, some[:, 0], motion.rates(some[:, 0]))]
+            some = states[:, :2, :, np.searchsorted(which, at[mine])]
+            values = some[:, 0, 0]
+            moving = [*map(Dual, values, motion.rates(values))]
             in_time = motion.functions(moving, plain(motion.body))
             for name, (_, by) in motion.functions(duals_of(some), motion.body).items():
                 happens = [names[k] == name for k in mine]
-                shift = some[-1, 1:] - by / in_time[name][1]
+                shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
         for k, time in enumerate(times.tolist()):
             if time in self.shifts:
