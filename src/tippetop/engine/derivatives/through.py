@@ -24,14 +24,13 @@ import numpy as np
 from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
-from ...mechanics.contact.surroundings import by_table, dotted_numbers
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
 from ...mechanics.form import Exit, Phase
 from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
-from ...problem import Problem
+from ...problem import Problem, Problems
 from ..driver import STEPS_PER_SLICE
 from ..expressions import AXES, Formulas, formulas_of
 from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
@@ -65,16 +64,6 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def valued(record: Any, values: Any) -> Any:
-    """Return a record with other values, and its derivatives."""
-    pairs = zip(leaves(record), values, strict=True)
-    made = (
-        Dual(float(value), *one.parts[1:]) if isinstance(one, Dual) else float(value)
-        for one, value in pairs
-    )
-    return refill(record, made)
-
-
 def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
     """Return numbers as rows: values and derivatives, (n, 1 + order, directions)."""
     rows = np.empty((len(numbers), 1 + order, directions))
@@ -95,9 +84,13 @@ class Motion(NamedTuple):
     formulas: Formulas
     variables: Variables
     pars: np.ndarray  # as rows
-    body: Any = None  # for states of several times
     phase: Phase | None = None
     tolerance: float = EXACT
+
+    @property
+    def body(self) -> Any:
+        """Return the body with derivatives, for states of several times."""
+        return self.formulas.body(iter(duals_of(self.pars[..., None])))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state after each of these times, (..., times)."""
@@ -338,19 +331,23 @@ class Pass:
         """
         problem = self.problem
         system = problem.system
-        given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
-        for table, numbers in problem.tables.items():
-            given |= {f"{table}.{name}": value for name, value in numbers.items()}
-        self.sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
-        for name, size, way in zip(wrt, self.sizes, ways, strict=True):
-            given[name] = Dual(float(given[name]), size * way, *[0 * way] * (self.order - 1))
-        tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
-        tables |= by_table(given)
-        friction = problem.friction._replace(**tables["friction"])
-        b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
+        keys = (name.partition(".")[::2] for name in wrt)
+        given = [float(problem.tables[table].get(key, 0.0)) for table, key in keys]
+        units = [problem.rules[name].unit for name in wrt]
+        self.sizes = np.array(
+            [abs(v) or problem.unit(u) for v, u in zip(given, units, strict=True)]
+        )
+        rest = [np.zeros(self.directions)] * (self.order - 1)
+        changes = self.sizes[:, None] * ways
+        numbers = {
+            name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
+        }
+        tops = Problems(problem, numbers)
+        b = tops.body(lambda value: value)
         mass, length = system.scales(b)
         scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
-        self.scales = _columned(scales)
+        of_scales = rows_of(scales, self.directions, self.order)
+        self.scales = Scales(*duals_of(of_scales[..., None]))
 
         def internal(value: Any, unit: Any) -> Any:
             return value / scales.of(unit)
@@ -361,11 +358,12 @@ class Pass:
         self.e_n: tuple = ()
         rules = problem.contact
         if rules is not None:
-            rules = rules._replace(**(tables["contact"] | tables["stem"]))
+            for table in {"contact", "stem"} & problem.tables.keys():
+                rules = rules._replace(**tops.given(table))
             self.e_n = (rules.e_n,)
         if system.assembled is not None:
             body, _ = system.assembled(first, rules, internal)
-        data = tables["initial"]
+        data = tops.given("initial")
         theta = data.get("theta", 0.0)
         s = sin(theta)
         z = cos(theta)
@@ -374,11 +372,16 @@ class Pass:
         q, carried = variables.start(data, angles, s, z, b)
         values = [*map(internal, (*q, *carried), variables.units.values())]
         start = variables.join(values[: variables.moving], values[variables.moving :])
-        self.start = rows_of([*start, 0.0], self.directions, self.order)
-        self.start[:-1, 0] = problem.start()[:, None]
-        self.first = rows_of(leaves(first), self.directions, self.order)
-        self.first[:, 0] = np.array(leaves(problem.internal_body))[:, None]
-        self.body = valued(body, leaves(of_world))
+
+        def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
+            """Return numbers as rows, with the values that they have in the run."""
+            made = rows_of(numbers, self.directions, self.order)
+            made[:, 0] = np.array(values)[:, None]
+            return made
+
+        self.start = rows([*start, 0.0], [*problem.start(), 0.0])
+        self.first = rows(leaves(first), leaves(problem.internal_body))
+        self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
 
     def _plain_run(self) -> HybridDriver:
         """Return the driver of the run, followed to the last time."""
@@ -403,7 +406,7 @@ class Pass:
     ) -> Motion:
         """Return equations with the numbers of a body."""
         pars = rows_of(leaves(body), self.directions, self.order)
-        return Motion(formulas, variables, pars, _columned(body), phase, tolerance)
+        return Motion(formulas, variables, pars, phase, tolerance)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
         """Return the equations of a phase."""
@@ -682,17 +685,6 @@ def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: 
     internal = times / problem.unit(SECOND)
     follow = partial(Pass, problem, wrt, internal, *options)
     return awaited(follow, "the variational equations are integrated")
-
-
-def _columned(record: Any) -> Any:
-    """Return numbers of a record for arithmetic with arrays."""
-    numbers = (
-        Dual(one.value, *(part[:, None] for part in one.parts[1:]))
-        if isinstance(one, Dual)
-        else one
-        for one in leaves(record)
-    )
-    return refill(record, numbers)
 
 
 def _quaternion(products: Sequence, order: int) -> list[Dual]:
