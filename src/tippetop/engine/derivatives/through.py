@@ -15,7 +15,8 @@ import math
 import operator
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
+from contextvars import copy_context
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -178,20 +179,19 @@ class Motion(NamedTuple):
         return np.where(counts, least, np.inf)
 
 
-@contextmanager
-def noting(directions: int) -> Iterator[list[np.ndarray]]:
-    """Collect the changes along each direction at which comparisons turn out otherwise."""
+def noted(directions: int, function: Callable, *given: Any) -> tuple[Any, np.ndarray]:
+    """Call a function; return its result, and the least change along each direction at which a
+    comparison turns out otherwise.
+    """
     least = [np.full(directions, np.inf)]
 
     def note(one: Dual) -> None:
         if np.shape(one.first) == (directions,):  # otherwise it is along another line
             least.append(abs(one.value) / abs(one.first))
 
-    token = COMPARED.set(note)
-    try:
-        yield least
-    finally:
-        COMPARED.reset(token)
+    context = copy_context()
+    context.run(COMPARED.set, note)
+    return context.run(function, *given), np.fmin.reduce(least)
 
 
 @lru_cache(maxsize=1024)
@@ -235,9 +235,8 @@ def evaluated(
     def call(place: int, _: Any, *given: Any) -> list:
         return duals_of(follow(place, rows_of(leaves(given), directions)))
 
-    with noting(directions) as least:
-        results, about = function(call, duals_of(numbers))
-    return rows_of(results, directions), np.fmin.reduce(least), about
+    (results, about), least = noted(directions, function, call, duals_of(numbers))
+    return rows_of(results, directions), least, about
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -257,6 +256,16 @@ class Samples(NamedTuple):
     motion: Motion
     which: np.ndarray  # the numbers of the times, or that of the phase for each of them
     state: np.ndarray  # rows, (n, ..., times)
+
+
+class NoRows:
+    """The `Request` of a run without rows."""
+
+    rows_at_steps = False
+
+    def next_times(self) -> np.ndarray:
+        """Request no rows."""
+        return np.zeros(0)
 
 
 class Pass:
@@ -287,8 +296,6 @@ class Pass:
         What could turn out otherwise.
     """
 
-    rows_at_steps = False
-
     @QUIET
     def __init__(
         self,
@@ -305,7 +312,7 @@ class Pass:
         self.times = times
         self.directions = ways.shape[1]
         self.order = order
-        self.motions = dict[str, Motion]()
+        self.motions = dict[Phase, Motion]()
         self.samples = list[Samples]()
         self.between = list[Samples]()  # states in each phase, for what nearly happened
         self.shifts = {0.0: np.zeros(self.directions)}
@@ -314,14 +321,14 @@ class Pass:
             driver = self._plain_run()
         self.driver = driver
         body = driver.world.body if is_hybrid else problem.internal_body
-        with noting(self.directions) as least:
-            self._numbers_of(wrt, body, ways)
-        self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
+        _, least = noted(self.directions, self._numbers_of, wrt, body, ways)
+        self.notes = [Note(0.0, "the law of friction", least)]
         if is_hybrid:
             self._follow()
             return
         formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        motion = self._motion(formulas, problem.variables, self.body, None, problem.tolerance)
+        pars = self._pars(self.body)
+        motion = Motion(formulas, problem.variables, pars, None, problem.tolerance)
         which = np.arange(len(times))
         self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
 
@@ -387,35 +394,25 @@ class Pass:
         """Return the driver of the run, followed to the last time."""
         driver = HybridDriver(self.problem)
         driver.intervals = list[PhaseInterval]()
+        request: Any = NoRows()
         status = driver.ended
         while status is None and driver.clock[0] <= self.times[-1]:
-            status = driver.advance(self, STEPS_PER_SLICE).status
+            status = driver.advance(request, STEPS_PER_SLICE).status
         if status is None or not driver.intervals:
             driver.last_rows()
         return driver
 
-    def next_times(self) -> np.ndarray:
-        """Request no rows of the plain run."""
-        return np.zeros(0)
-
-    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Ignore rows of the plain run."""
-
-    def _motion(
-        self, formulas: Formulas, variables: Variables, body: Any, phase: Any, tolerance: float
-    ) -> Motion:
-        """Return equations with the numbers of a body."""
-        pars = rows_of(leaves(body), self.directions, self.order)
-        return Motion(formulas, variables, pars, phase, tolerance)
+    def _pars(self, body: Any) -> np.ndarray:
+        """Return the numbers of a body as rows."""
+        return rows_of(leaves(body), self.directions, self.order)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
         """Return the equations of a phase."""
-        if solver.name not in self.motions:
-            b = solver.phase.parameters(self.body)
-            self.motions[solver.name] = self._motion(
-                solver.formulas, solver.variables, b, solver.phase, EXACT
-            )
-        return self.motions[solver.name]
+        phase = solver.phase
+        if phase not in self.motions:
+            pars = self._pars(phase.parameters(self.body))
+            self.motions[phase] = Motion(solver.formulas, solver.variables, pars, phase)
+        return self.motions[phase]
 
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives."""
@@ -692,14 +689,13 @@ def _quaternion(products: Sequence, order: int) -> list[Dual]:
 
     The derivatives of P = 4 q q^t are P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
     """
-    q = quaternion([np.broadcast_arrays(*map(plain, row)) for row in products])
-    turns = []
-    for k in range(1, order + 1):
-        moves = [[parts_of(one, order)[k] for one in row] for row in products]
-        turns.append([sum(map(operator.mul, row, q)) / 4 for row in moves])
+    value, *moves = (
+        np.array([[one.parts[k] for one in row] for row in products]) for k in range(order + 1)
+    )
+    q = np.array(quaternion(value))
+    turns = [np.einsum("ij...,j...->i...", move, q) / 4 for move in moves]
     if order > 1:
-        square = sum(one**2 for one in turns[0])
-        turns[1] = [turn + one * square for turn, one in zip(turns[1], q, strict=True)]
+        turns[1] += q[:, None] * (turns[0] ** 2).sum(axis=0)
     return [Dual(*one) for one in zip(q, *turns, strict=True)]
 
 
