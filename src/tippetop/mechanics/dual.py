@@ -50,33 +50,28 @@ def _product(a: Sequence, b: Sequence) -> list:
     return made
 
 
-def _quotient(a: Sequence, b: Sequence) -> list:
-    """Return a quotient and its derivatives: Leibniz's rule for a = (a/b) b, solved for a/b."""
-    made = list[Any]()
-    for n in range(max(len(a), len(b))):
+def _solved(a: Sequence, made: list, b: Sequence, divisor: Any) -> list:
+    """Return a factor and its derivatives, of which some are `made`: Leibniz's rule for a = made b,
+    solved for the highest derivative, whose own factor is `divisor`.
+    """
+    for n in range(len(made), max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
         for k in range(1, min(n + 1, len(b))):
             rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
-        made.append(rest / b[0])
+        made.append(rest / divisor)
     return made
 
 
 def _root(a: Sequence) -> list:
-    """Return a square root and its derivatives: Leibniz's rule for a = r r, solved for r."""
     made = [sqrt(a[0])]
-    for n in range(1, len(a)):
-        rest = a[n]
-        for k in range(1, n):
-            rest = rest - PASCAL[n][k] * (made[k] * made[n - k])
-        made.append(rest / (2 * made[0]))
-    return made
+    return _solved(a, made, made, 2 * made[0])
 
 
 ARITHMETIC: dict[str, Callable] = {
     "add": _sum,
     "subtract": lambda a, b: _sum(a, [-one for one in b]),
     "multiply": _product,
-    "divide": _quotient,
+    "divide": lambda a, b: _solved(a, [], b, b[0]),
     "sqrt": _root,
     "negative": lambda a: [-one for one in a],
     "absolute": lambda a: [np.sign(plain(a[0])) * one for one in a],
