@@ -126,7 +126,7 @@ def band(t: Top, run: xr.Dataset) -> xr.Dataset:
 
 
 def _aligned(**arguments: Any) -> tuple[xr.DataArray, ...]:
-    """Broadcast arguments against one another. Raises InputError."""
+    """Return arguments broadcast against one another, as DataArrays. Raises InputError."""
     arrays: list[Any] = [
         a if isinstance(a, xr.DataArray) else numbers(name, a) for name, a in arguments.items()
     ]

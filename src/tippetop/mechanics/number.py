@@ -142,7 +142,9 @@ class Number(metaclass=Described):
         return f"`{key}` {self.must()}, but is {value:.17g}."
 
     def read(self, key: str, value: Any) -> float:
-        """Return a value that is given for it as a float. Raises InputError."""
+        """Return the value that the user gave for the number `key` as a float. Raises
+        InputError.
+        """
         value = _scalar(value)
         number = None
         if isinstance(value, Real | int) and value is not True and value is not False:
@@ -296,12 +298,16 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     @classmethod
     def given(cls, names: Any) -> Any:
-        """Return the class of the record of these numbers."""
+        """Return the class of the record of these numbers; friction laws have several, see
+        `FrictionLaw`.
+        """
         return cls
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return one message for each condition that the numbers violate together."""
+        """Return one sentence for each condition that the numbers violate together; bodies have
+        some.
+        """
         return []
 
     @classmethod

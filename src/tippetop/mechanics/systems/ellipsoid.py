@@ -73,7 +73,7 @@ class Ellipsoid(Top):
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Asymmetric:
-        """Return the body that formulas take."""
+        """Return the body as the `b` of formulas, an `Asymmetric`, with the record of a law."""
         k, s = cos(self.delta), sin(self.delta)
         a2, b2 = self.a**2, self.b**2
         squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2, self.c**2
@@ -97,7 +97,7 @@ METRE2 = Unit("m2")
 
 
 def body_units(friction: Any) -> Asymmetric:
-    """Return the units of the body."""
+    """Return an `Asymmetric` that contains the unit of each field."""
     shape = Outline(*[METRE] * 3, *[ONE] * 2, *[METRE] * 3, *[METRE2] * 4)
     return Asymmetric(KILOGRAM, INERTIA, INERTIA, INERTIA, METRE_PER_SECOND2, friction, shape)
 

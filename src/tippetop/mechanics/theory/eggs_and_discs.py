@@ -1,6 +1,12 @@
 """Rest, spins at the poles and steady rolling of a body of revolution with an outline.
 
-At a pole it moves as the ball by which it touches there.
+A body in SI units goes in; out come limits by name, as `Threshold`s with their meaning, which
+`systems.outlook` reports. At a pole the body moves as the ball by which it touches there.
+
+Symbols
+    b         the body, a `contact.body.Bent`; z: cos(theta), 1 or -1 at the poles
+    high      height of the centre of mass on the plane [m]
+    rolls     whether the contact is at rest, or slides under friction
 """
 
 import math

@@ -22,7 +22,7 @@ class Regime(NamedTuple):
         return words + (["the inverted spin"] if self.inverted else [])
 
     def sentence(self) -> str:
-        """Describe which states are stable."""
+        """Return a sentence on which states are stable."""
         states = self.attractors
         if not states:
             return "no spinning or tumbling state is stable"
