@@ -180,7 +180,7 @@ def warn(sentences: Iterable[str], level: int) -> None:
 
 
 def _leaves(record: Any) -> Iterable[Any]:
-    """Yield the fields of arguments that are not records."""
+    """Yield the numbers of arguments that are records of records."""
     for field in record:
         yield from _leaves(field) if isinstance(field, tuple) else (field,)
 

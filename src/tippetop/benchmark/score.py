@@ -1,4 +1,7 @@
-"""The score of an engine: how far its results are from the references."""
+"""The score of an engine: how far its results are from the references.
+
+Files of results go in; a `Score` comes out, one `Result` for each file.
+"""
 
 from __future__ import annotations
 
@@ -77,6 +80,8 @@ HEAD = (
 
 class Result(NamedTuple):
     """One result and its reference.
+
+    `_result` makes it.
 
     Attributes
     ----------

@@ -20,7 +20,10 @@ VECTORS = {
 
 
 class Truth(NamedTuple):
-    """A motion in SI units; (rows, 3) or, of the quaternion, (rows, 4)."""
+    """A motion in SI units; (rows, 3) or, of the quaternion, (rows, 4).
+
+    `truth` makes it for the reference, `score` for the result of an engine.
+    """
 
     t: np.ndarray
     position: np.ndarray

@@ -1,4 +1,7 @@
-"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`."""
+"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`.
+
+Numbers of tops come from a queue; their outcomes go to the common `Outcomes`.
+"""
 
 import threading
 from collections.abc import Callable, Collection, Iterator

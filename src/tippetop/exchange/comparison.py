@@ -1,4 +1,7 @@
-"""Comparison of the motion of another program with the exact reference at its own times."""
+"""Comparison of the motion of another program with the exact reference at its own times.
+
+A problem and a table go in; a `Compared` comes out, with differences over time and numbers on them.
+"""
 
 import itertools
 import math
@@ -34,6 +37,8 @@ ROUNDING = 1e-13  # smaller differences have no order of convergence
 
 class Compared(NamedTuple):
     """One motion with its reference.
+
+    `compare` makes it, and `benchmark.score` for results of engines.
 
     Parameters
     ----------
@@ -287,10 +292,11 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
-    """Return numbers on a difference over time, as `tippetop compare --json` prints them.
+    """Return numbers on the difference `curve` at times t [s], (rows,) each, as `compare --json`
+    has them.
 
     They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
-    time when it exceeds each of `LEVELS`, or None.
+    time when it exceeds each of `LEVELS`, or None. NaN is left out.
     """
     given = np.isfinite(curve)
     t = t[given]

@@ -1,4 +1,7 @@
-"""Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
+"""Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz.
+
+A `motion_table.Table` goes in; arrays by name come out, SI, for comparisons and fits.
+"""
 
 from __future__ import annotations
 

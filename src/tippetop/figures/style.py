@@ -1,4 +1,8 @@
-"""The common style of the figures: colours, panels, legends, and saving."""
+"""The common style of the figures: colours, panels, legends, and saving.
+
+Every drawing calls it inside of `styled`, and gets its panel from `panel`; `drawing` calls
+`styled`.
+"""
 
 import itertools
 import re

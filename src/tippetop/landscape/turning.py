@@ -1,4 +1,7 @@
-"""Turning angles, the period of nutation, and the band along a run."""
+"""Turning angles, the period of nutation, and the band along a run.
+
+A body, momenta and energies go in; labelled Datasets come out. `kernels` computes the crossings.
+"""
 
 from typing import Any
 

@@ -135,7 +135,7 @@ def run(
 
 
 def _bar(progress: bool) -> Any:
-    """Return a context that provides the progress callback of a run, or None."""
+    """Return a context that provides a progress callback, or None if `progress` is False."""
     flag("progress", progress)
     return bar_of_run() if progress else contextlib.nullcontext()
 

@@ -45,7 +45,11 @@ PATIENCE = 2.0
 
 
 class Recorder(Writer, Sink):
-    """A sink that writes the store of a run, on a thread."""
+    """A sink that writes the store of a run, on a thread.
+
+    `run_into` makes it for a run, `replay` a subclass. Work is queued by `later` for the thread of
+    the store's `Writer`.
+    """
 
     keeps_rows = True
 

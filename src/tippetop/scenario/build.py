@@ -1,4 +1,8 @@
-"""A scenario's tables become a checked Problem, or sentences on all that is wrong with them."""
+"""A scenario's tables become a checked Problem, or sentences on all that is wrong with them.
+
+Tables of TOML go in; `problem` returns a `Problem` or raises InputError. `library` and `runs` call
+it; `stored` does the same with the attributes of a store.
+"""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,7 @@
-"""The keys of a scenario, and the columns and events of a run, as tables made from the records."""
+"""The keys of a scenario, and the columns and events of a run, as tables made from the records.
+
+Systems, laws and options go in; `Section`s come out, for `tippetop help` and the manual.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

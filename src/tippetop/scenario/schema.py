@@ -1,4 +1,7 @@
-"""The shape of a scenario: tables, keys and types, made from the records of its system."""
+"""The shape of a scenario: tables, keys and types, made from the records of its system.
+
+A system and a law go in; pydantic models come out, by which `build` checks tables.
+"""
 
 import types
 from collections.abc import Mapping

@@ -1,4 +1,7 @@
-"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw."""
+"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw.
+
+A path and the name of a group go in; Datasets in memory come out.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""Encode numbers in JSON without loss: as hexadecimal doubles, wider ones as sums of them."""
+"""Encode numbers in JSON without loss: as hexadecimal doubles, wider ones as sums of them.
+
+Snapshots of runs in a store use it, so that a resumed run has the same bits.
+"""
 
 from typing import Any
 

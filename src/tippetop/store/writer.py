@@ -1,4 +1,8 @@
-"""Create or continue a store, and write it on a thread that no KeyboardInterrupt enters."""
+"""Create or continue a store, and write it on a thread that no KeyboardInterrupt enters.
+
+The run computes on its own thread, and queues work such as `Ledger.put` here; errors come back at
+the next call.
+"""
 
 import contextlib
 import json

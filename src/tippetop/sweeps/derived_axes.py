@@ -1,4 +1,7 @@
-"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario."""
+"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario.
+
+Numbers of axes such as `sigma` go in; numbers of the scenario, (n,) by dotted key, come out.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

@@ -41,7 +41,11 @@ class SchedulerLost(Exception):
 
 
 class Workers(NamedTuple):
-    """Workers that chunks are sent to."""
+    """Workers that chunks are sent to.
+
+    `processes` and `connect` make it. `start(again)` provides an executor; `again` after a worker
+    died.
+    """
 
     start: Callable[[bool], AbstractContextManager[Executor]]  # True: again, after some died
     ahead: Callable[[], int]  # chunks in flight: those that are computed, and some that wait
