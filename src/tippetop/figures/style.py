@@ -1,7 +1,6 @@
 """The common style of the figures: colours, panels, legends, and saving.
 
-Every drawing calls it inside of `styled`, and gets its panel from `panel`; `drawing` calls
-`styled`.
+Drawings are called inside of `styled`, and get their panels from `panel`.
 """
 
 import itertools

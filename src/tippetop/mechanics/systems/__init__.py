@@ -1,5 +1,9 @@
 """The registry of systems: those of the package, registered ones, and those of entry points.
 
+`SYSTEMS` contains each `System` by name, `find` and `register` read and change it. A module for
+each kind of body has its class (`TippeTop`, ...) and its systems; `outlook` has the predictions of
+theory.
+
 Entry points are loaded when an unknown name is used (a scan takes 10 to 70 ms): the group
 `tippetop.systems` contains System records, `tippetop.friction` contains friction laws under the
 name of the entry point.
