@@ -100,9 +100,7 @@ def gradients(prepare, gradient):
 
     @entry
     def gradients(xs, ys, r, q, by_x, by_y):
-        """Fill by_x and by_y (xs, ys) with the derivatives of the minimum at each point of the
-        grid.
-        """
+        """Fill by_x and by_y (xs, ys) with the derivatives of the minimum at each point."""
         for i in range(xs.size):
             for j in range(ys.size):
                 by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)

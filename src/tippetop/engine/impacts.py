@@ -96,8 +96,9 @@ class Impact(NamedTuple):
 
 
 class ImpactMotions:
-    """Integrate the impacts of a run under its friction law; `HybridDriver` makes it, jumps call
-    `struck`.
+    """Integrate the impacts of a run under its friction law.
+
+    `HybridDriver` makes it, jumps call `struck`.
 
     Parameters
     ----------
@@ -230,9 +231,7 @@ class ImpactMotions:
         return Impact(p, twist, self.mode, *works)
 
     def _followed(self, q: Any, b: Any) -> Any:
-        """Return the motion q at the end of compression or of restitution, through all stages
-        between.
-        """
+        """Return the motion at the end of compression or restitution, through all stages."""
         span = REST_SPAN
         passed = "" if q.grown > b.stops else "stops"
         while self.left > 0:

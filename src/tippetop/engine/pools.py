@@ -247,8 +247,9 @@ class Pools:
         return self.rows_at(phases, self.rows.states[slots, numbers], slots)
 
     def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states (k, width) as rows (k, variables); a top with one phase has them as they
-        are.
+        """Return states (k, width) as rows (k, variables).
+
+        A top with one phase has them as they are.
 
         `phases` and `slots` are the index of the phase and the slot of each, (k,).
         """

@@ -292,8 +292,9 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
-    """Return numbers on the difference `curve` at times t [s], (rows,) each, as `compare --json`
-    has them.
+    """Return numbers on the difference `curve` at times t [s], (rows,) each.
+
+    They are those of `compare --json`.
 
     They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
     time when it exceeds each of `LEVELS`, or None. NaN is left out.

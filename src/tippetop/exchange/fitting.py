@@ -319,9 +319,7 @@ def judged(
     reasons += doubts
 
     def moved(name: str, shift: np.ndarray) -> list[str]:
-        """Return [] or a sentence, if an influence moves a number by more than LARGE standard
-        errors.
-        """
+        """Return [] or a sentence, if a number moves by more than LARGE standard errors."""
         worst = int(np.argmax(shift / sigma))
         errors = shift[worst] / sigma[worst]
         words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."
@@ -455,8 +453,7 @@ def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[st
 
 
 def _gain(misfit: Misfit, end: Minimum, changes: Arrays, variance: float) -> float:
-    """Return by how much the cost of a minimum falls if influences are free too, of about their
-    sizes.
+    """Return by how much the cost falls where influences of about their sizes are free too.
 
     `changes`: the residuals that each influence adds, (directions, residuals); `variance`: of
     noise.

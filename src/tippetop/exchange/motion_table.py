@@ -215,8 +215,9 @@ def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
 
 
 def _has_decimal_commas(cells: list[str]) -> bool:
-    """Return whether commas in these cells are decimal: no cell has a point, and one is not
-    1,000.
+    """Return whether commas in these cells are decimal.
+
+    They are if no cell has a point, and one is not like 1,000.
     """
     commas = [cell for cell in cells if "," in cell]
     thousands = all(THOUSANDS.fullmatch(cell.strip()) for cell in commas)

@@ -11,8 +11,7 @@ from ..mechanics.rotation import Quaternion
 
 
 def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
-    """Return the residuals of predicted axes `third` (..., rows, 3) from measured ones `seen`
-    (rows, 3).
+    """Return the residuals of predicted axes `third` from measured ones `seen` (rows, 3).
 
     They are chords between unit vectors, in the two directions across the measured one, (..., rows,
     2): the noise of an axis has no third direction.

@@ -141,8 +141,7 @@ class Space:
         azimuth: float | None,
         swept: bool = False,
     ) -> None:
-        """Replace the coordinates of the numbers `first` and `second` by the components of a
-        vector.
+        """Replace the coordinates of two numbers, `first`, `second`, by those of a vector.
 
         `vector` is its start, and each component is at most `reach`. If `azimuth` is given, the
         numbers are size and azimuth, which starts there; otherwise two components. `swept` as in

@@ -254,9 +254,7 @@ def sharper(k, c):
 
 @formula
 def guess(p, c):
-    """Return q of the minimum of V to some 1e-3 where K is small: the start of the search in
-    kernels.
-    """
+    """Return q of the minimum to some 1e-3 where K is small: the start of a search."""
     return sharper(sharper(rough(p, c), c), c).q
 
 

@@ -1,5 +1,4 @@
-"""The mechanics of tops as formulas and records of formulas; nothing is integrated or compiled
-here.
+"""The mechanics of tops as formulas and records of formulas, which other packages compile.
 
 - `system.System` is one kind of top: body, equations, events, columns and theory.
 - `form.Form` is a choice of variables with its equations, `form.Phase` a state of the contact.

@@ -63,8 +63,9 @@ def scaled(k, x):
 
 @formula
 def quotient(x, y, per):
-    """Return x/y of two DoubleDoubles, given per = 1/y to a few roundings; the remainder corrects
-    it.
+    """Return x/y of two DoubleDoubles, given per = 1/y to a few roundings.
+
+    The remainder corrects it.
     """
     c = x.head * per
     return DoubleDouble(

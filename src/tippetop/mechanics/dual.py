@@ -178,8 +178,9 @@ class Dual(NDArrayOperatorsMixin):
 
 
 def plain(value: Any) -> Any:
-    """Return the plain value of a number with derivatives; of a record, the record of plain
-    values.
+    """Return the plain value of a number with derivatives.
+
+    Of a record, return the record of plain values.
     """
     if isinstance(value, tuple):
         return refill(value, map(plain, leaves(value)))

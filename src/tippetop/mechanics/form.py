@@ -278,8 +278,9 @@ class Exit(metaclass=Described):
     smooth: bool = False
 
     def fault(self, n: Any, x: Any, known: Mapping[str, Any]) -> str:
-        """Return a clause on what a jump must return, but does not: "return a Next, but ..."; ""
-        without one.
+        """Return a clause on what a jump must return, but does not: "return a Next, but ...".
+
+        "" without one.
 
         n is the result of the jump from the common state x; `known` contains the words that its
         fields may have (of `rows`, tables with their columns).

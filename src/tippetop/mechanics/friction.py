@@ -333,8 +333,7 @@ The contact of a body has phases under a law that is set-valued or has regions; 
 
 
 def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield every law with its name: each class in `laws`, and the classes that are derived from
-    it.
+    """Yield every law with its name: each in `laws`, and those derived from it.
 
     These are `without`, the law where optional numbers are left out, and `with_parts`, the law with
     mu_r and mu_d.

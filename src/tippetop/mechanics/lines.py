@@ -108,9 +108,7 @@ class Program:
         return Number(self, self.count + len(self.lines) - 1, value)
 
     def joined(self, values: Sequence) -> Number:
-        """Copy values to consecutive registers, as a MOTION needs them, and return the first
-        one.
-        """
+        """Copy values to consecutive registers, for a MOTION; return the first one."""
         first, *_ = [self.line("multiply", value, 1.0) for value in values]
         return first
 

@@ -142,9 +142,7 @@ class Number(metaclass=Described):
         return f"`{key}` {self.must()}, but is {value:.17g}."
 
     def read(self, key: str, value: Any) -> float:
-        """Return the value that the user gave for the number `key` as a float. Raises
-        InputError.
-        """
+        """Return the user's value of the number `key` as a float. Raises InputError."""
         value = _scalar(value)
         number = None
         if isinstance(value, Real | int) and value is not True and value is not False:
@@ -298,15 +296,17 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     @classmethod
     def given(cls, names: Any) -> Any:
-        """Return the class of the record of these numbers; friction laws have several, see
-        `FrictionLaw`.
+        """Return the class of the record of these numbers.
+
+        Friction laws have several, see `FrictionLaw`.
         """
         return cls
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return one sentence for each condition that the numbers violate together; bodies have
-        some.
+        """Return one sentence for each condition that the numbers violate together.
+
+        There are none here; bodies have some.
         """
         return []
 

@@ -408,9 +408,7 @@ class System(metaclass=Described):
 
     @property
     def phase(self) -> Phase:
-        """Return the phase whose form rows have: the common one, or else the first, the only one of
-        most.
-        """
+        """Return the phase whose form rows have: the common one, or else the first."""
         return self.common or next(iter(self.phases.values()))
 
     @property

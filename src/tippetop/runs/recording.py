@@ -95,9 +95,7 @@ class Recorder(Writer, Sink):
             raise Interrupted
 
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
-        """Append rows to the table of this name, and to the table of its late columns, which may
-        change.
-        """
+        """Append rows to the table of this name, and to that of its late columns."""
         values = {key: column.values for key, column in columns.items()}
         for part in self.growing.keys() & {name, name + LATE}:
             self.growing[part].append(values)
@@ -207,8 +205,9 @@ def record(
     begun: list[Integration] = []
 
     def head() -> PlainData:  # called once the folder can be written: compiling takes seconds
-        """Return the header of the store; called once its folder can be written, as compiling takes
-        seconds.
+        """Return the header of the store.
+
+        Called once its folder can be written, as compiling takes seconds.
         """
         begun.append(Integration(problem, stop))
         return header(begun[0])

@@ -218,8 +218,9 @@ def _beyond(progress: RunProgress) -> str:
 
 
 def _ending(progress: RunProgress) -> Event:
-    """Return the event that ended the run; of several with its status, that whose function is
-    nearest 0.
+    """Return the event that ended the run.
+
+    Of several with its status, that whose function is nearest 0.
     """
     events = [
         event

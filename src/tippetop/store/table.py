@@ -48,8 +48,9 @@ class Table:
             self._put()
 
     def _put(self) -> None:
-        """Write one chunk from the waiting rows; only the last chunk of a finished table may be
-        shorter.
+        """Write one chunk from the waiting rows.
+
+        Only the last chunk of a finished table may be shorter.
         """
         chunk = {}
         for column in self.documents:

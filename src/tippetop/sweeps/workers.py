@@ -177,8 +177,9 @@ def connect(scheduler: str) -> Iterator[Workers]:
 
     @contextlib.contextmanager
     def start(again: bool) -> Iterator[Executor]:
-        """Provide dask's executor; a lost connection is not made again, so `again` changes
-        nothing.
+        """Provide dask's executor.
+
+        a lost connection is not made again, so `again` changes nothing.
         """
         try:
             yield client.get_executor(pure=False)

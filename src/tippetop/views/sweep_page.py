@@ -111,9 +111,7 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return an axis of the sweep as the page takes it: `numbers` are those of the tops, (n,), in
-    base64.
-    """
+    """Return an axis of the sweep as the page takes it; `numbers` of the tops, (n,)."""
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
@@ -125,9 +123,7 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return a column of the table as the page takes it: name, words, unit, and values in
-    base64.
-    """
+    """Return a column as the page takes it: name, words, unit, and values in base64."""
     about: dict[str, Any] = {"name": name, "words": greek(attrs["long_name"]).partition(";")[0]}
     about["unit"] = "" if attrs["units"] == "1" else units_text(attrs["units"])
     if name == "class":

@@ -22,8 +22,7 @@ from .body import axis
 
 @formula
 def transport(f, u, u_dot):
-    """Return f' = -(f.3hat') 3hat [1/s], by which f stays transverse to the axis without spin about
-    it.
+    """Return f' = -(f.3hat') 3hat [1/s]: f stays transverse, without spin about the axis.
 
     u is 3hat and u_dot its rate, (3,) each; the rate of the integrals fx, fy, fz.
     """
@@ -59,8 +58,9 @@ def psi_of_axes(first, u):
 
 
 def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
-    """Return axis 1 at the start, (3,); s, z are sin(theta), cos(theta), `data` may have phi and
-    psi.
+    """Return axis 1 at the start, (3,).
+
+    s, z are sin(theta), cos(theta), `data` may have phi and psi.
     """
     phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
     first, _ = axes_of_angles(s, z, phi, psi)

@@ -137,8 +137,7 @@ def both_rest(x: Moving, world: Any) -> bool:
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return n with the reference of Jellett's integral set to its value for the ball that touches
-    now.
+    """Return n with Jellett's integral of the ball that touches now as its reference.
 
     The integral is conserved for one ball only, so its drift is counted from the first touch.
     """
@@ -161,9 +160,7 @@ def first_touch(n: Next, world: Any) -> Next:
 
 
 def begin(x: Moving, world: Any) -> Next:
-    """Return the phase in which a run begins: a flight, or what follows if a ball touches the
-    plane.
-    """
+    """Return the phase in which a run begins: a flight, or as after a ball touches."""
     there = {k: rise(x, world.body[k]) for k in touching(x, world)}
     ball = min(there, key=there.__getitem__, default=0)
     if not there or there[ball] > CLOSES_AT:
@@ -224,8 +221,9 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
         return bias_vector(x, b).z
 
     def gap_acceleration(time: float) -> Any:
-        """Return the acceleration of the gap after a short time; it does not depend on the
-        velocity.
+        """Return the acceleration of the gap after a short time.
+
+        It does not depend on the velocity.
         """
         u = moved(x.u, contact.axis_rate(x, b), time)
         L = moved(x.L, around_torque(x, b), time) if b.around else x.L
@@ -268,8 +266,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
 
 
 def on_edge(x: Moving, ball: int, cause: str, roots: Any = ()) -> Next:
-    """Return rolling on the edge of the friction cone: slip should begin, but only rounding moves
-    it.
+    """Return rolling on the edge of the friction cone, where only rounding makes it slide.
 
     `roots` are event functions of the phase that are zero now, and their multiplicity.
     """
@@ -492,9 +489,7 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     pattern = known.series([known.delay])
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return the rate at which the end changes if the numbers change by `way` and the time by
-        `pace`.
-        """
+        """Return the rate of the end if the numbers change by `way` and the time by `pace`."""
         total: Any = 0.0
         for k, weight in WEIGHTS.items():
             numbers = map(eighty_bits, leaves(values))

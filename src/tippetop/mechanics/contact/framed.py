@@ -150,8 +150,9 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the row of a start e or of angles; the force of the plane in it is zero, not yet
-    known.
+    """Return the row of a start e or of angles.
+
+    The force of the plane in it is zero, not yet known.
     """
     x = begun(e, s, z, b)
     return Row(*x.u, *x.L, *x.velocity, x.height, *(0 * z,) * 6)
@@ -193,8 +194,9 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
 
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg]; must be
-    positive.
+    """Return the upward acceleration of the contact point per normal force [1/kg].
+
+    It must be positive.
     """
     force, torque = smooth_friction(s.v, s.v, s.z, b)
     return gains(s.u, force, torque, b)[0].z

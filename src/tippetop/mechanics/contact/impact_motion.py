@@ -98,9 +98,7 @@ def speeds(q: Any) -> Speeds:
 
 
 def responses(b: Any, by: Acts) -> tuple[Vector, Vector]:
-    """Return dv_A/dp [1/kg] and domega/dp, (3,) each, of the normal impulse p under the actions
-    `by`.
-    """
+    """Return dv_A/dp [1/kg] and domega/dp, (3,) each, of the normal impulse p."""
     return gains(b.u, by.force, by.torque, b.touch)
 
 
@@ -190,8 +188,9 @@ def region_at(q: Any, b: Any) -> str:
 
 
 def left(by: Acts, b: Any) -> Any:
-    """Return by how much friction can hold the contact at rest, see `margin`; negative if it
-    cannot.
+    """Return by how much friction can hold the contact at rest, see `margin`.
+
+    The result is negative if it cannot.
     """
     return margin(by.force, by.torque.z, b.touch.friction)
 

@@ -53,8 +53,9 @@ STEM = {
 
 
 def stem_faults(R: float, r: float, h: float) -> list[str]:
-    """Return [] or a sentence on a stem that does not fit a sphere of radius R; r, h of
-    `ContactLaw` [m].
+    """Return [] or a sentence on a stem that does not fit a sphere of radius R.
+
+    r, h of `ContactLaw` [m].
     """
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]

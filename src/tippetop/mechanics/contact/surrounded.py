@@ -111,9 +111,7 @@ def in_copies(units: Any, names: tuple[str, ...]) -> Callable:
         """Return the adapted function."""
 
         def of_copies(q: Any, *more: Any) -> Any:
-            """Call the function with the state without its copies, and the body at their time and
-            place.
-            """
+            """Call the function without copies, and with the body at their time and place."""
             b = at_present(more[-1], copied_integrals(q, names))
             return function(type(units)(*q[: len(units)]), *more[:-1], b)
 

@@ -1,6 +1,6 @@
 """The registry of systems: those of the package, registered ones, and those of entry points.
 
-`SYSTEMS` contains each `System` by name, `find` and `register` read and change it. A module for
+`SYSTEMS` contains each `System` by name, `find` and `add` read and extend it. A module for
 each kind of body has its class (`TippeTop`, ...) and its systems; `outlook` has the predictions of
 theory.
 

@@ -66,8 +66,9 @@ class Cylinder(Top):
     g: Number = reuse(tippe_top.TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body as the `b` of formulas, a `Touch` with c = alpha R, I1 = I; I3 plays no
-        part.
+        """Return the body as the `b` of formulas, a `Touch` with c = alpha R, I1 = I.
+
+        I3 plays no part.
         """
         return Touch(self.m, self.R, self.alpha * self.R, self.I, self.I, self.g, friction)
 
@@ -192,8 +193,9 @@ contact_force = select(lambda law: modified_force if isinstance(law, Modified) e
 
 
 def contact_mobility(c, b):
-    """Return a number that is positive unless the contact jams; under the modified reaction it
-    never does.
+    """Return a number that is positive unless the contact jams.
+
+    Under the modified reaction it never does.
     """
     return 1.0 if type(b.friction) is Modified else contact.contact_mobility(c, b)
 
@@ -220,9 +222,7 @@ def of_angles(e, s, z, b):
 
 
 def to_angles(units: Any) -> Callable:
-    """Return the function to_angles(q, carried, b) of a form whose angles are state and
-    integrals.
-    """
+    """Return to_angles(q, carried, b) of a form whose angles are state and integrals."""
 
     def angles(q: Any, carried: Any, b: Any) -> Any:
         """Return the record of angles: the state and the integrals."""
@@ -233,8 +233,9 @@ def to_angles(units: Any) -> Callable:
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """Return the record of angles from the user's numbers `data`; centre_at_rest may replace
-    nu_x.
+    """Return the record of angles from the user's numbers `data`.
+
+    centre_at_rest may replace nu_x.
     """
     e = type(ANGLES)(*(data.get(name, 0) for name in ANGLES._fields))
     return (
@@ -266,9 +267,7 @@ def turning(c, b):
 
 @formula
 def sliding(c, b):
-    """Return |v_A|^2 less 1e-12 in internal units, the function of `settled`: below zero it
-    rolls.
-    """
+    """Return |v_A|^2 less 1e-12, in internal units: the function of `settled`."""
     return c.v2 - 1e-12
 
 

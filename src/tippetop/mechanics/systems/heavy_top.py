@@ -55,9 +55,7 @@ class HeavyTop(Top):
     g: Number = reuse(TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body as the `b` of formulas, a `Touch` with R = 0 and c = -l, with the record
-        of a law.
-        """
+        """Return the body as the `b` of formulas, a `Touch` with R = 0 and c = -l."""
         return Touch(self.m, 0 * self.l, -self.l, self.I1, self.I3, self.g, friction)
 
 
@@ -78,8 +76,7 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V of both heavy tops in the variable of the landscape, seen upside down: q =
-    cot(theta/2)^2.
+    """Return V of both heavy tops, seen upside down, in q = cot(theta/2)^2.
 
     The momenta are (L3, Lz); see `PotentialCoefficients`.
     """
@@ -155,9 +152,7 @@ def tip_axis_rate(q, b):
 
 @formula
 def momentum_about_centre(q, b):
-    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s], about the centre of mass, of a state
-    q.
-    """
+    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s], of a state q."""
     return plus(turning(q).L, times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
 
 
@@ -166,9 +161,7 @@ def momentum_about_centre(q, b):
 
 @formula
 def fixed_scalars(q, b):
-    """Return the scalars of a state q: those of a body that rolls with R = 0, as |r'| = l
-    |3hat'|.
-    """
+    """Return the scalars of a state q: those of a body that rolls with R = 0."""
     x = contact.Turning(axis(q), momentum_about_centre(q, b))
     u_dot = tip_axis_rate(q, b)
     return rolling.scalars(x, u_dot, times(b.c, u_dot), b)
@@ -176,8 +169,9 @@ def fixed_scalars(q, b):
 
 @formula
 def fixed_rates(q, b):
-    """Return the rates of a state q: 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T
-    2.24]
+    """Return the rates of a state q: 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat).
+
+    [T 2.24]
     """
     u = axis(q)
     u_dot = tip_axis_rate(q, b)

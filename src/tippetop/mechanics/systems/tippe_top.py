@@ -76,9 +76,7 @@ class TippeTop(Top):
     g: Number = number(METRE_PER_SECOND2, "acceleration of gravity", symbol="g", above=0)
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body as the `b` of formulas, a `Touch` with c = alpha R, with the record of a
-        law.
-        """
+        """Return the body as the `b` of formulas, a `Touch` with c = alpha R."""
         return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
 
 
@@ -98,8 +96,7 @@ def routh(s, b):
 
 @formula
 def routh_rate(z, push, b):
-    """Return D' [kg m^2/s^2] = gamma m R/sqrt(d) push, where push = (zhat x 3hat).(dv_A/dt)
-    [m/s^2].
+    """Return D' = gamma m R/sqrt(d) push [kg m^2/s^2], push = (zhat x 3hat).(dv_A/dt).
 
     [T 4.17]
     """
@@ -108,8 +105,9 @@ def routh_rate(z, push, b):
 
 @formula
 def theta_inertia(z, b):
-    """Return g(z) [kg m^2], the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda). [T
-    4.11]
+    """Return g(z) [kg m^2], the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda).
+
+    [T 4.11]
     """
     return (b.I1 + b.m * contact.arm2(z, b)) / 2
 

@@ -69,9 +69,7 @@ def limits(b: Touch) -> dict[str, Threshold]:
     found = {}
 
     def rest(name: str, theta: float, more: str = "") -> None:
-        """Add the height of the centre of mass at rest at an inclination, if the body can rest
-        there.
-        """
+        """Add the height of the centre of mass at rest at theta, if the body can rest there."""
         high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
         words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
         if high > 0:  # a thick disc touches with its other edge there

@@ -30,9 +30,7 @@ def d(z, b):
 
 @formula
 def slope(z, b):
-    """Return rho = D/lambda of a spinning state [1/m]: X(z) = 0 there, the equation of the marked
-    line.
-    """
+    """Return rho = D/lambda of a spinning state [1/m], by X(z) = 0: the marked line."""
     return sqrt(d(z, b)) / (b.R * z - b.c)
 
 
@@ -49,9 +47,7 @@ def energy(z, lam, b):
 
 
 def lambda_pi(b):
-    """Return |lambda| [kg m^3/s] from which on a spin with the centre of mass highest lies on the
-    surface.
-    """
+    """Return |lambda| [kg m^3/s] from which on the highest spin lies on the surface."""
     high = -sense(b)
     h = height(high, b)
     return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * d(high, b)) / (1 + b.m * b.R * h / b.I3)

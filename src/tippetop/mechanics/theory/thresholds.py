@@ -41,9 +41,7 @@ class Shape(NamedTuple):
 
 
 def shape(b: Touch) -> Shape:
-    """Return the numbers without unit, and beta [kg m^3/s], on which thresholds depend: see
-    `Shape`.
-    """
+    """Return the numbers on which thresholds depend, a `Shape`; beta in kg m^3/s."""
     alpha = np.abs(b.c) / b.R
     return Shape(
         alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3)
@@ -60,8 +58,7 @@ def sense(b: Touch) -> Any:
 
 
 def poles(b: Touch) -> tuple[str, str]:
-    """Return the names of the spins with the centre of mass lowest and highest: upright and
-    inverted.
+    """Return the names of the spins with the centre of mass lowest and highest.
 
     Of a peg they are exchanged.
     """
@@ -112,9 +109,7 @@ def gamma_c(alpha: float) -> float:
 
 
 def gamma_plus(alpha: float) -> float:
-    """Return gamma_plus(|alpha|): all tumbling states are stable if and only if gamma >=
-    gamma_plus.
-    """
+    """Return gamma_plus(|alpha|): all tumbling states are stable iff gamma >= gamma_plus."""
     return (1 - alpha) * (7 + alpha + sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
