@@ -1,4 +1,7 @@
-"""Errors that the user can mend, and warnings: each is one or more sentences."""
+"""Errors that the user can mend, and warnings: each is one or more sentences.
+
+`cli.outcome` prints them with an exit code; the library raises them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The exact motion of a case at given times, in the columns of a result."""
+"""The exact motion of a case at given times, in the columns of a result.
+
+A problem and times go in, a `Truth` comes out, for `case_files` and `score`.
+"""
 
 from typing import Any, NamedTuple
 

@@ -218,7 +218,11 @@ class Lanes:
         return found
 
     def _begun(self, problems: dict[int, Problem], events: int, times: np.ndarray) -> Begun:
-        """Return the starts of tops whose contact may change its phase."""
+        """Return the starts of tops whose contact may change its phase.
+
+        `problems` are the tops by number, `events` the number of events, `times` those of rows (k,
+        rows).
+        """
         which = np.array([*problems])
         columns = {key: values[which] for key, values in self.tops.columns.items()}
         if touches(self.tops.base) and "initial.gap" not in columns:

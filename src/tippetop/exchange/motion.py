@@ -169,17 +169,19 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return vectors v, (3,) or (n, 3), rotated by one unit quaternion, (4,), or (n, 4) of them."""
+    """Return vectors v, (3,) or (n, 3), rotated by unit quaternions q, (4,) or (n, 4)."""
     return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=-1)
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:
-    """Return the axis of symmetry in space of one or more unit quaternions, as `turned`."""
+    """Return the axis of symmetry in space, (3,) or (n, 3), of unit quaternions q, (4,) or (n,
+    4).
+    """
     return turned(q, np.array([0.0, 0.0, 1.0]))
 
 
 def theta_of(q: np.ndarray) -> np.ndarray:
-    """Return the inclination of the axis [rad], (n,), of unit quaternions (n, 4)."""
+    """Return the inclination of the axis [rad], (n,), of unit quaternions q (n, 4)."""
     w, x, y, z = q.T
     return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
@@ -194,6 +196,8 @@ def angle_in_picture(axis: np.ndarray, name: str) -> np.ndarray:
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the angles of rotation between orientations [rad], (n,), in 0 to pi."""
+    """Return the angles of rotation [rad], (n,), between orientations q and p (n, 4), in 0 to
+    pi.
+    """
     near = np.minimum(np.linalg.norm(q - p, axis=1), np.linalg.norm(q + p, axis=1))
     return 4 * np.arcsin(np.clip(near / 2, 0, 1))

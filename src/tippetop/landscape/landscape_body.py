@@ -1,4 +1,7 @@
-"""The body of a landscape: parameters in SI become coefficients of V, rounded once."""
+"""The body of a landscape: parameters in SI become coefficients of V, rounded once.
+
+`top` is the entrance; all functions of the landscape take its result, as `t`.
+"""
 
 import decimal
 from collections.abc import Mapping

@@ -1,4 +1,7 @@
-"""Make, open and resume runs."""
+"""Make, open and resume runs.
+
+Bodies, scenarios or paths go in; a `Run`, a `StoredRun` or a table comes out.
+"""
 
 from __future__ import annotations
 

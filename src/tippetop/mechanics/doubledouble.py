@@ -39,7 +39,7 @@ def minus(x, y):
 
 @formula
 def tidy(x):
-    """Return the same number with the head rounded from the whole.
+    """Return the same DoubleDouble x with the head rounded from the whole.
 
     This is needed after a cancellation, if heads are used alone.
     """

@@ -1,4 +1,8 @@
-"""Numbers of the user, declared once with unit, meaning and interval; and records of them."""
+"""Numbers of the user, declared once with unit, meaning and interval; and records of them.
+
+`Number`s are fields of a `Record`, such as a body or a law, and initial data of a system; values of
+the user go in, checked floats in SI units come out.
+"""
 
 import contextlib
 import inspect

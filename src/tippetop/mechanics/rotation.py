@@ -38,14 +38,14 @@ def inverse(q):
 
 @formula
 def turn(axis, angle):
-    """Return the rotation by an angle about a unit vector."""
+    """Return the rotation by `angle` [rad] about `axis`, a unit vector."""
     s = sin(angle / 2)
     return Quaternion(cos(angle / 2), s * axis.x, s * axis.y, s * axis.z)
 
 
 @formula
 def swing(u, v):
-    """Return the smallest rotation that takes a unit vector to another, not opposite one."""
+    """Return the smallest rotation that takes the unit vector u to v, which is not opposite."""
     w = 1 + dot(u, v)
     c = cross(u, v)
     k = 1 / sqrt(w * w + dot(c, c))

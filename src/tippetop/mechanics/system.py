@@ -1,4 +1,8 @@
-"""Records that describe a system: formulas, names and units; nothing numerical."""
+"""Records that describe a system: formulas, names and units; nothing numerical.
+
+The modules of `systems` make a `System` for each kind of top, users register their own. `problem`,
+`engine` and `library` read it; nothing else depends on the kind of a top.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The names of the columns of a run."""
+"""The names of the columns of a run.
+
+A system and a form go in, names of columns come out.
+"""
 
 from collections.abc import Collection
 

@@ -223,7 +223,10 @@ def run_into(
     stop: threading.Event | None,
     take_up: Callable[[Recorder], None] = lambda _: None,
 ) -> tuple[Integration, PlainData]:
-    """Integrate into an open store, after `take_up` has set the state to continue from, if any."""
+    """Integrate into an open store; return the integration and the last root attributes.
+
+    `take_up` sets the state from which the run continues, if it does.
+    """
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
         take_up(recorder)

@@ -1,5 +1,9 @@
 """The shape of a body for pages and films: its surfaces, or the ellipsoid with its moments.
 
+Symbols
+    b         the body in SI units, a `contact.body.Touch` or `frame.Asymmetric`
+    orientation   unit quaternions (w, x, y, z), (n, 4)
+
 Root attributes or a body go in; out come surfaces, matrices and points in metres, for pages, films
 and files for simulators. Quaternions turn body axes into space axes.
 """

@@ -110,7 +110,7 @@ def begin_or_continue(
 
 
 def _difference(old: Any, new: Any) -> str:
-    """Return in which entries a stored value differs from the present one, in words."""
+    """Return in words how a stored attribute `old` differs from the present one, `new`."""
     if not isinstance(new, dict):
         return f"has {old}, and here is {new}"
     return "differs in " + ", ".join(

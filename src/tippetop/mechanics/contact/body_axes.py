@@ -53,7 +53,10 @@ def axes_of_angles(s, z, phi, psi):
 
 @formula
 def psi_of_axes(first, u):
-    """Return psi in (-pi, pi], of axes 1 and 3; 0/0 in meaning exactly at a pole, as phi."""
+    """Return psi in (-pi, pi] [rad], from axes 1 (`first`) and 3 (u), (3,) each.
+
+    Like phi, it is 0/0 in meaning exactly at a pole.
+    """
     return atan2(u.x * first.y - u.y * first.x, -first.z)
 
 

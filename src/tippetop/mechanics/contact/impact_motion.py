@@ -113,7 +113,11 @@ def stages(law: Any) -> dict[str, Stage]:
     """
 
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
-        """Return the motion in one region of the law: its form, and the events that end it."""
+        """Return the motion in one region of the law: its form, and the events that end it.
+
+        `friction` is that of the region, None at rest; `follows` has the border for each of its
+        events.
+        """
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):

@@ -1,4 +1,8 @@
-"""Parameters of a contact that may open: the law of impact, and the stem."""
+"""Parameters of a contact that may open: the law of impact, and the stem.
+
+`scenario.contact` makes a `ContactLaw` of the tables [contact] and [stem]; jumps take it as
+`world.rules`.
+"""
 
 import math
 from typing import NamedTuple

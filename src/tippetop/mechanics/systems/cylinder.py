@@ -68,7 +68,7 @@ class Cylinder(Top):
     def seen(self, friction: Any) -> Touch:
         """Return the body as the `b` of formulas, a `Touch` with c = alpha R, I1 = I.
 
-        I3 plays no part.
+        I3 plays no part. `friction` is the record of a law.
         """
         return Touch(self.m, self.R, self.alpha * self.R, self.I, self.I, self.g, friction)
 

@@ -1,4 +1,8 @@
-"""Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry."""
+"""Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry.
+
+`Ellipsoid` takes the numbers of the user; ELLIPSOID and ROLLING_ELLIPSOID are the `System`s, whose
+formulas are those of `contact.framed`. `friction` is the record of a law.
+"""
 
 from collections.abc import Mapping
 from functools import partial

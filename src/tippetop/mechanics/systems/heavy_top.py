@@ -55,7 +55,10 @@ class HeavyTop(Top):
     g: Number = reuse(TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body as the `b` of formulas, a `Touch` with R = 0 and c = -l."""
+        """Return the body as the `b` of formulas, a `Touch` with R = 0 and c = -l.
+
+        `friction` is the record of a law.
+        """
         return Touch(self.m, 0 * self.l, -self.l, self.I1, self.I3, self.g, friction)
 
 

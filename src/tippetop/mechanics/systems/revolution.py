@@ -30,7 +30,10 @@ class Outlined(Top, abstract=True):
     faults = staticmethod(contact.inertia_faults)
 
     def seen(self: Any, friction: Any) -> Bent:
-        """Return the body as the `b` of formulas, a `Bent` with its outline."""
+        """Return the body as the `b` of formulas, a `Bent` with its outline.
+
+        `friction` is the record of a law.
+        """
         shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
         return Bent(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 

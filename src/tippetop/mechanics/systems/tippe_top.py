@@ -76,7 +76,10 @@ class TippeTop(Top):
     g: Number = number(METRE_PER_SECOND2, "acceleration of gravity", symbol="g", above=0)
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body as the `b` of formulas, a `Touch` with c = alpha R."""
+        """Return the body as the `b` of formulas, a `Touch` with c = alpha R.
+
+        `friction` is the record of a law.
+        """
         return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
 
 

@@ -1,4 +1,7 @@
-"""Which asymptotic states are stable for a value of Jellett's integral."""
+"""Which asymptotic states are stable for a value of Jellett's integral.
+
+A value of lambda and a body b in SI units go in, a `Regime` comes out.
+"""
 
 from typing import NamedTuple
 
