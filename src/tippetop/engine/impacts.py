@@ -245,7 +245,7 @@ class ImpactMotions:
             stage = self.stages[self.region]
             rests = self.region == motion.REST
             acts = stage.acts(q, b)
-            if rests and not motion.left(acts, b) > 0:
+            if rests and not motion.holding_margin(acts, b) > 0:
                 q = motion.slide(q, acts, b)
                 span = REST_SPAN
                 self.region = motion.region_at(q, b)
@@ -263,7 +263,7 @@ class ImpactMotions:
             status, steps, k, *after = self.follow(self.region, *given)
             after = motion.Motion._make(after[: len(q)])
             self.left -= steps + 1
-            if rests and span > SHORTEST and motion.left(stage.acts(after, b), b) < 0:
+            if rests and span > SHORTEST and motion.holding_margin(stage.acts(after, b), b) < 0:
                 span /= 2
                 continue
             q = after

@@ -191,7 +191,7 @@ def region_at(q: Any, b: Any) -> str:
     return region_of(speeds(q), b.touch)
 
 
-def left(by: Acts, b: Any) -> Any:
+def holding_margin(by: Acts, b: Any) -> Any:
     """Return by how much friction can hold the contact at rest, see `margin`.
 
     The result is negative if it cannot.
