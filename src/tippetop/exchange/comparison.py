@@ -81,7 +81,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     problem
         The reference.
     path
-        A table, as `table.read` takes it.
+        A table, as `motion_table.read` takes it.
     convention
         The conventions of its frames.
 
@@ -292,9 +292,7 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
-    """Return numbers on the difference `curve` at times t [s], (rows,) each.
-
-    They are those of `compare --json`.
+    """Return numbers on the difference `curve` at times t [s], (rows,) each, for `compare --json`.
 
     They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
     time when it exceeds each of `LEVELS`, or None. NaN is left out.

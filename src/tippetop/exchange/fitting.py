@@ -262,10 +262,10 @@ def judged(
     systematic: bool,
     hopeless: bool,
 ) -> Fit:
-    """Return the result of searches that ended in these minima, best first.
+    """Return the `Fit` of searches that ended in these minima, best first.
 
-    `hopeless`: whether they ended early, far from the data.
-    Variances are multiplied by the time over which residuals are correlated.
+    `hopeless`: whether they ended early, far from the data; `systematic`: whether influences are
+    tried. Variances are multiplied by the time over which residuals are correlated.
     """
     from scipy.stats import t as student
 
@@ -358,7 +358,10 @@ def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
-    """Return sentences on residuals that are not noise, or not of the stated size."""
+    """Return sentences on residuals that are not noise, or not of the stated size.
+
+    `noise` is the root mean square of each kind of measurement, SI.
+    """
     observation = misfit.observation
     reasons = []
     excess = _excess({g: off for g, off in parts.items() if noise[g] > misfit.rounding[g]})

@@ -101,7 +101,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # no
             found[kind] = rows[:, turn]
 
     def fill(name: str, rows: np.ndarray) -> None:
-        """Use these values in gaps."""
+        """Fill the gaps of the quantity `name` with these rows."""
         given = found.get(name, rows)
         found[name] = np.where(np.isnan(given), rows, given)
 

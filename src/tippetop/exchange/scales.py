@@ -144,8 +144,8 @@ class Space:
         """Replace the coordinates of two numbers, `first`, `second`, by those of a vector.
 
         `vector` is its start, and each component is at most `reach`. If `azimuth` is given, the
-        numbers are size and azimuth, which starts there; otherwise two components. `swept` as in
-        `pairs`.
+        numbers are size and azimuth, which starts there. Otherwise the numbers are the components;
+        `swept` is whether the second one is divided by the size.
         """
         i = self.names.index(first)
         k = self.names.index(second)

@@ -272,7 +272,9 @@ def teach_numba() -> None:
 
     @overload(operator.add)  # of a record with a star before other arguments
     def _(before, record):
-        """Return the sum of a tuple and a record, for `+`."""
+        """Return how numba adds a record to a tuple: as plain tuples, for calls such as f(*record,
+        x).
+        """
         if isinstance(before, types.BaseTuple) and isinstance(record, types.BaseNamedTuple):
             return lambda before, record: before + plain(record)  # type: ignore[call-arg]
         return None

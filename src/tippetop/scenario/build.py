@@ -205,7 +205,7 @@ def ending(tables: PlainData, until: Any) -> PlainData:
 
 
 def tables_of(attrs: PlainData) -> PlainData:
-    """Return the tables in a store's root attributes: those of `resolved`."""
+    """Return the scenario in a store's root attributes, as `resolved` made it: tables by name."""
     return {name: attrs[name] for name in TABLES if name in attrs}
 
 

@@ -191,7 +191,7 @@ def systems_table() -> list[Section]:
 
 
 def _with_contact() -> list[System]:
-    """Return the systems whose contact may open, opened."""
+    """Return the systems whose contact may open, with their phases, without and with a stem."""
     return [
         opened(system, LAWS["none"], balls)
         for system in opening_systems().values()

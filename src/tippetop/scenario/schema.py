@@ -52,7 +52,10 @@ def number_table(rules: Mapping[str, Number], required: bool = True, **more: Any
 
 
 def _kind(hint: Any, rule: Number) -> Any:
-    """Return the type in TOML of an option: a list for a tuple, numbers in an interval."""
+    """Return the type in TOML of an option: a list for a tuple, numbers in an interval.
+
+    `hint` is the annotation of its field, `rule` the `Number` with its interval.
+    """
     if get_origin(hint) in (types.UnionType, Union):
         return Union[tuple(_kind(part, rule) for part in get_args(hint))]  # noqa: UP007
     if get_origin(hint) is tuple:

@@ -47,9 +47,9 @@ def digest(
 ) -> Any:
     """Return a group as a Dataset of at most about `most` rows. Raises StoreError.
 
-    Of more rows, the one with the least and the one with the largest `key` of each bin are kept,
-    so that no peak is lost.
-    With a window, the rows of these times and the first row of all are kept.
+    Of more rows, the one with the least and the one with the largest `key` (a column) of each bin
+    are kept, so that no peak is lost. With a window (start, until) [s], the rows of these times and
+    the first row of all are kept.
     """
     table = open_group(path, group)
     dim = row_dimension(table)

@@ -1,6 +1,10 @@
 """Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario.
 
 Numbers of axes such as `sigma` go in; numbers of the scenario, (n,) by dotted key, come out.
+
+Symbols
+    base      the scenario, a `Problem`; columns: the other varied numbers of tops, (n,) by key
+    gamma, sigma   I1/I3, m R^2/I3; lambda: Jellett's integral, lambda_s: see `theory.thresholds`
 """
 
 from collections.abc import Callable

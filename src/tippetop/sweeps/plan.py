@@ -317,7 +317,7 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
 
 
 def _sentences(wrong: dict[str, Any]) -> list[str]:
-    """Return the sentences whose condition is true."""
+    """Return the keys of `wrong`, sentences, whose value is true: faults by their conditions."""
     return [sentence for sentence, holds in wrong.items() if holds]
 
 

@@ -173,7 +173,11 @@ class Motion(NamedTuple):
         return rates, *self._evaluated((event, order), function, ways)[:, 1:]
 
     def _evaluated(self, what: Any, function: Callable, state: np.ndarray) -> np.ndarray:
-        """Return the numbers function(body, state) as rows; `what` identifies the function."""
+        """Return function(body, state), a list of numbers, as rows.
+
+        `what` identifies the function, of which tapes are kept. The body has the derivatives of the
+        numbers of the user, the state those of its rows.
+        """
 
         def of_numbers(_: Any, numbers: tuple) -> tuple:
             """Return the numbers of the function, in the form that `evaluated` expects."""

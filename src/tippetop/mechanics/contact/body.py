@@ -291,7 +291,7 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 def height(z, b):
     """Return the height of the centre of mass of a body on the plane, s_z = R - c z [m].
 
-    z = cos(theta).
+    z is cos(theta), of the inclination of its axis.
     """
     return b.R - b.c * z
 

@@ -38,9 +38,9 @@ def integral(name: str, rate: Callable | None) -> Integral:
 
 
 def place(velocity: Callable) -> tuple[Integral, ...]:
-    """Return the integrals x and y.
+    """Return the integrals x and y of the centre of mass.
 
-    Velocity(q, carried, b) returns that of the centre of mass, (2,).
+    velocity(q, carried, b) returns its horizontal velocity, (2,) [m/s].
     """
     return tuple(
         integral(name, lambda q, carried, b, k=k: velocity(q, carried, b)[k])

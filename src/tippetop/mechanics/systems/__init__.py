@@ -114,7 +114,7 @@ def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
 
 
 def opening_systems() -> dict[str, System]:
-    """Return the systems whose contact may open, by name."""
+    """Return the systems whose contact may open, by name: those with an `Opening`."""
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
 
