@@ -90,7 +90,7 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
-    """Return the faults of varying these keys together."""
+    """Return a sentence for each reason why these keys may not vary together; [] if they may."""
     sentences = []
     system = base.system
     known = [name for name, s in SYSTEMS.items() if {"R", "I1"} <= s.parameters.keys()]

@@ -111,7 +111,7 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return an axis of the sweep as the page takes it; `numbers` of the tops, (n,)."""
+    """Return an axis of the sweep as the page takes it; `numbers`: its value per top, (n,)."""
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
