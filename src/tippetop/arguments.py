@@ -1,4 +1,8 @@
-"""Arguments of the library, checked one by one: a fault is one sentence that names the argument."""
+"""Arguments of the library, checked one by one: a fault is one sentence that names the argument.
+
+Each function takes the `name` of an argument, for messages, and what the caller gave for it; it
+returns the checked value or raises InputError.
+"""
 
 import contextlib
 import functools

@@ -1,4 +1,7 @@
-"""Long work that cannot be interrupted, such as a compilation: done in a thread."""
+"""Long work that cannot be interrupted, such as a compilation: done in a thread.
+
+`engine.integrator` compiles by it, and `derivatives.through` integrates.
+"""
 
 from __future__ import annotations
 

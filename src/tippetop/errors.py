@@ -1,4 +1,7 @@
-"""Errors that the user can mend, and warnings: each is one or more sentences."""
+"""Errors that the user can mend, and warnings: each is one or more sentences.
+
+`cli.outcome` prints them with an exit code; the library raises them.
+"""
 
 from __future__ import annotations
 
@@ -180,7 +183,7 @@ def warn(sentences: Iterable[str], level: int) -> None:
 
 
 def _leaves(record: Any) -> Iterable[Any]:
-    """Yield the fields of arguments that are not records."""
+    """Yield the numbers of arguments that are records of records."""
     for field in record:
         yield from _leaves(field) if isinstance(field, tuple) else (field,)
 

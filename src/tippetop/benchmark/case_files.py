@@ -1,4 +1,7 @@
-"""The cases as files that a simulator can read without Python."""
+"""The cases as files that a simulator can read without Python.
+
+`Case`s go in; folders with a reference, a scenario and texts come out.
+"""
 
 from __future__ import annotations
 

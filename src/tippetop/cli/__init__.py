@@ -80,7 +80,7 @@ def _warn(message: Warning | str, *_: Any) -> None:
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
-    """Call the command; turn its errors into sentences and an exit code."""
+    """Call the command and return its exit code; errors become sentences on stderr."""
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:
         from .application import called

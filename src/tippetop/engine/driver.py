@@ -204,9 +204,7 @@ class Driver:
         self.set_output(NO_ROWS)
 
     def set_tallies(self, tallies: Tallies) -> None:
-        """Set the arrays into which the loop counts: `status`, `steps`, and others are views of
-        them.
-        """
+        """Set the arrays into which the loop counts; `status`, `steps`, ... are views of them."""
         self.tallies = tallies
         self.functions = tallies.functions[:, 0]
         names = "status", "steps", "upto", "tiny", "t"
@@ -310,8 +308,9 @@ class Driver:
             self.request.add_rows(output.times[made], rows)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return states (k, width) as rows of the run (k, variables); `phases` are their numbers,
-        (k,).
+        """Return states (k, width) as rows of the run (k, variables).
+
+        `phases` are their numbers, (k,).
 
         A run with one phase has its integrated state as row.
         """
@@ -365,8 +364,9 @@ class Driver:
         self.motion.end[0] = float(end)
 
     def last_rows(self) -> dict[str, Arrays]:
-        """Return the rows of the tables of phases and impacts that end with the run; none without
-        phases.
+        """Return the rows of the tables of phases and impacts that end with the run.
+
+        A run without phases has none.
         """
         return {}
 
@@ -414,8 +414,9 @@ class Driver:
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue from a snapshot `kept`; its state and time are also given, in the working
-        precision.
+        """Continue from a snapshot `kept`.
+
+        Its state and time are also given, in the working precision.
         """
         self.set_state(state, clock)
         self.clear_findings()

@@ -632,8 +632,7 @@ class HybridDriver(Driver):
         return steps, when, self.last, status
 
     def end_next(self) -> None:
-        """Set the time at which the next steps end: with the phase, or at a sampled event in the
-        next step.
+        """Set the time at which the next steps end: with the phase, or at a sampled event.
 
         `ending` becomes the number of that event, or that of the clock. `run` calls it before each
         `drive`.
@@ -646,7 +645,7 @@ class HybridDriver(Driver):
             self.status[0] = Status.FINISHED.code
 
     def next_end(self) -> tuple[Any, Any]:
-        """Return the internal time at which the next steps end, and `ending`."""
+        """Return the internal time at which the next steps end, and why, for `end_next`."""
         ends = [(min(self.end, self.until), self.clock_number)]
         if self.solver.sampled:
             ends += sampled_in_next_step(self)
@@ -700,9 +699,7 @@ class HybridDriver(Driver):
         return self.jump_programs.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:
-        """Write the rows at given times that lie in the jump to the present phase, in which no step
-        is made.
-        """
+        """Write the rows at given times within the jump to the present phase, without a step."""
         if not self.output.steps:
             times = self.output.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):
@@ -710,8 +707,9 @@ class HybridDriver(Driver):
                 self.add(inside, self.series(*inside) if self.series else first)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Write rows at times that lie in no step; `states` are of the present phase, (k,
-        variables).
+        """Write rows at times that lie in no step.
+
+        `states` are of the present phase, (k, variables).
         """
         rows = self.output
         made = self.made
@@ -756,9 +754,7 @@ class HybridDriver(Driver):
         return every[0]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
-        """Log an event whose function changes sign in the jump from the phase `before` at the time
-        `now`.
-        """
+        """Log an event that happens in the jump from the phase `before` at the time `now`."""
         solver = self.solver
         during = self.series
         if during:
@@ -822,8 +818,7 @@ class HybridDriver(Driver):
         return joint | {"next": follows, "lasted": lasted}
 
     def snapshot(self) -> dict[str, Any]:
-        """Return plain data from which a run continues bit by bit: those of `Driver`, and the
-        phase.
+        """Return plain data from which a run continues bit by bit, with its phase.
 
         The lists have the same length in every phase, except for `state`.
         """
@@ -831,8 +826,9 @@ class HybridDriver(Driver):
         return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue in the phase of a snapshot `kept`; its state and time are in the working
-        precision.
+        """Continue in the phase of a snapshot `kept`.
+
+        Its state and time are in the working precision.
         """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]

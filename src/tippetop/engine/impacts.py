@@ -96,8 +96,9 @@ class Impact(NamedTuple):
 
 
 class ImpactMotions:
-    """Integrate the impacts of a run under its friction law; `HybridDriver` makes it, jumps call
-    `struck`.
+    """Integrate the impacts of a run under its friction law.
+
+    `HybridDriver` makes it, jumps call `struck`.
 
     Parameters
     ----------
@@ -230,9 +231,7 @@ class ImpactMotions:
         return Impact(p, twist, self.mode, *works)
 
     def _followed(self, q: Any, b: Any) -> Any:
-        """Return the motion q at the end of compression or of restitution, through all stages
-        between.
-        """
+        """Return the motion at the end of compression or restitution, through all stages."""
         span = REST_SPAN
         passed = "" if q.grown > b.stops else "stops"
         while self.left > 0:
@@ -246,7 +245,7 @@ class ImpactMotions:
             stage = self.stages[self.region]
             rests = self.region == motion.REST
             acts = stage.acts(q, b)
-            if rests and not motion.left(acts, b) > 0:
+            if rests and not motion.holding_margin(acts, b) > 0:
                 q = motion.slide(q, acts, b)
                 span = REST_SPAN
                 self.region = motion.region_at(q, b)
@@ -264,7 +263,7 @@ class ImpactMotions:
             status, steps, k, *after = self.follow(self.region, *given)
             after = motion.Motion._make(after[: len(q)])
             self.left -= steps + 1
-            if rests and span > SHORTEST and motion.left(stage.acts(after, b), b) < 0:
+            if rests and span > SHORTEST and motion.holding_margin(stage.acts(after, b), b) < 0:
                 span /= 2
                 continue
             q = after

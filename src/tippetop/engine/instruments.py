@@ -1,4 +1,7 @@
-"""What instruments measure of a body in smooth motion, by derivatives of its place and axes."""
+"""What instruments measure of a body in smooth motion, by derivatives of its place and axes.
+
+States of tops go in, values by name come out; `ensembles.rows_at_times` calls it for fits.
+"""
 
 import numpy as np
 

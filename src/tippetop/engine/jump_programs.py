@@ -109,8 +109,9 @@ class JumpProgram(NamedTuple):
 
 
 class JumpPrograms:
-    """Record the jumps of a run as programs, and let the loop execute them; `HybridDriver` makes
-    it.
+    """Record the jumps of a run as programs, and let the loop execute them.
+
+    `HybridDriver` makes it.
 
     Parameters
     ----------
@@ -144,8 +145,9 @@ class JumpPrograms:
         self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
     def learn(self, jump: Any, *given: Any) -> None:
-        """Count a jump that Python has made with these arguments (state, world); record it when it
-        is due.
+        """Count a jump that Python has made with these arguments (state, world).
+
+        Record it when it is due.
 
         Only a jump that begins a phase, and does nothing else, becomes a program.
         """

@@ -39,8 +39,7 @@ class PhaseTables:
         self.numbers = dict[tuple, list]()  # of the words of a phase that begins
 
     def begin(self, time: float, solver: Any, cause: str) -> None:
-        """Add the row of the present phase, and begin that of the phase of `solver` at an internal
-        time.
+        """Add the row of the present phase, and begin that of `solver` at an internal time.
 
         `cause` is the word in its column `reason`.
         """

@@ -1,4 +1,7 @@
-"""Find events of a phase whose functions have no Taylor series, and are sampled by Python."""
+"""Find events of a phase whose functions have no Taylor series, and are sampled by Python.
+
+A run goes in; times of events in its next step come out, for `HybridDriver.next_end`.
+"""
 
 from functools import partial
 from typing import Any

@@ -1,4 +1,7 @@
-"""The ways in which a run can end."""
+"""The ways in which a run can end.
+
+The loop counts in codes, stores and reports have words.
+"""
 
 from enum import Enum
 

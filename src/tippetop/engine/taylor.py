@@ -1,4 +1,7 @@
-"""Compile the equations of a problem, and return the driver that integrates it."""
+"""Compile the equations of a problem, and return the driver that integrates it.
+
+`driver_of(problem)` is the entrance for `runs`; `code_for` compiles formulas for other drivers.
+"""
 
 import hashlib
 import threading

@@ -134,8 +134,7 @@ class WideDriver(Driver):
 
 
 def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
-    """Return the Taylor coefficients of an event function in a step, without the leading `roots`
-    ones.
+    """Return the Taylor coefficients of an event function in a step, from number `roots` on.
 
     `tc` are those of all variables, (variables, order + 1); `event` is a record of `tallies`.
     """

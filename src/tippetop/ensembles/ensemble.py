@@ -1,4 +1,7 @@
-"""Integrate many tops of one scenario in memory, on several threads."""
+"""Integrate many tops of one scenario in memory, on several threads.
+
+`Problems` go in, `Outcomes` come out; each thread has its `Lanes`, all share a queue of tops.
+"""
 
 import itertools
 import os

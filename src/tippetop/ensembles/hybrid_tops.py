@@ -1,4 +1,7 @@
-"""Integrate tops one after the other, each by an `Integration` instead of a lane."""
+"""Integrate tops one after the other, each by an `Integration` instead of a lane.
+
+For tops that lanes cannot follow, such as those of user-defined systems with phases.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace

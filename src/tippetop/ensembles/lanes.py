@@ -1,4 +1,7 @@
-"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`."""
+"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`.
+
+Numbers of tops come from a queue; their outcomes go to the common `Outcomes`.
+"""
 
 import threading
 from collections.abc import Callable, Collection, Iterator
@@ -219,7 +222,10 @@ class Lanes:
         return found
 
     def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
-        """Return the starts of tops whose contact may change its phase."""
+        """Return the starts of tops whose contact may change its phase.
+
+        `problems` are the tops by number, `times` those of rows (k, rows).
+        """
         which = np.array([*problems])
         columns = {key: values[which] for key, values in self.tops.columns.items()}
         if touches(self.tops.base) and "initial.gap" not in columns:

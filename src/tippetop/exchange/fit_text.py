@@ -1,4 +1,7 @@
-"""The result of a fit as plain data, as text, and as a scenario."""
+"""The result of a fit as plain data, as text, and as a scenario.
+
+A `fitting.Fit` goes in; plain data, lines, tables and TOML come out.
+"""
 
 import json
 import math

@@ -1,4 +1,7 @@
-"""Measurements from a table, with the prediction of a scenario for them."""
+"""Measurements from a table, with the prediction of a scenario for them.
+
+A file and a problem go in, an `Observation` comes out, for `fitting` and `likelihood`.
+"""
 
 from __future__ import annotations
 

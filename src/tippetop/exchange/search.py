@@ -69,6 +69,8 @@ MOST = 60
 class Minimum(NamedTuple):
     """A minimum over a window, with residuals, Jacobian, cost and variance.
 
+    `local_minimum` makes it.
+
     `searches` is the number of searches that ended there.
     """
 

@@ -1,4 +1,7 @@
-"""A body with its start and friction as a file for a simulator, with remarks on differences."""
+"""A body with its start and friction as a file for a simulator, with remarks on differences.
+
+A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`.
+"""
 
 import math
 from typing import Any, NamedTuple

@@ -20,11 +20,15 @@ def _drawings() -> dict[str, Callable]:
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
-        """Return the drawing of a run by a function of the data of its landscape."""
+        """Return a drawing of (trajectory, events, attrs), which gets the data of the run's
+        landscape.
+        """
         return lambda *run: draw(*data_of(*run))
 
     def of_changes(draw: Callable) -> Callable:
-        """Return the drawing of a run by a function of the changes of its invariants."""
+        """Return a drawing of (trajectory, events, attrs), which gets the changes of the
+        invariants.
+        """
         return lambda run, events, attrs: draw(conservation.changes(run, attrs), attrs)
 
     def filmed(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:

@@ -1,4 +1,7 @@
-"""The common style of the figures: colours, panels, legends, and saving."""
+"""The common style of the figures: colours, panels, legends, and saving.
+
+Drawings are called inside of `styled`, and get their panels from `panel`.
+"""
 
 import itertools
 import re

@@ -1,4 +1,7 @@
-"""The calls that hold another program's motion against ours."""
+"""The calls that hold another program's motion against ours.
+
+`tippetop.compare` and `tippetop.fit`: files and scenarios go in, results with plots come out.
+"""
 
 from __future__ import annotations
 

@@ -219,7 +219,7 @@ class Run:
     plot = plots.plot
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
-        """Return the tables for a figure; of a store the first row and those in the window."""
+        """Return the tables that a figure of this kind needs; a store reads those rows only."""
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> Page:
@@ -249,7 +249,7 @@ class Run:
             return Page(self._page(seconds("start", start), seconds("until", until)))
 
     def _page(self, start: float | None, until: float | None) -> str:
-        """Return the page (HTML) of the motion between two times [s]."""
+        """Return the page of the motion between two times [s], as HTML."""
         from ..views.run_page import page, refuse
         from ..views.samples import needed
 

@@ -1,4 +1,7 @@
-"""The body behind an argument: a body, a run, a problem, or the name of a scenario."""
+"""The body behind an argument: a body, a run, a problem, or the name of a scenario.
+
+Calls of `theory`, `landscapes` and `derivatives` take bodies from it.
+"""
 
 from collections.abc import Mapping
 from typing import Any

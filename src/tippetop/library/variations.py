@@ -1,4 +1,7 @@
-"""Ensembles and sweeps from Python: many tops of one scenario."""
+"""Ensembles and sweeps from Python: many tops of one scenario.
+
+A scenario and arrays of numbers, or a plan, go in; tables with a row per top come out.
+"""
 
 from __future__ import annotations
 

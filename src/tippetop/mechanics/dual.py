@@ -1,7 +1,12 @@
 """Numbers with their derivatives, which formulas, jumps, starts and bodies take as numbers.
 
-Arithmetic and functions follow the product and chain rules; a comparison is one of values. What is
-differentiated decides what the parts are: numbers, arrays or heyoka expressions.
+Arithmetic and functions of NumPy follow the product and chain rules; a comparison is one of values.
+What is differentiated decides what the parts are: numbers, arrays or heyoka expressions.
+`engine.derivatives` and `contact.outline` use them.
+
+Symbols
+    parts     a value and its derivatives, [value, first, second, ...]; a, b, r: parts or values
+    da, db    derivatives of a, b
 """
 
 import operator
@@ -27,7 +32,7 @@ COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda differenc
 
 
 def _sum(a: Sequence, b: Sequence) -> list:
-    """Return the sums of parts, of which the shorter list lacks the last."""
+    """Return the parts of a sum; a part that is missing at the end of a term is 0."""
     return [y if x is None else x if y is None else x + y for x, y in zip_longest(a, b)]
 
 
@@ -63,6 +68,7 @@ def _solved(a: Sequence, made: list, b: Sequence, divisor: Any) -> list:
 
 
 def _root(a: Sequence) -> list:
+    """Return the parts of a square root: Leibniz's rule for a = r r, solved for r."""
     made = [sqrt(a[0])]
     return _solved(a, made, made, 2 * made[0])
 
@@ -80,7 +86,7 @@ ARITHMETIC: dict[str, Callable] = {
 
 
 def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
-    """Return the rate of a^p = r, by the rates da and dp."""
+    """Return the derivative of r = a^p, by the derivatives da and dp."""
     slope = p * a ** (p - 1) * da
     return slope if dp is CONSTANT else slope + r * log(a) * dp
 
@@ -168,7 +174,10 @@ class Dual(NDArrayOperatorsMixin):
 
 
 def plain(value: Any) -> Any:
-    """Return the value of a number or an expression with derivatives, or of all in a record."""
+    """Return the plain value of a number with derivatives.
+
+    Of a record, return the record of plain values.
+    """
     if isinstance(value, tuple):
         return refill(value, map(plain, leaves(value)))
     return plain(value.value) if isinstance(value, Dual) else value

@@ -1,4 +1,9 @@
-"""Operands of formulas: numbers, arrays, heyoka expressions, and scalars inside numba."""
+"""Operands of formulas: numbers, arrays, heyoka expressions, and scalars inside numba.
+
+A formula is a Python function of records and operands, marked by `@formula`. The same function is
+called with numbers, arrays and duals, with heyoka expressions that are compiled, and inside kernels
+of numba; it uses the functions of this module, such as `sin`, so that each of these gets its own.
+"""
 
 import math
 import operator
@@ -133,7 +138,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 @formula
 def times(k: Operand, a: Vector) -> Vector:
-    """Return k a."""
+    """Return the vector k a, of a number k."""
     return Vector(k * a.x, k * a.y, k * a.z)
 
 
@@ -211,7 +216,7 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
     """
 
     def selected(*arguments: Operand) -> Operand:
-        """Call the formula of the last argument's kind."""
+        """Return the result of the formula for the kind of the last argument."""
         return choose(arguments[-1])(*arguments)
 
     def for_numba(*arguments: Any) -> Callable:
@@ -267,7 +272,9 @@ def teach_numba() -> None:
 
     @overload(operator.add)  # of a record with a star before other arguments
     def _(before, record):
-        """Return the sum of a tuple and a record, for `+`."""
+        """Return how numba adds a record to a tuple: as plain tuples, for calls such as f(*record,
+        x).
+        """
         if isinstance(before, types.BaseTuple) and isinstance(record, types.BaseNamedTuple):
             return lambda before, record: before + plain(record)  # type: ignore[call-arg]
         return None

@@ -1,4 +1,7 @@
-"""Immutable mappings: the content of a record is checked once."""
+"""Immutable mappings: the content of a record is checked once.
+
+Fields of `System` and `Phase` are such mappings.
+"""
 
 from collections.abc import Mapping
 from typing import Any, NoReturn

@@ -1,4 +1,7 @@
-"""Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas."""
+"""Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas.
+
+`Problems.checked` and `scenario.build` call these functions; they return sentences for InputError.
+"""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any

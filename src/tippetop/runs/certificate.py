@@ -1,4 +1,8 @@
-"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision."""
+"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision.
+
+Root attributes or a problem go in; out come sentences on what a run must keep and does not, and the
+data of `results.Certificate`.
+"""
 
 import dataclasses
 import math

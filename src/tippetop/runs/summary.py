@@ -1,4 +1,8 @@
-"""The summary of a run as lines of text."""
+"""The summary of a run as lines of text.
+
+`attributes.info` goes in; out come pairs of a name and a text, which `tippetop run` and
+`print(run)` show.
+"""
 
 from collections.abc import Mapping
 from typing import Any

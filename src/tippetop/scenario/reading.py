@@ -1,4 +1,7 @@
-"""TOML text becomes tables: files, presets, and `--set` assignments."""
+"""TOML text becomes tables: files, presets, and `--set` assignments.
+
+`runs.starting` and `library` call it; tables are plain dicts, not checked yet.
+"""
 
 import os
 import re

@@ -1,4 +1,7 @@
-"""A scenario with every key that it may have: those of a preset, and the others in comments."""
+"""A scenario with every key that it may have: those of a preset, and the others in comments.
+
+`tippetop new` writes it.
+"""
 
 import json
 from typing import Any

@@ -1,4 +1,7 @@
-"""Write tables as one netCDF, CSV or Parquet file, whole or not at all."""
+"""Write tables as one netCDF, CSV or Parquet file, whole or not at all.
+
+Lazy Datasets of a run or a store go in; a file comes out.
+"""
 
 import contextlib
 import warnings

@@ -30,7 +30,10 @@ class NoLocks(OSError):
 
 
 class Folder:
-    """An open folder, and the files in it that are not synced. Every operation raises OSError."""
+    """An open folder, and the files in it that are not synced. Every operation raises OSError.
+
+    `Ledger` has one; names are paths relative to it.
+    """
 
     # files that are synced together share a commit of the journal
     threads = 8

@@ -1,4 +1,11 @@
-"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario."""
+"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario.
+
+Numbers of axes such as `sigma` go in; numbers of the scenario, (n,) by dotted key, come out.
+
+Symbols
+    base      the scenario, a `Problem`; columns: the other varied numbers of tops, (n,) by key
+    gamma, sigma   I1/I3, m R^2/I3; lambda: Jellett's integral, lambda_s: see `theory.thresholds`
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -83,7 +90,7 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
-    """Return the faults of varying these keys together."""
+    """Return a sentence for each reason why these keys may not vary together; [] if they may."""
     sentences = []
     system = base.system
     known = [name for name, s in SYSTEMS.items() if {"R", "I1"} <= s.parameters.keys()]

@@ -1,4 +1,7 @@
-"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory."""
+"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory.
+
+The store of a sweep goes in; a `Map` comes out, which `figures.sweep_map` draws.
+"""
 
 import math
 from dataclasses import dataclass

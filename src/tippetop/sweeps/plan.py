@@ -1,4 +1,7 @@
-"""The plan of a sweep: a TOML file becomes the checked numbers of many tops."""
+"""The plan of a sweep: a TOML file becomes the checked numbers of many tops.
+
+`Plan.from_toml` and `from_tables` are the entrances; they raise InputError with every fault.
+"""
 
 import contextlib
 import math
@@ -278,7 +281,7 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
 
 
 def _sentences(wrong: dict[str, Any]) -> list[str]:
-    """Return the sentences whose condition is true."""
+    """Return the keys of `wrong`, sentences, whose value is true: faults by their conditions."""
     return [sentence for sentence, holds in wrong.items() if holds]
 
 

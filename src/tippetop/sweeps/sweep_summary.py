@@ -1,4 +1,7 @@
-"""The content of a sweep's store, finished or not: counts, worst drift, and faults."""
+"""The content of a sweep's store, finished or not: counts, worst drift, and faults.
+
+The path of a store goes in; plain data and lines come out, for `tippetop info`.
+"""
 
 import json
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""Functions of JavaScript, written from the formulas of this package."""
+"""Functions of JavaScript, written from the formulas of this package.
+
+A formula goes in; the text of an arrow function comes out, by `mechanics.writing`.
+"""
 
 from collections.abc import Callable
 from functools import cache

@@ -1,4 +1,7 @@
-"""HTML files with their style, one script and data; they fetch nothing."""
+"""HTML files with their style, one script and data; they fetch nothing.
+
+The modules of `page/` and plain data go in; the text of one HTML file comes out.
+"""
 
 import html
 import json

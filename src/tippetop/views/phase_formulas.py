@@ -1,5 +1,11 @@
 """The formulas of pages, as JavaScript: potentials, and a tippe top that slips, rolls and flies.
 
+Systems and laws go in; modules of JavaScript come out as text.
+
+Symbols
+    y         (q, carried): the state of a flight and its integrals; b: the body; p: its parameters
+    per       force and torque per normal force; v_A, omega: velocities of a contact
+
 The page has one state in all phases, that of flight; what the plane does is added to its rates.
 """
 

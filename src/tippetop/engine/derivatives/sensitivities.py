@@ -1,4 +1,8 @@
-"""Derivatives of every column, and of the times and angles of events, along a run."""
+"""Derivatives of every column, and of the times and angles of events, along a run.
+
+A problem and names of its numbers go in; tables of derivatives as columns in SI units come out, and
+sentences where there are none. `library.derivatives` calls it.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

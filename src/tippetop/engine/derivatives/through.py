@@ -343,8 +343,7 @@ class Pass:
         self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
-        """Set start, body and scales of the run, in internal units, with derivatives along the
-        directions.
+        """Set start, body and scales of the run, in internal units, with derivatives.
 
         Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
         `of_world` is the body of the plain run, whose values are kept bit by bit.
@@ -476,9 +475,7 @@ class Pass:
             state = numbers[len(self.known) :]
 
             def piece(region: str, *given: Any) -> list:
-                """Integrate a piece of an impact with derivatives, in place of
-                `ImpactMotions.piece`.
-                """
+                """Integrate a piece of an impact; this replaces `ImpactMotions.piece`."""
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 

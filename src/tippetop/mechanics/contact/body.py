@@ -65,8 +65,7 @@ class Bent(Touch):
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
-    """Return the body as a `Touch` of its sphere, and as one of the ball of its stem, if it has
-    one.
+    """Return the body as a `Touch` of its sphere and, if it has a stem, of the stem's ball.
 
     `stem` is (), or (r, h): the radius of the stem's ball, and how far along 3hat its centre lies
     from that of the sphere. Each Touch has the other ball as `clearance` and `lever`: their
@@ -101,9 +100,7 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
 
 
 def shape_of(b: Touch) -> Any:
-    """Return the outline of a body: `Ball()`, or the shape, also if `touching_ball` put a `Place`
-    there.
-    """
+    """Return the outline of a body: `Ball()` or its shape, also where it is in a `Place`."""
     return getattr(b.outline, "shape", b.outline)
 
 
@@ -118,8 +115,7 @@ def by_scalars(s: Any, b: Touch) -> Touch:
 
 
 def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
-    """Return a decorator that makes a function of the last argument's type from a formula of a
-    sphere.
+    """Return a decorator: the formula of a sphere, which other bodies replace by their own.
 
     The decorated formula is used for a `Touch`, `of_outline` for a `Bent`, `of_frame` for an
     `Asymmetric` body; one that is missing is the same as of a sphere. All have the same arguments.
@@ -171,8 +167,7 @@ class Top(Record, abstract=True):
     resting: ClassVar[str]
 
     def seen(self, friction: Any) -> Any:
-        """Return the body as the `b` of formulas: a `Touch`, `Bent` or `Asymmetric`, by the kind of
-        top.
+        """Return the body as the `b` of formulas: a `Touch`, `Bent` or `Asymmetric`.
 
         `friction` is the record of a friction law.
         """
@@ -194,9 +189,7 @@ class Top(Record, abstract=True):
 
 
 def filled(**units: Any) -> Any:
-    """Return a record of a new type, with a unit in each field: the `units` of a form, or of
-    angles.
-    """
+    """Return a record of a new type filled with units: the `units` of a form or of angles."""
     return namedtuple("State", units)(**units)
 
 
@@ -245,8 +238,9 @@ axis = select(lambda state: frame_of if "ix" in state._fields else axis_of)
 
 @formula
 def turning(q):
-    """Return orientation and momentum of a state q as a `Turning`; L about the centre of mass [kg
-    m^2/s].
+    """Return orientation and momentum of a state q as a `Turning`.
+
+    L is about the centre of mass [kg m^2/s].
     """
     return Turning(axis(q), Vector(q.Lx, q.Ly, q.Lz))
 
@@ -286,8 +280,9 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 
 @by_body(of_outline=lambda z, b: b.outline.height)
 def height(z, b):
-    """Return the height of the centre of mass of a body on the plane, s_z = R - c z [m]; z =
-    cos(theta).
+    """Return the height of the centre of mass of a body on the plane, s_z = R - c z [m].
+
+    z is cos(theta), of the inclination of its axis.
     """
     return b.R - b.c * z
 
@@ -300,8 +295,9 @@ def height_of(u, b):
 
 @formula
 def gap(x, b):
-    """Return the gap between the ball of b and the plane [m], negative if it penetrates; x is a
-    `Moving`.
+    """Return the gap between the ball of b and the plane [m], negative if it penetrates.
+
+    x is a `Moving`.
     """
     return x.height - height_of(x.u, b)
 
@@ -310,8 +306,9 @@ def gap(x, b):
     of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.outline.height), of_frame=frame.arm
 )
 def arm(u, b):
-    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point; u is
-    3hat.
+    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
+
+    u is 3hat.
     """
     return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
 
@@ -351,9 +348,7 @@ def angular_velocity_of(x, L3, b):
     of_frame=frame.arm_velocity,
 )
 def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]: the velocity of the contact point relative to the centre of
-    mass.
-    """
+    """Return omega x a, (3,) [m/s]: the velocity of A relative to the centre of mass."""
     u_dot = axis_rate(x, b)
     w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
@@ -370,8 +365,7 @@ def contact_velocity(x, b):
 
 @formula
 def slip_scalars(u, v):
-    """Return v.3hat of the horizontal part of v, (3hat x v).zhat, and the square of the horizontal
-    part.
+    """Return v.3hat, (3hat x v).zhat and v.v of the horizontal part of v.
 
     u is 3hat, v the velocity of the contact point; they are v_u, v_n and v2 of `Scalars`.
     """
@@ -386,17 +380,13 @@ def velocities(x, b):
 
 @formula
 def centre_velocity(x, v, b):
-    """Return the velocity of the centre of mass, v - omega x a, (3,) [m/s], if the contact point
-    has v.
-    """
+    """Return the velocity of the centre of mass, v - omega x a, (3,) [m/s], if A has v."""
     return minus(v, arm_velocity(x, b))
 
 
 @formula
 def of_azimuth(along_e, along_2, phi):
-    """Return x and y of a horizontal vector from its components along e and 2hat, phi being the
-    azimuth.
-    """
+    """Return x and y of a horizontal vector from its components along e and 2hat."""
     ex = cos(phi)
     ey = sin(phi)
     return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
@@ -404,9 +394,7 @@ def of_azimuth(along_e, along_2, phi):
 
 @formula
 def moment(u, F, b):
-    """Return a x F, (3,) [N m]: the torque about the centre of mass of a force F at the contact
-    point.
-    """
+    """Return a x F, (3,) [N m]: the torque about the centre of mass of a force F at A."""
     h = height(u.z, b)
     return Vector(
         b.c * (u.y * F.z) + h * F.y,
@@ -428,8 +416,7 @@ def rolling_velocity(e, s, z, b):
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
-    """Return [], or a sentence if a moment of inertia exceeds the sum of the others, as in no rigid
-    body.
+    """Return [], or a sentence if a moment of inertia exceeds the sum of the others.
 
     `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name.
     """
@@ -493,8 +480,9 @@ def kinematics(x, u_dot, b):
 
 @formula
 def kinematics_of_angles(e, s, z, b):
-    """Return the `Kinematics` of e, a record with theta_dot, phi_dot, omega3; s, z: sin and cos of
-    theta.
+    """Return the `Kinematics` of e, a record with theta_dot, phi_dot, omega3.
+
+    s, z: sin and cos of theta.
     """
     L3 = b.I3 * e.omega3
     phi_dot_s2 = e.phi_dot * s**2
@@ -518,8 +506,7 @@ def sine2(s, b):
 
 @formula
 def contact_mobility(s, b):
-    """Return the upward acceleration of the contact point per unit of g_n/m, a number without a
-    unit.
+    """Return the upward acceleration of A per unit of g_n/m, a number without a unit.
 
     It must be positive; otherwise the contact jams. [denominator of T 3.16]
     """
@@ -529,16 +516,15 @@ def contact_mobility(s, b):
 
 @by_body(of_outline=lambda z_dot, b: b.g - b.outline.bend * (z_dot * z_dot))
 def pull(z_dot, b):
-    """Return g - c' z'^2 [m/s^2]: gravity, less the acceleration by which an outline's ball
-    changes.
-    """
+    """Return g - c' z'^2 [m/s^2]: gravity, less that by which an outline's ball changes."""
     return b.g
 
 
 @formula
 def g_n(s, b):
-    """Return the normal force g_n [N] of a gliding body, from zhat.(dv_A/dt) = 0. [T 3.16, 3.34,
-    5.6]
+    """Return the normal force g_n [N] of a gliding body, from zhat.(dv_A/dt) = 0.
+
+    [T 3.16, 3.34, 5.6]
 
     It is `pull` and the free swing of the axis, divided by `contact_mobility`; s are `Scalars`.
     """
@@ -584,16 +570,13 @@ def bias_n(s, b):
 
 @formula
 def mobility_n(s, b):
-    """Return the acceleration of the contact point along zhat x 3hat per force in that direction
-    [1/kg].
-    """
+    """Return the acceleration of A along zhat x 3hat per force in that direction [1/kg]."""
     return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
 @formula
 def push_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) [m/s^2], the acceleration of the contact point across the
-    lean.
+    """Return (zhat x 3hat).(dv_A/dt) [m/s^2], the acceleration of A across the lean.
 
     [T 3.33]
     """
@@ -658,9 +641,7 @@ def tip_inertia(b):
 
 @formula
 def arm_speed2(s, b):
-    """Return |omega x a|^2 [m^2/s^2], the square of the speed that the centre of mass has in
-    rolling.
-    """
+    """Return |omega x a|^2 [m^2/s^2], the square of the speed of the centre in rolling."""
     w3 = s.L3 / b.I3
     q = b.c - b.R * s.z
     return (
@@ -672,8 +653,7 @@ def arm_speed2(s, b):
 
 @formula
 def modified_energy(s, b):
-    """Return E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J], the energy of the same state in
-    rolling.
+    """Return E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J], the energy in rolling.
 
     [T 4.15, 5.23]
     """

@@ -22,8 +22,7 @@ from .body import axis
 
 @formula
 def transport(f, u, u_dot):
-    """Return f' = -(f.3hat') 3hat [1/s], by which f stays transverse to the axis without spin about
-    it.
+    """Return f' = -(f.3hat') 3hat [1/s]: f stays transverse, without spin about the axis.
 
     u is 3hat and u_dot its rate, (3,) each; the rate of the integrals fx, fy, fz.
     """
@@ -54,13 +53,17 @@ def axes_of_angles(s, z, phi, psi):
 
 @formula
 def psi_of_axes(first, u):
-    """Return psi in (-pi, pi], of axes 1 and 3; 0/0 in meaning exactly at a pole, as phi."""
+    """Return psi in (-pi, pi] [rad], from axes 1 (`first`) and 3 (u), (3,) each.
+
+    Like phi, it is 0/0 in meaning exactly at a pole.
+    """
     return atan2(u.x * first.y - u.y * first.x, -first.z)
 
 
 def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
-    """Return axis 1 at the start, (3,); s, z are sin(theta), cos(theta), `data` may have phi and
-    psi.
+    """Return axis 1 at the start, (3,).
+
+    s, z are sin(theta), cos(theta), `data` may have phi and psi.
     """
     phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
     first, _ = axes_of_angles(s, z, phi, psi)

@@ -204,16 +204,15 @@ def horizontal2(v: Vector) -> Any:
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
-    """Return an event that ends a phase, named as its exit; it happens where function(s, b) is
-    zero.
+    """Return an event that ends a phase, named as its exit.
+
+    It happens where function(s, b) is zero.
     """
     return Event(name, long_name, function, direction, name)
 
 
 def other_gap(s, b):
-    """Return the gap of the other ball while this one touches the plane [m]: the function of
-    `touch`.
-    """
+    """Return the gap [m] of the other ball while this one touches: the function of `touch`."""
     return b.clearance + b.lever * s.z
 
 
@@ -228,8 +227,9 @@ Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def free_rates(q, b):
-    """Return the rates of a flight: 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, and more by
-    surroundings.
+    """Return the rates of a flight: 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat.
+
+    Surroundings add torque and push.
     """
     still = 0 * q.uz
     torque = push = Vector(still, still, still)
@@ -329,9 +329,7 @@ def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...]
     general = phase.form.rates
 
     def rates(q, b):  # fewer products than a x F
-        """Return the rates of 3hat and L of a body without an axis of symmetry, with fewer
-        products.
-        """
+        """Return the rates of a body without an axis of symmetry, with fewer products."""
         if b.around:
             return general(q, b)
         return type(phase.form.units)(*axis_rate(q, b), *rolling_torque(turning(q), b))
@@ -438,9 +436,7 @@ def disc_friction(
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return force and torque per normal force, (3,) each, under a law without regions: -k v_A +
-    zhat.
-    """
+    """Return force -k v_A + zhat and torque per normal force, under a law without regions."""
     k = -slip_coefficient(horizontal2(v), z, b.friction)
     return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
@@ -456,9 +452,7 @@ def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
 
 
 def beyond_rest(s, b):
-    """Return the sum of |v|^2 + U^2 over the contacts, less that of discs at rest: zero where they
-    rest.
-    """
+    """Return the sum of |v|^2 + U^2 over the contacts, less that of discs at rest."""
     rests = STILL**2 + rest_speed2(b)
     return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 
@@ -516,17 +510,14 @@ def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
 
 
 def slip_under(law: Any, *names: str, lies: tuple[str, ...] = AXIS) -> Phase:
-    """Return the phase in which one ball slides under a law, in one of its regions if it has
-    regions.
-    """
+    """Return the phase in which one ball slides under a law, in a region if it has some."""
     friction, *_ = frictions_of(law, names)
     pushed = lambda x, v, b: sliding(x, friction, v, b)  # noqa: E731
     return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed, lies)
 
 
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
-    """Return the region in which each ball slides in the common state x: `bodies` are b for each
-    ball.
+    """Return the region in which each ball slides; `bodies` are b for each of them.
 
     Under a law without regions the result is empty.
     """
@@ -572,8 +563,7 @@ REST = without_slip((LIFTOFF, TOUCH, GIVES))
 
 
 def shared(x, v, frictions, total, swing, b):
-    """Return how both balls share the load: force and torque at the sphere's contact, and `Acts` of
-    each.
+    """Return force and torque of both balls at the sphere's contact, and `Acts` of each.
 
     Parameters
     ----------
@@ -655,9 +645,7 @@ def rolled(x, b):
     slows = b.m * b.g * dot(rolls, omega) * share
 
     def rate(a):
-        """Return the rate of a vector that turns with the body about the vertical and is slowed
-        with it.
-        """
+        """Return the rate of a vector that turns about the vertical and slows with the body."""
         return plus(times(slows, a), cross(turn, a))
 
     L_dot = pushed = rate(x.L)
@@ -705,8 +693,7 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 def phases_under(
     law: Any, lies: tuple[str, ...] = AXIS, surrounded: bool = False
 ) -> dict[tuple[str, ...], Phase]:
-    """Return the phases under a law, by label and its regions on each ball: {("slip",): Phase,
-    ...}.
+    """Return the phases under a law: {("slip",): Phase, ...}, by label and regions.
 
     Parameters
     ----------
@@ -750,8 +737,7 @@ def without_slip_on_both(x: Moving, b: Touch) -> Moving:
 
 
 def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:
-    """Return the common state after impulses on both balls have stopped theta' and the vertical
-    velocity.
+    """Return the common state after impulses have stopped theta' and the vertical velocity.
 
     They replace the infinitely many ever smaller hops from one ball to the other. `frictions` are
     those of `frictions_of`.

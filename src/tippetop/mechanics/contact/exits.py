@@ -120,7 +120,7 @@ def rise(x: Moving, b: Touch) -> Any:
     return contact_velocity(x, b).z
 
 
-def size(v: Vector) -> Any:
+def horizontal_size(v: Vector) -> Any:
     """Return the length of the horizontal part of a vector, such as the speed of slip."""
     return sqrt(horizontal2(v))
 
@@ -137,8 +137,7 @@ def both_rest(x: Moving, world: Any) -> bool:
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return n with the reference of Jellett's integral set to its value for the ball that touches
-    now.
+    """Return n with Jellett's integral of the ball that touches now as its reference.
 
     The integral is conserved for one ball only, so its drift is counted from the first touch.
     """
@@ -161,9 +160,7 @@ def first_touch(n: Next, world: Any) -> Next:
 
 
 def begin(x: Moving, world: Any) -> Next:
-    """Return the phase in which a run begins: a flight, or what follows if a ball touches the
-    plane.
-    """
+    """Return the phase in which a run begins: a flight, or as after a ball touches."""
     there = {k: rise(x, world.body[k]) for k in touching(x, world)}
     ball = min(there, key=there.__getitem__, default=0)
     if not there or there[ball] > CLOSES_AT:
@@ -224,8 +221,9 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
         return bias_vector(x, b).z
 
     def gap_acceleration(time: float) -> Any:
-        """Return the acceleration of the gap after a short time; it does not depend on the
-        velocity.
+        """Return the acceleration of the gap after a short time.
+
+        It does not depend on the velocity.
         """
         u = moved(x.u, contact.axis_rate(x, b), time)
         L = moved(x.L, around_torque(x, b), time) if b.around else x.L
@@ -250,7 +248,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
     b = world.body[ball]
     law = b.friction
     roots = {"touch": zeros} if len(touching(x, world)) > 1 else {}
-    if not law.set_valued or size(contact_velocity(x, b)) > STOPS_AT:
+    if not law.set_valued or horizontal_size(contact_velocity(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, b))
         phase = world.phases[name]
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
@@ -268,8 +266,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
 
 
 def on_edge(x: Moving, ball: int, cause: str, roots: Any = ()) -> Next:
-    """Return rolling on the edge of the friction cone: slip should begin, but only rounding moves
-    it.
+    """Return rolling on the edge of the friction cone, where only rounding makes it slide.
 
     `roots` are event functions of the phase that are zero now, and their multiplicity.
     """
@@ -360,9 +357,9 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     if e_n == 0:  # it does not rise by rounding
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
-    slides = (size(v), size(after))
+    slides = (horizontal_size(v), horizontal_size(after))
     mode = IMPACT.mode.index(impact.mode)
-    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
+    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, horizontal_size(p), impact.gained, mode)
     return x, hit, impact.makes_energy
 
 
@@ -492,9 +489,7 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     pattern = known.series([known.delay])
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return the rate at which the end changes if the numbers change by `way` and the time by
-        `pace`.
-        """
+        """Return the rate of the end if the numbers change by `way` and the time by `pace`."""
         total: Any = 0.0
         for k, weight in WEIGHTS.items():
             numbers = map(eighty_bits, leaves(values))
@@ -583,7 +578,9 @@ def slide_on(x: Moving, world: Any) -> Next:
     ball = world.phase.ball
     b = world.body[ball]
     v = contact_velocity(x, b)
-    if size(v) > STOPS_AT and (n := slide(x, world, ball, atan2(v.y, v.x), "", size(v))):
+    if horizontal_size(v) > STOPS_AT and (
+        n := slide(x, world, ball, atan2(v.y, v.x), "", horizontal_size(v))
+    ):
         return n
     x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
     n = on_plane(x, world, ball, "stick")
@@ -620,7 +617,11 @@ def roll_on_both(n: Next, world: Any) -> Next:
     b = world.body[0]
     x = without_slip_on_both(n.x, b)
     F = rolled(x, b)[0]
-    return Next(phase_name("both", 0, "roll"), x, "rests") if size(F) < b.friction.mu * F.z else n
+    return (
+        Next(phase_name("both", 0, "roll"), x, "rests")
+        if horizontal_size(F) < b.friction.mu * F.z
+        else n
+    )
 
 
 def give_way(x: Moving, world: Any) -> Next:
@@ -662,7 +663,7 @@ def at_rest(n: Next, world: Any) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
+    gains = 1 / b.m if horizontal_size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
     if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)

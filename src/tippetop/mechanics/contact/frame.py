@@ -22,9 +22,7 @@ from ..operand import Operand, Vector, cross, dot, minus, plus, sqrt, times
 
 
 class Asymmetric(NamedTuple):
-    """A body without an axis of symmetry: the argument `b` of formulas. `systems.ellipsoid` makes
-    it.
-    """
+    """A body without an axis of symmetry, `b` of formulas. `systems.ellipsoid` makes it."""
 
     m: Operand  # [kg]
     I1: Operand  # about the centre of mass [kg m^2]
@@ -95,8 +93,7 @@ class Ellipsoid(NamedTuple):
         return Vector(along, self.a12 * v.x + self.a22 * v.y, self.a33 * v.z)
 
     def edge(self, up: Vector) -> tuple[Vector, Operand]:
-        """Return the highest point as a vector from the centre, (3,) [m], and its height above it
-        [m].
+        """Return the highest point from the centre, (3,) [m], and its height above it [m].
 
         `up` is zhat along axes 1, 2, 3.
         """
@@ -105,9 +102,7 @@ class Ellipsoid(NamedTuple):
         return times(1 / k, q), k
 
     def arm(self, up: Vector) -> Vector:
-        """Return the arm, (3,) [m], along axes 1, 2, 3: to the centre, and from there to the lowest
-        point.
-        """
+        """Return the arm along axes 1, 2, 3, (3,) [m]: by the centre to the lowest point."""
         top, _ = self.edge(up)
         return minus(Vector(self.x, self.y, self.z), top)
 
@@ -204,8 +199,7 @@ def turning(torque, a, b):
 
 
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x = m (x - m w x a) in space, (3,): the force that gives the contact acceleration
-    x.
+    """Return K^-1 x = m (x - m w x a), (3,): the force that gives A the acceleration x.
 
     x is a vector in space; the impulse that gives the velocity x is the same.
     """
@@ -224,8 +218,9 @@ def gyration(omega, b):
 
 
 def swing(x, b):
-    """Return omega x a' - g zhat along the axes of the body [m/s^2]; a' is the rate of the arm in
-    space.
+    """Return omega x a' - g zhat along the axes of the body [m/s^2].
+
+    a' is the rate of the arm in space.
 
     It is the acceleration of the contact point without a force there and without omega'.
     """

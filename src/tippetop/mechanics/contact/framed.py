@@ -177,8 +177,9 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
 
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg]; must be
-    positive.
+    """Return the upward acceleration of the contact point per normal force [1/kg].
+
+    It must be positive.
     """
     force, torque = smooth_friction(s.v, s.v, s.z, b)
     return gains(s.u, force, torque, b)[0].z

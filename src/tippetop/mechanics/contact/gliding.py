@@ -102,8 +102,9 @@ def sliding_velocity(q, b):
 
 @formula
 def vector_scalars(q, b):
-    """Return the `Scalars` of a vector state; their L3 is L.3hat, so that the carried L_3 is
-    checked too.
+    """Return the `Scalars` of a vector state.
+
+    Their L3 is L.3hat, so that the carried L_3 is checked too.
     """
     u = axis(q)
     v = sliding_velocity(q, b)
@@ -288,9 +289,7 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
     """
 
     def to_angles(q: Any, carried: Any, b: Any) -> Any:
-        """Return the record `units` of a state: angles and rates from its scalars, the rest from
-        `carried`.
-        """
+        """Return the record `units` of a state: angles and rates, the rest from `carried`."""
         c = scalars(q, b)
         s = sqrt(c.s2)
         known = {
@@ -378,16 +377,16 @@ ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag
 
 
 def start_of(angles: Any) -> Callable:
-    """Return `System.start` of a body with these angles: numbers of the user -> the record of
-    angles.
+    """Return `System.start` of a body: numbers of the user -> the record of angles.
 
     What the user does not give is zero. psi_dot may be given instead of omega3, and centre_at_rest
     instead of nu_x and nu_y.
     """
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-        """Return the record `angles` from the numbers that the user gave; s, z are sin(theta),
-        cos(theta).
+        """Return the record `angles` from the numbers that the user gave.
+
+        s, z are sin(theta), cos(theta).
         """
         e = type(angles)(*(data.get(name, 0) for name in angles._fields))
         if "psi_dot" in data:
@@ -407,8 +406,7 @@ NOT_JAMMED = Domain(
 
 
 def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
-    """Return the integrals `work` [J] and `impulse` [N s] of a form whose scalars are scalars(q,
-    b).
+    """Return the integrals `work` [J] and `impulse` [N s] of a form with scalars(q, b).
 
     Their rates are the friction power and the normal force.
     """
@@ -459,17 +457,16 @@ LONG_NAMES = {
 
 @formula
 def theta_turns(s, b):
-    """Return z' = -theta' sin(theta), the function of the event `turning`; it is zero at a pole
-    too.
+    """Return z' = -theta' sin(theta), the function of the event `turning`.
+
+    It is zero at a pole too.
     """
     return s.z_dot
 
 
 @formula
 def equator(s, b):
-    """Return z = cos(theta), the function of the event `equator`: zero where the axis is
-    horizontal.
-    """
+    """Return z = cos(theta), the function of `equator`: zero where the axis is horizontal."""
     return s.z
 
 

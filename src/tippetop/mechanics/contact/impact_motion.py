@@ -98,9 +98,7 @@ def speeds(q: Any) -> Speeds:
 
 
 def responses(b: Any, by: Acts) -> tuple[Vector, Vector]:
-    """Return dv_A/dp [1/kg] and domega/dp, (3,) each, of the normal impulse p under the actions
-    `by`.
-    """
+    """Return dv_A/dp [1/kg] and domega/dp, (3,) each, of the normal impulse p."""
     return gains(b.u, by.force, by.torque, b.touch)
 
 
@@ -115,7 +113,11 @@ def stages(law: Any) -> dict[str, Stage]:
     """
 
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
-        """Return the motion in one region of the law: its form, and the events that end it."""
+        """Return the motion in one region of the law: its form, and the events that end it.
+
+        `friction` is that of the region, None at rest; `follows` has the border for each of its
+        events.
+        """
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):
@@ -189,9 +191,10 @@ def region_at(q: Any, b: Any) -> str:
     return region_of(speeds(q), b.touch)
 
 
-def left(by: Acts, b: Any) -> Any:
-    """Return by how much friction can hold the contact at rest, see `margin`; negative if it
-    cannot.
+def holding_margin(by: Acts, b: Any) -> Any:
+    """Return by how much friction can hold the contact at rest, see `margin`.
+
+    The result is negative if it cannot.
     """
     return margin(by.force, by.torque.z, b.touch.friction)
 

@@ -29,16 +29,18 @@ NAMED = {
 
 
 def integral(name: str, rate: Callable | None) -> Integral:
-    """Return the integral of this name, one of NAMED; rate(q, carried, b), None in a form of rows
-    only.
+    """Return the integral of this name, one of NAMED.
+
+    `rate` is rate(q, carried, b), or None in a form of rows only.
     """
     unit, long_name = NAMED[name]
     return Integral(name, unit, long_name, rate, of="normal_force" if name == "impulse" else "")
 
 
 def place(velocity: Callable) -> tuple[Integral, ...]:
-    """Return the integrals x and y; velocity(q, carried, b) returns that of the centre of mass,
-    (2,).
+    """Return the integrals x and y of the centre of mass.
+
+    velocity(q, carried, b) returns its horizontal velocity, (2,) [m/s].
     """
     return tuple(
         integral(name, lambda q, carried, b, k=k: velocity(q, carried, b)[k])

@@ -104,9 +104,7 @@ def kind_of(law: Any) -> tuple:
 
 
 def in_plane(form: Form) -> Form:
-    """Return a form for a motion in a plane: theta is an integral too, and the azimuth of slip is
-    fixed.
-    """
+    """Return a form for a motion in a plane: theta is an integral too, and beta' = 0."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
 
     def rates(q: Any, b: Any) -> Any:
@@ -231,8 +229,9 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     phases = phases_of(opening, law, balls, () if apart else of_axis, around)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-        """Return the record of angles of a start, with gap and nu_z; s, z are sin(theta),
-        cos(theta).
+        """Return the record of angles of a start, with gap and nu_z.
+
+        s, z are sin(theta), cos(theta).
         """
         e = system.start(data, s, z, b)
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))

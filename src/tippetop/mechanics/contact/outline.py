@@ -68,8 +68,9 @@ class Spheroid(NamedTuple):
         return self.a + self.b
 
     def height(self, z: Series, s2: Series) -> Series:
-        """Return the height of the centre of mass on the plane [m]; z is cos(theta), s2
-        sin(theta)^2.
+        """Return the height of the centre of mass on the plane [m].
+
+        z is cos(theta), s2 sin(theta)^2.
         """
         return root(z * z * self.a**2 + s2 * self.b**2) - z * self.c
 
@@ -87,8 +88,9 @@ class Rim(NamedTuple):
         return self.ring + self.tube
 
     def height(self, z: Series, s2: Series) -> Series:
-        """Return the height of the centre of mass on the plane [m]; z is cos(theta), s2
-        sin(theta)^2.
+        """Return the height of the centre of mass on the plane [m].
+
+        z is cos(theta), s2 sin(theta)^2.
         """
         return root(s2) * self.ring + self.tube - z * self.c
 

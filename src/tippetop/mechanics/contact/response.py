@@ -115,9 +115,7 @@ def bent_bias(x, b):
 
 @by_body(of_outline=bent_bias, of_frame=frame.bias_vector)
 def own_bias(x, b):
-    """Return the acceleration of A without a force there, on a level plane in still air, (3,)
-    [m/s^2].
-    """
+    """Return `bias_vector` on a level plane in still air, (3,) [m/s^2]."""
     u_dot = axis_rate(x, b)
     free = times(b.c / b.I1, cross(x.L, u_dot))
     spin = b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
@@ -226,9 +224,7 @@ def turning(u, b):
 
 
 def impulses(u, v, Omega_z, b):
-    """Return the impulses of force and torque (3,) that add v to v_A, and Omega_z to a disc's
-    turning.
-    """
+    """Return the impulses of force and torque (3,) that add v to v_A, and Omega_z to a disc."""
     if isinstance(b, Asymmetric):  # a point, which turns freely
         return mobility_inverse_times(u, v, b), times(0, v)
     along, per, less = turning(u, b)

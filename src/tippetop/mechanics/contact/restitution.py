@@ -1,4 +1,8 @@
-"""Parameters of a contact that may open: the law of impact, and the stem."""
+"""Parameters of a contact that may open: the law of impact, and the stem.
+
+`scenario.contact` makes a `ContactLaw` of the tables [contact] and [stem]; jumps take it as
+`world.rules`.
+"""
 
 import math
 from typing import NamedTuple
@@ -53,8 +57,9 @@ STEM = {
 
 
 def stem_faults(R: float, r: float, h: float) -> list[str]:
-    """Return [] or a sentence on a stem that does not fit a sphere of radius R; r, h of
-    `ContactLaw` [m].
+    """Return [] or a sentence on a stem that does not fit a sphere of radius R.
+
+    r, h of `ContactLaw` [m].
     """
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]

@@ -104,8 +104,9 @@ def reaction(x, b):
 
 @formula
 def scalars(x, u_dot, v, b):
-    """Return the `Scalars` of a `Turning` x with 3hat' = u_dot; v: velocity of the centre of mass,
-    (3,).
+    """Return the `Scalars` of a `Turning` x with 3hat' = u_dot.
+
+    v: velocity of the centre of mass, (3,).
     """
     F = reaction(x, b)
     return Scalars(*contact.kinematics(x, u_dot, b), v.x**2 + v.y**2, F.x**2 + F.y**2)
@@ -113,8 +114,9 @@ def scalars(x, u_dot, v, b):
 
 @formula
 def scalars_by_kinematics(s, b):
-    """Return the `Scalars` of `Kinematics` s; 0/0 at a pole, as |F_h| is computed from its two
-    parts.
+    """Return the `Scalars` of `Kinematics` s.
+
+    They are 0/0 at a pole, as |F_h| is computed from its two parts.
     """
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     return Scalars(*s, speed2, (push_along(s, b) ** 2 + push_across(s, b) ** 2) / s.s2)

@@ -140,9 +140,7 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 
 def ball_of(q, b):
-    """Return the body as a `Touch` of the ball that touches: R and c are those of a row, or its
-    scalars.
-    """
+    """Return the body as a `Touch` of the ball that touches, by R and c of a row."""
     return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
@@ -152,8 +150,7 @@ def lowest_velocity(q, b):
 
 
 def motion(x, v, power, gap, b):
-    """Return the scalars MOTION, in this order, of a common state x whose contact point has v,
-    (3,).
+    """Return the scalars MOTION, in order, of a common state x; v is v_A, (3,).
 
     power: that friction takes [W]; gap: of the ball in contact [m].
     """

@@ -1,4 +1,8 @@
-"""User-defined bodies of revolution, by the height of their centre of mass on the plane."""
+"""User-defined bodies of revolution, by the height of their centre of mass on the plane.
+
+Numbers and a height(z, s2, numbers) go in; `body_by_height` returns a class like `Spheroid`, whose
+`shape` is an outline as in `contact.outline`.
+"""
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
