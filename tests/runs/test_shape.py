@@ -112,6 +112,7 @@ def test_an_ellipsoid_of_simulators_has_its_axes_and_moments() -> None:
     surface = shapes.surface_of(STONE)
     model = simulators.Model(tt.load("spinning-egg"))
     model.moments, model.surfaces = shapes.moments(STONE), {"ellipsoid": surface}
+    model.frame = surface.centre
     body = ElementTree.fromstring(simulators._mjcf(model)).find("worldbody/body")
     assert body is not None
     geom, inertial = (body.find(name).attrib for name in ("geom", "inertial"))  # type: ignore

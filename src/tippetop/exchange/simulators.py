@@ -174,12 +174,15 @@ class Model:
         In SI units.
     fixed
         Whether its tip is fixed.
+    frame
+        The tip, or the centre of the surface, from the centre of mass.
     moments, inertia
         Principal moments of inertia; the same as text by their names in URDF and SDF.
     gravity
         In the axes of the plane, which is level in a simulator, as text.
     surfaces
-        Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem.
+        Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem; none if
+        the tip is fixed.
     friction
         Coefficients of sliding, and of drilling and rolling torques [m].
     bounce
@@ -203,8 +206,11 @@ class Model:
         touching = surface_of(self.body)
         pointed = not touching.half.any()
         tip = TIP * abs(touching.centre[2])
-        name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
-        self.surfaces = {name: touching._replace(half=np.full(3, tip)) if pointed else touching}
+        self.frame = touching.centre
+        self.surfaces = {}
+        if not fixed:
+            name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
+            self.surfaces[name] = touching._replace(half=np.full(3, tip)) if pointed else touching
         if opens is not None and opens.stem:
             centre = touching.centre + np.array([0.0, 0.0, opens.h])
             self.surfaces["stem"] = Surface(centre, np.full(3, opens.r))
@@ -281,20 +287,24 @@ def _ellipsoid(surface: Surface) -> str:
 def _mjcf(model: Model) -> str:
     """Return the text of a model of MuJoCo (MJCF); the start is its keyframe."""
     body, start, (mu, torsion, rolling) = model.body, model.start, model.friction
-    frame = next(iter(model.surfaces.values())).centre  # or the fixed tip
+    frame = model.frame
     inertia = (
         f'<inertial pos="{_numbers(-frame)}" mass="{_numbers(body.m)}" '
         f'diaginertia="{_numbers(*model.moments)}"/>'
     )
     condim = 6 if rolling else 4 if torsion else 3 if mu else 1
     surface = f'condim="{condim}" friction="{_numbers(*model.friction)}"'
+    geoms = "\n".join(
+        f'      <geom name="{name}" {_ellipsoid(each)} pos="{_numbers(each.centre - frame)}" '
+        f"{surface}/>"
+        for name, each in model.surfaces.items()
+    )
     frames = (
         "the body frame is at the centre of the ball, or at a fixed tip: only there MuJoCo "
         "computes the acceleration of the contact in full; the centre of mass is xipos"
     )
     if model.fixed:
         joint = '<joint name="tip" type="ball" damping="0"/>'
-        geoms = ""
         floor = ""
         default = ""
         contact_words = "the tip is held by a ball joint at the origin: there is no plane"
@@ -302,11 +312,6 @@ def _mjcf(model: Model) -> str:
         qvel = _numbers(start.omega)
     else:
         joint = "<freejoint/>"
-        geoms = "\n".join(
-            f'      <geom name="{name}" {_ellipsoid(each)} pos="{_numbers(each.centre - frame)}" '
-            f"{surface}/>"
-            for name, each in model.surfaces.items()
-        )
         floor = f'<geom name="floor" type="plane" size="1 1 0.1" {surface}/>'
         default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
         contact_words = (
@@ -350,7 +355,7 @@ def _urdf(model: Model) -> str:
     balls = "\n".join(
         f'    <collision name="{name}">\n      <origin xyz="{_numbers(each.centre)}"/>\n'
         f'      <geometry><sphere radius="{_numbers(each.half[0])}"/></geometry>\n    </collision>'
-        for name, each in ([] if model.fixed else model.surfaces.items())
+        for name, each in model.surfaces.items()
     )
     inertia = " ".join(f'{name}="{value}"' for name, value in model.inertia.items())
     return f"""<?xml version="1.0"?>
@@ -407,7 +412,7 @@ def _sdf(model: Model) -> str:
           <geometry>{_sdf_geometry(each)}</geometry>
           {surface}
         </collision>"""
-        for name, each in ([] if fixed else model.surfaces.items())
+        for name, each in model.surfaces.items()
     )
     inertia = "".join(f"<{name}>{value}</{name}>" for name, value in model.inertia.items())
     pose = _numbers(model.start.place, _roll_pitch_yaw(model.start.quaternion))
@@ -421,12 +426,11 @@ def _sdf(model: Model) -> str:
         </collision>
       </link>
     </model>"""
-    tip = next(iter(model.surfaces.values())).centre
     joint = f"""
       <joint name="tip" type="ball">
         <parent>world</parent>
         <child>top</child>
-        <pose>{_numbers(tip)} 0 0 0</pose>
+        <pose>{_numbers(model.frame)} 0 0 0</pose>
       </joint>"""
     version = "1.8" if "ellipsoid" in model.surfaces else "1.6"
     return f"""<?xml version="1.0"?>

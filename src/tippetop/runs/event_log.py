@@ -95,8 +95,6 @@ class EventLog:
             rows (internal).
         """
         keep = self.is_logged[zeros.events]
-        if not keep.any():
-            return self.empty, [], np.zeros((0, 0))
         zeros = Passages(*(values[keep] for values in zeros))
         values = self.view.evaluate(zeros.states)
         kind = self.kind[zeros.events]
