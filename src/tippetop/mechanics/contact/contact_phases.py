@@ -5,7 +5,6 @@ common state.
 from collections import namedtuple
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -118,11 +117,11 @@ def on_ball(
         changes(q, G) -> the rates of these, G being the acceleration of the contact point.
     """
 
-    def moving(q, b):
+    def in_place(q, b):
         return leave(q, b) if b.around and b.around.table else turning(q)
 
     def acts(q, b):
-        x = moving(q, b)
+        x = in_place(q, b)
         force, torque, *sides = forces(x, q, b)
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
@@ -132,7 +131,7 @@ def on_ball(
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
             turn = plus(turn, around_torque(turning(q), b))
-        G = contact_acceleration(moving(q, b), by.force, by.torque, b)
+        G = contact_acceleration(in_place(q, b), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
@@ -197,29 +196,25 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 Free: Any = namedtuple("Free", "z z_dot gap")
 
 
+def moving(q: Any, carried: Any = ()) -> Moving:
+    """Return the common state of a body in flight, or of a row."""
+    x = turning(q)
+    return Moving(x.u, x.L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height, carried)
+
+
 def free_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings."""
     still = 0 * q.uz
     torque = push = Vector(still, still, still)
     if b.around:
-        push = pushing(free_velocity(q), still, b)
+        push = pushing(moving(q).velocity, still, b)
         torque = around_torque(turning(q), b)
     return *axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot
 
 
-def free_leave(q, b):
-    """Return the common state of a body in flight."""
-    return Moving(axis(q), turning(q).L, free_velocity(q), q.height)
-
-
-def free_velocity(q):
-    """Return the velocity of the centre of mass of a body in flight."""
-    return Vector(q.rx_dot, q.ry_dot, q.rz_dot)
-
-
 def free_power(q, carried, b):
     """Return the power that the surroundings take from a body in flight [W]."""
-    return surroundings_power(free_leave(q, b), b)
+    return surroundings_power(moving(q), b)
 
 
 def free_jellett_loss(q, carried, b):
@@ -227,7 +222,6 @@ def free_jellett_loss(q, carried, b):
     return dot(around_torque(turning(q), b), arm(axis(q), b))
 
 
-@cache
 def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     """Return free flight of a body whose state has these variables of how it lies."""
     units = state(lies, **VELOCITY, height=METRE)
@@ -238,7 +232,7 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
         lambda q, b: type(units)(*free_rates(q, b)),
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height_of(axis(q), b)),
         integrals=(
-            *place(lambda q, carried, b: free_velocity(q)),
+            *place(lambda q, carried, b: moving(q).velocity),
             *(losses if surrounded else ()),
         ),
         orientation=orientation_of(units),
@@ -251,7 +245,8 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     def enter(x: Moving, b: Any) -> Any:
         return type(units)(*x.u, *x.L, *x.velocity, x.height)
 
-    return Phase(form, (), events, (), enter, free_leave, lambda q, b: Reaction(zero_vector(q)))
+    leave = lambda q, b: moving(q)  # noqa: E731
+    return Phase(form, (), events, (), enter, leave, lambda q, b: Reaction(zero_vector(q)))
 
 
 FLIGHT = flight()
@@ -328,16 +323,13 @@ STICK = ending(
 )
 
 
-@cache
-def under_coulomb(
-    lies: tuple[str, ...] = AXIS, surrounded: bool = False
-) -> dict[tuple[str, ...], Phase]:
-    """Return the phases under Coulomb's law itself.
+def coulomb_slip(lies: tuple[str, ...]) -> Phase:
+    """Return the phase of sliding under Coulomb's law itself.
 
-    Where it slides, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and
-    its direction its length, where sliding stops.
+    v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
+    length, where sliding stops.
     """
-    slip = on_ball(
+    return on_ball(
         state(lies, beta=RADIAN, w=METRE_PER_SECOND),
         (LIFTOFF, TOUCH, STICK),
         lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
@@ -345,8 +337,6 @@ def under_coulomb(
         lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
         directed_changes,
     )
-    roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
-    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies, surrounded)}
 
 
 # --- sliding of a disc, under a law with regions ------------------------------------------------
@@ -637,9 +627,10 @@ def phases_under(
     law: Any, lies: tuple[str, ...] = AXIS, surrounded: bool = False
 ) -> dict[tuple[str, ...], Phase]:
     """Return the phases under a law, by label and its regions on each ball in contact."""
-    if law.set_valued:
-        return under_coulomb(lies, surrounded)
     flies = flight(lies, surrounded)
+    if law.set_valued:
+        roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
+        return {("slip",): coulomb_slip(lies), ("roll",): roll, ("flight",): flies}
     if not law.regions:
         general = law.torque or surrounded or lies is not AXIS
         slip = slip_under(law, lies=lies) if general else SLIP
