@@ -29,7 +29,7 @@ from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, Moving, Turning, filled
 from .body_axes import axes_of_angles
-from .contact_phases import OF_FRAME, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, moving, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
 from .response import gains
 
@@ -117,7 +117,7 @@ energy of rotation.
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
     """Return the `Scalars` of a row q."""
-    x = rows.moving(q, ())
+    x = moving(q)
     u = x.u
     up = frame.up(u)
     omega = frame.turns(x, b)
@@ -203,37 +203,31 @@ def heading(s: Any, b: Asymmetric) -> Any:
     return atan2(along.y, along.x)
 
 
-def tilt(s: Any, b: Asymmetric) -> Any:
-    """Return the elevation of half axis a [rad]."""
-    return atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z))
-
-
-def roll(s: Any, b: Asymmetric) -> Any:
-    """Return the turn about half axis a [rad], zero where half axis b is horizontal."""
-    return atan2(s.up.y, s.up.z)
-
-
-def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return a number with the opposite sign of roll': the function of the event `roll_peak`."""
-    return s.turns.y * s.up.z - s.up.y * s.turns.z
-
-
 SPIN = "angular velocity about the vertical"
 COMMON = (
     rows.ENERGY,
     rows.NORMAL_FORCE,
     Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, lambda s, b: s.spin),
     Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
-    Quantity("tilt", "", RADIAN, "elevation of half axis a", tilt),
-    Quantity("roll", "", RADIAN, "turn about half axis a, in (-pi, pi]", roll),
+    Quantity(
+        "tilt",
+        "",
+        RADIAN,
+        "elevation of half axis a",
+        lambda s, b: atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z)),
+    ),
+    Quantity(
+        "roll",
+        "",
+        RADIAN,
+        "turn about half axis a, in (-pi, pi]",
+        lambda s, b: atan2(s.up.y, s.up.z),
+    ),
 )
 QUANTITIES = (*COMMON, rows.FRICTION_POWER)
 _, HORIZONTAL, NEEDED = rolling.REACTION
-ROLLING_QUANTITIES = (
-    *COMMON,
-    HORIZONTAL,
-    replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force),
-)
+FRICTION_NEEDED = replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force)
+ROLLING_QUANTITIES = (*COMMON, HORIZONTAL, FRICTION_NEEDED)
 
 OF_AXES = (
     Event(
@@ -251,7 +245,11 @@ OF_AXES = (
         "the tilt (pitch) of half axis a is greatest or least",
         lambda s, b: s.turns.x,
     ),
-    Event("roll_peak", "the roll about half axis a is greatest or least", roll_rate),
+    Event(
+        "roll_peak",
+        "the roll about half axis a is greatest or least",
+        lambda s, b: s.turns.y * s.up.z - s.up.y * s.turns.z,
+    ),
     gliding.EQUATOR,
     gliding.INVERTED,
 )
