@@ -212,20 +212,16 @@ def free_rates(q, b):
     return *axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot
 
 
-def free_power(q, carried, b):
-    """Return the power that the surroundings take from a body in flight [W]."""
-    return surroundings_power(moving(q), b)
-
-
-def free_jellett_loss(q, carried, b):
-    """Return the rate at which a body in flight loses Jellett's integral."""
-    return dot(around_torque(turning(q), b), arm(axis(q), b))
-
-
 def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     """Return free flight of a body whose state has these variables of how it lies."""
     units = state(lies, **VELOCITY, height=METRE)
-    losses = integral("work", free_power), integral("jellett_lost", free_jellett_loss)
+    losses = (
+        integral("work", lambda q, carried, b: surroundings_power(moving(q), b)),
+        integral(
+            "jellett_lost",
+            lambda q, carried, b: dot(around_torque(turning(q), b), arm(axis(q), b)),
+        ),
+    )
     form = Form(
         "vector",
         units,
