@@ -244,23 +244,19 @@ def free_rates(q, b):
     return *axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot
 
 
-def free_power(q, carried, b):
-    """Return the power that the surroundings take from a body in flight [W]."""
-    return surroundings_power(moving(q), b)
-
-
-def free_jellett_loss(q, carried, b):
-    """Return the rate at which the air takes Jellett's integral in flight [kg m^3/s^2]."""
-    return dot(around_torque(turning(q), b), arm(axis(q), b))
-
-
 def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     """Return the phase of free flight; `lies` are the names of the variables of the orientation.
 
     `surrounded`: whether air or plane take energy in flight.
     """
     units = state(lies, **VELOCITY, height=METRE)
-    losses = integral("work", free_power), integral("jellett_lost", free_jellett_loss)
+    losses = (
+        integral("work", lambda q, carried, b: surroundings_power(moving(q), b)),
+        integral(
+            "jellett_lost",
+            lambda q, carried, b: dot(around_torque(turning(q), b), arm(axis(q), b)),
+        ),
+    )
     form = Form(
         "vector",
         units,

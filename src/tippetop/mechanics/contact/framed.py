@@ -64,11 +64,9 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
-    along = Vector(cos(given.phi), sin(given.phi), none)
     if any(name in data for name in LYING):
-        heads = Vector(cos(given.heading), sin(given.heading), none)
-        across = Vector(-heads.y, heads.x, none)
-        one = plus(times(cos(given.tilt), heads), Vector(none, none, sin(given.tilt)))
+        across = Vector(-sin(given.heading), cos(given.heading), none)
+        one = times(cos(given.tilt), Vector(across.y, -across.x, none))._replace(z=sin(given.tilt))
         two = plus(times(cos(given.roll), across), times(sin(given.roll), cross(one, across)))
         third = cross(one, two)
         first = minus(times(b.outline.cos, one), times(b.outline.sin, two))
@@ -77,10 +75,11 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     u = Frame(*third, *first)
     if "psi_dot" in data:
         given.omega3 = given.psi_dot + given.phi_dot * u.z
-    node = Vector(-along.y, along.x, none)
+    node = Vector(-sin(given.phi), cos(given.phi), none)
     swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)  # zhat - z 3hat
     omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
-    omega = plus(plus(omega, times(given.omega3, third)), Vector(none, none, given.spin))
+    omega = plus(omega, times(given.omega3, third))
+    omega = omega._replace(z=omega.z + given.spin)
     x = Turning(u, frame.momentum(omega, u, b))
     vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
     velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)

@@ -251,8 +251,8 @@ def resting(x, b):
     framed = isinstance(b, Asymmetric)
     if framed and not b.around:
         return frame.resting(x, b)
-    bias = bias_vector(x, b)
     free = 0 if framed else own_turn(x, b)
+    bias = bias_vector(x, b)
     if b.around:
         _, turns = gains(x.u, times(0, bias), around_torque(x, b), b)
         free = free + turns.z

@@ -187,7 +187,7 @@ def row_of_angles(e, s, z, b):
     velocity = Vector(along_x - v.x, along_y - v.y, e.nu_z - v.z)
     return filled_row(
         ROW_UNITS,
-        Moving(*x, velocity, e.gap + b.R - b.c * z),
+        Moving(x.u, x.L, velocity, e.gap + b.R - b.c * z),
         radius=b.R + none,
         offset=b.c + none,
         jellett_taken=contact.jellett_of(x.L.z, b.I3 * e.omega3, b),
