@@ -495,11 +495,16 @@ class HybridDriver(Driver):
     def solver_of(self, name: str) -> PhaseSolver:
         """Return the phase of this name, which is compiled when it is first entered."""
         if name not in self.solvers:
-            solver = self.solvers[name] = PhaseSolver(self, name)
-            if self.jump_programs:
-                for jump in solver.exits.values():
-                    self.jump_programs.register(solver, jump)
+            self.add_solver(PhaseSolver(self, name))
         return self.solvers[name]
+
+    def add_solver(self, solver: PhaseSolver) -> None:
+        """Add a phase, and the programs of its exits."""
+        self.solvers[solver.name] = solver
+        if self.jump_programs:
+            self.jump_programs.add_loop(solver.at, solver.workspace.loop)
+            for jump in solver.exits.values():
+                self.jump_programs.register(solver, jump)
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, compiled."""

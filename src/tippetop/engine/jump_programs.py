@@ -136,6 +136,10 @@ class JumpPrograms:
         self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
         self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
+    def add_loop(self, place: int, loop: Any) -> None:
+        """Let programs use the loop of a phase, or of a motion."""
+        self.loops[place] = ctypes.addressof(loop.structure)
+
     def learn(self, jump: Any, *given: Any) -> None:
         """Count a jump that Python has made with these arguments, and record it when it is due.
 
@@ -161,7 +165,7 @@ class JumpPrograms:
         for program in jump.programs[len(taken) :]:
             run.solver_of(program.phase)  # compiles it, so that the loop can enter it
             for place, region in program.motions:
-                self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
+                self.add_loop(place, run.impacts.driver(region).loop)
             registers = program.code.registers.copy()
             change = program.code._replace(registers=registers, number=len(self.known))
             self.known.append(program._replace(code=change))
@@ -243,7 +247,6 @@ class JumpPrograms:
         record = self.record
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
-            self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
         until = run.motion.end[0]
         state = 0.0, 0.0, run.end, until, until, run.began, run.ending, run.solver.at
         self.top[0] = *state, 0, 0, 0, run.short_phases

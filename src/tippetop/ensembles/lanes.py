@@ -19,7 +19,7 @@ from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
 from ..scenario.contact import touches
-from .hybrid_tops import faults_of, problem_of
+from .hybrid_tops import checked, problem_of
 from .outcomes import SWINGS, Outcomes
 
 
@@ -209,12 +209,10 @@ class Lanes:
         for top in tops:
             if self.stop.is_set():
                 break
-            problem = problem_of(self.tops, top)
-            if faults := faults_of(problem):
-                self.outcomes.refuse(top, faults[0])
-                self.ended()
-            else:
+            if problem := checked(self.outcomes, top):
                 found[top] = problem
+            else:
+                self.ended()
         return found
 
     def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
