@@ -8,7 +8,7 @@ have in common. The driver does not depend on balls or friction laws.
 import copy
 import math
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import islice, repeat
@@ -374,6 +374,30 @@ class PhaseSolver:
         return sides, zeros, passed
 
 
+def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[Any, Any]:
+    """Return bodies as jumps take them, in internal units, and the phases of their system.
+
+    Parameters
+    ----------
+    base
+        The run, or the base of several.
+    tops
+        The run again, or the `Problems`, whose numbers are arrays.
+    rules
+        Their contact.
+    number
+        Converts numbers or arrays to the working precision.
+    """
+    system = base.system
+
+    def internal(value: Any, unit: Any) -> Any:
+        return number(np.asarray(value, base.exact) / tops.scales.of(unit))
+
+    if system.assembled is None:
+        return tops.internal_body, system.phases
+    return system.assembled(tops.internal_body, rules, internal)
+
+
 class HybridDriver(Driver):
     """Integrate one run through its phases, in doubles.
 
@@ -404,7 +428,8 @@ class HybridDriver(Driver):
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = self.assembled(problem)
+        body, phases = assembled(problem, problem, problem.contact, number)
+        body = refill(body, map(number, leaves(body)))
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
         self.variables = len(problem.variables.names)
@@ -442,19 +467,6 @@ class HybridDriver(Driver):
         self.world = World(body, system, contact, self.phases, struck)
         self.jump_programs: Any = JumpPrograms(self) if struck and number is float else None
         self.begin_run()
-
-    def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body as jumps take it, in internal units, and the phases of a problem."""
-        system = problem.system
-
-        def internal(value: float, unit: Any) -> Any:
-            return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
-
-        body = problem.internal_body
-        phases = system.phases
-        if system.assembled is not None:
-            body, phases = system.assembled(body, problem.contact, internal)
-        return refill(body, map(self.number, leaves(body))), phases
 
     def begin_run(self) -> None:
         """Enter the first phase from the start of the problem."""

@@ -22,7 +22,7 @@ from ..errors import InputError
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
 from .driver import ENDLESS, STATUSES
-from .hybrid import QUIET, HybridDriver, PhaseSolver
+from .hybrid import QUIET, HybridDriver, PhaseSolver, assembled
 from .jump_programs import TOP_RECORD, Jumps
 from .loop import (
     Loop,
@@ -232,11 +232,7 @@ def bodies_of(tops: Problems) -> np.ndarray:
     base: Any = tops.base
     tables = [tops.given(name) for name in ("contact", "stem") if name in base.tables]
     rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
-
-    def internal(value: Any, unit: Any) -> np.ndarray:
-        return (np.asarray(value, base.exact) / tops.scales.of(unit)).astype(float)
-
-    body, _ = base.system.assembled(tops.internal_body, rules, internal)
+    body, _ = assembled(base, tops, rules, lambda value: value.astype(float))
     return np.array([np.broadcast_to(v, tops.n) for v in (*leaves(body), rules.e_n)], float)
 
 
