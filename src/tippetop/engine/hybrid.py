@@ -416,6 +416,7 @@ class HybridDriver(Driver):
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
     changes = 0  # of phase, in a slice
+    learns_start = False  # whether the jump to the first phase gets programs
     series: Any = None  # of the jump to the present phase, if it takes time
 
     @QUIET
@@ -492,15 +493,13 @@ class HybridDriver(Driver):
                 self.sentence = n.message
             if n.phase:
                 break
-        self.learn_start(jump, state, world)
+        if self.learns_start:
+            self.jump_programs.learn(jump, state, world)
         self._enter(begun, self.number(0), None)
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
             self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
         begin_lasting(self.tallies, self.all_events)
-
-    def learn_start(self, jump: Jump, *given: Any) -> None:
-        """Record the jump to the first phase, where several runs share a loop."""
 
     # --- phases ----------------------------------------------------------------------------------
 
@@ -585,16 +584,17 @@ class HybridDriver(Driver):
             status = None if code == RUNNING else STATUSES[code]
             endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: -1}
             ending: Any = endings.get(status)
-            if self.upto[0] < 1.0:
+            within = self.upto[0] < 1.0
+            if within:
                 ending = self.motion.ended_by[0]
             jump = self.solver.exits.get(ending)
-            if jump and self.upto[0] < 1.0:
+            if jump and within:
                 self.logged[0] -= 1  # the jump logs it, or the next part of the run
             if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
                 jump = None
                 when = self.end
                 status = Status.FINISHED
-                if self.upto[0] < 1.0:
+                if within:
                     self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)

@@ -248,8 +248,8 @@ class JumpPrograms:
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
         until = run.motion.end[0]
-        state = 0.0, 0.0, run.end, until, until, run.began, run.ending, run.solver.at
-        self.top[0] = *state, 0, 0, 0, run.short_phases
+        ends = run.end, until, until, run.began
+        self.top[0] = 0.0, 0.0, *ends, run.ending, run.solver.at, 0, 0, 0, run.short_phases
         record.jumps.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)

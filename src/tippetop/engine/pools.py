@@ -251,6 +251,8 @@ class HybridPools(Pools, HybridDriver):
         Set it to give up while equations are being compiled.
     """
 
+    learns_start = True
+
     def __init__(
         self, problem: Problem, room: int, row_count: int, stop: threading.Event | None = None
     ):
@@ -363,10 +365,6 @@ class HybridPools(Pools, HybridDriver):
     def _set_end(self, slot: int) -> None:
         """Set where the next steps of the top that the driver holds end."""
         self.tops["stop"][slot], self.tops["stops_by"][slot] = self.next_end()
-
-    def learn_start(self, *given: Any) -> None:
-        """Record the jump to the first phase."""
-        self.jump_programs.learn(*given)
 
     def attend(self, slot: int) -> int:
         """Start a top, make its jump, or set the end of its next step in a sampled phase."""
