@@ -328,10 +328,18 @@ class PhaseSolver:
                 new["first"], new["last"] = whole["first"], whole["last"]
         return records
 
-    def value(self, number: int, state: Any) -> Any:
-        """Return the event function of this number in a state."""
-        functions = self.formulas.functions(*self.variables.split(state), self.b)
+    def value(self, number: int, state: Any, b: Any) -> Any:
+        """Return the event function of this number in a state, with these parameters."""
+        functions = self.formulas.functions(*self.variables.split(state), b)
         return functions[[*self.events].index(number)]
+
+    def notes(self, number: int, before: Any, state: Any, b: Any) -> bool:
+        """Return whether an event is noted that happens in the jump from the phase `before`.
+
+        `state` and `b` are those where that phase ended.
+        """
+        event = self.events[number]
+        return event.lasting or (event.sense and abs(before.value(number, state, b)) > ON_ZERO)
 
     def begins(self, n: Next, values: Sequence, signs: Sequence) -> tuple[list, list, list[int]]:
         """Return on which side of their zeros the event functions begin in this phase.
@@ -732,13 +740,13 @@ class HybridDriver(Driver):
         solver = self.solver
         during = self.series
         if during:
-            now = zero_of(lambda t: -sign * solver.value(number, during(t)[0]), now, self.began)
+            now = zero_of(
+                lambda t: -sign * solver.value(number, during(t)[0], solver.b), now, self.began
+            )
             self._note(number, now, sign, solver, during(now)[0])
             return
-        event = solver.events[number]
-        state = self.last
-        if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
-            self._note(number, now, sign, before, state)
+        if solver.notes(number, before, self.last, before.b):
+            self._note(number, now, sign, before, self.last)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
         """Return states of phases, by number (k,), as rows in the variables of the run.

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..mechanics.event import ON_ZERO
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
@@ -204,15 +203,8 @@ class JumpPrograms:
                 if passed or not n.delay < left:
                     return None
                 ranged, ranges = _ranged(n, to, now, body)
-            if passed:
-                q, carried = solver.variables.split(state)
-                before = solver.formulas.functions(q, carried, solver.phase.parameters(body))
-                known = dict(zip(solver.events, before, strict=True))
-                passed = [
-                    k
-                    for k in passed
-                    if to.events[k].lasting or (to.events[k].sense and abs(known[k]) > ON_ZERO)
-                ]
+            parameters = solver.phase.parameters
+            passed = [k for k in passed if to.notes(k, solver, state, parameters(body))]
         except Exception:  # whatever a jump does that is no line
             return None
         numbers = leaves(tuple(n.rows.values()))
