@@ -203,8 +203,9 @@ class JumpPrograms:
                 if passed or not n.delay < left:
                     return None
                 ranged, ranges = _ranged(n, to, now, body)
-            parameters = solver.phase.parameters
-            passed = [k for k in passed if to.notes(k, solver, state, parameters(body))]
+            if passed:
+                b = solver.phase.parameters(body)
+                passed = [k for k in passed if to.notes(k, solver, state, b)]
         except Exception:  # whatever a jump does that is no line
             return None
         numbers = leaves(tuple(n.rows.values()))
