@@ -372,7 +372,9 @@ class PhaseSolver:
         `state` and `b` are those where that phase ended.
         """
         event = self.events[number]
-        return event.lasting or (event.sense and abs(before.value(number, state, b)) > ON_ZERO)
+        if event.lasting or not event.sense:
+            return event.lasting
+        return bool(abs(before.value(number, state, b)) > ON_ZERO)
 
     def begins(self, n: Next, values: Sequence, signs: Sequence) -> tuple[list, list, list[int]]:
         """Return on which side of their zeros the event functions begin in this phase.
