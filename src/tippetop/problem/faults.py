@@ -1,6 +1,9 @@
-"""Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas."""
+"""Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas.
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+And what keeps a motion from being differentiated by them.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,6 +64,24 @@ def key_faults(base: "Problem", keys: Collection[str], known: Collection[str]) -
     varied = [key.partition(".")[2] for key in keys if key.startswith("initial.")]
     start = base.system.replaced(base.initial, dict.fromkeys(varied))
     return faults + base.system.clashes(start, "varies")
+
+
+def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
+    """Raise InputError for a run that has no derivatives, and for wrong names."""
+    if problem.precision != "double":
+        raise InputError(
+            f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".'
+        )
+    if problem.origin is not None:
+        raise InputError(
+            "`initial.from` must not be given for derivatives: the end of another run has none "
+            "here."
+        )
+    added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
+    known = [key for key in problem.rules if not key.startswith("run.")]
+    faults = key_faults(problem, wrt, known)
+    if faults := faults or problem.system.clashes({**problem.initial, **added}):
+        raise InputError(faults)
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
