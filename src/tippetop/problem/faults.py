@@ -140,11 +140,11 @@ def start_faults(problems: "Problems") -> list[Fault]:
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = _law_faults(problems)
-    own = [one.formula for one in (*base.system.quantities, *base.system.events)]
+    own: list[Any] = [*base.system.quantities, *base.system.events]
     if base.system.contact is not None:  # they may read the reaction, which is not known yet
         own = []
     limits = [domain.formula for domain in domains]
-    for formula in filter(owner, limits + own):
+    for formula in filter(owner, [*limits, *(one.formula for one in own)]):
         (found,) = values([formula])
         if (bad := finite & ~np.isfinite(found)).any():
             words = f"must be finite at the start, but is {found[bad][0]}."

@@ -1,6 +1,7 @@
 """The event log as a table: one row per event."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,7 @@ class EventTable(dict[str, Column]):
 
 
 def event_table(
-    kinds: Sequence[str], state: Mapping[str, Column], rows: Sequence[Sequence] = ((),) * 6
+    kinds: Sequence[str], state: Mapping[str, Column], rows: Sequence[Any] = ((),) * 6
 ) -> EventTable:
     """Return the columns of the store's group `events`.
 
