@@ -21,9 +21,9 @@ from ..arguments import (
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, law_choice
 from ..exchange.comparison import Verdict
-from ..exchange.measurements import observed
 from ..exchange.motion import convention_of
 from ..exchange.motion_table import read
+from ..exchange.observation import observed
 from ..exchange.scales import FAR
 from ..problem import Problem
 from ..progress import reporting
