@@ -1,4 +1,8 @@
-"""Named columns in SI units, as the store and a Dataset keep them."""
+"""Named columns in SI units, as the store and a Dataset keep them.
+
+`engine.observables` and `runs` make `Column`s; `runs.attributes` makes Datasets of them. Functions
+on Datasets read columns of codes (`flag_values`) and prepare tables for other formats.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The score of an engine: how far its results are from the references."""
+"""The score of an engine: how far its results are from the references.
+
+Files of results go in; a `Score` comes out, one `Result` for each file.
+"""
 
 from __future__ import annotations
 
@@ -77,6 +80,8 @@ HEAD = (
 
 class Result(NamedTuple):
     """One result and its reference.
+
+    `_result` makes it.
 
     Attributes
     ----------
@@ -298,7 +303,10 @@ def _case_of(path: Path, chosen: Case | None) -> Case:
 
 
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
-    """Compare one file with its case; `known`: references by case and times."""
+    """Return the `Result` of the file at a path, compared with its case `each`.
+
+    `known` are references by case and times, which are computed once.
+    """
     table = _checked(path, each)
     t = table.t
     key = each.name, t.tobytes()

@@ -1,4 +1,12 @@
-"""Convert integrated states to named columns: angles, vectors and quantities, in SI units."""
+"""Convert integrated states to named columns: angles, vectors and quantities, in SI units.
+
+Rows of internal states go in; out come values by name in internal units (`values_of`), and columns
+in SI units with their attributes (`Observables.columns`), as the store and Datasets have them.
+
+Symbols
+    states    (variables, k); rows: the same transposed, (k, variables); internal units
+    which     number of the run of each state in a `Problems`, (k,)
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +34,10 @@ from .orientation import quaternion
 
 @dataclass(frozen=True)
 class Observables:
-    """Compute values and columns from rows of internal states (n, variables) of a problem."""
+    """Compute values and columns from rows of internal states (n, variables) of one problem.
+
+    `runs.integration` makes it, and keeps it as `view`.
+    """
 
     problem: Problem
 
@@ -45,8 +56,9 @@ class Observables:
         return moment(self.problem.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> Arrays:
-        """Return all values of the rows by name, internal units; NaN where an angle is undefined,
-        exactly at a pole.
+        """Return all values of the rows by name, in internal units, (k,) each.
+
+        An angle is NaN where it is undefined, exactly at a pole.
         """
         return values_of(self.problem.alone, rows.T, ALONE)
 
@@ -88,7 +100,10 @@ class Observables:
         return columns
 
     def _split(self, name: str, values: np.ndarray, source: "Source") -> dict[str, Column]:
-        """Return a column of doubles; in wider precisions a second one, `name_lo`, to be added."""
+        """Return a column of doubles from values of any precision.
+
+        In wider precisions a second column, `name_lo`, has the rest, to be added.
+        """
         high = values.astype(np.float64)
         dims = ("time", *source.dims)
         columns = {name: column(high, source.unit, source.long_name, dims, **source.attributes)}
@@ -171,8 +186,9 @@ ALONE = np.zeros(1, int)
 def _computed(
     formulas: Callable, problems: Problems, states: np.ndarray, which: np.ndarray
 ) -> Arrays:
-    """Return the values of formulas by name: doubles by their compiled function, wider numbers by
-    numpy in 80 bits.
+    """Return the values of `formulas`, `observed` or `orientation_of`, by name, (k,) each.
+
+    Doubles are computed by a compiled function, wider numbers by numpy in 80 bits.
     """
     base = problems.base
     k = states.shape[1]

@@ -1,4 +1,7 @@
-"""Convert the zeros that lanes found to an event log of each top, as that of a single run."""
+"""Convert the zeros that lanes found to an event log of each top, as that of a single run.
+
+Passages in arrays of `Outcomes` go in, `EventTable`s come out.
+"""
 
 import numpy as np
 

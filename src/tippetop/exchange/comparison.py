@@ -1,4 +1,8 @@
-"""Comparison of motions of another program with the exact reference at their own times."""
+"""Comparison of motions of another program with the exact reference at their own times.
+
+A problem and a table go in; a `Compared` comes out, with differences over time and numbers on them.
+A `Verdict` on several tables is what users see, as `library.exchanging.Comparison`.
+"""
 
 import itertools
 import math
@@ -36,6 +40,8 @@ ROUNDING = 1e-13  # smaller differences have no order of convergence
 
 class Compared(NamedTuple):
     """One motion with its reference.
+
+    `compare` makes it, and `benchmark.score` for results of engines.
 
     Parameters
     ----------
@@ -78,7 +84,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     problem
         The reference.
     path
-        A table, as `table.read` takes it.
+        A table, as `motion_table.read` takes it.
     convention
         The conventions of its frames.
 
@@ -271,10 +277,10 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
-    """Return numbers on a difference over time, as `tippetop compare --json` prints them.
+    """Return numbers on the difference `curve` at times t [s], (rows,) each, for `compare --json`.
 
     They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
-    time when it exceeds each of `LEVELS`, or None.
+    time when it exceeds each of `LEVELS`, or None. NaN is left out.
     """
     given = np.isfinite(curve)
     t = t[given]

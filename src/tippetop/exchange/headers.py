@@ -1,4 +1,7 @@
-"""Headers of tables: the known columns, by name and unit."""
+"""Headers of tables: the known columns, by name and unit.
+
+The cells of a header go in; places, names and units of columns come out.
+"""
 
 import re
 from collections.abc import Sequence

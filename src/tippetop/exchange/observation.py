@@ -1,4 +1,9 @@
-"""The predictions of a scenario for a table of measurements, and their derivatives."""
+"""The predictions of a scenario for a table of measurements, and their derivatives.
+
+A measured motion and a problem go in; `predictions` returns residuals by group at any values of the
+free numbers. A group is a kind of measurement, such as `theta`, `axis` or `accelerometer`.
+`observed` reads a file of them, for `fitting` and `likelihood`.
+"""
 
 from __future__ import annotations
 
@@ -47,6 +52,8 @@ NAMES = {
 
 class Observation:
     """Measurements, and their predictions by a problem.
+
+    `observed` makes it.
 
     Parameters
     ----------
@@ -198,13 +205,16 @@ class Observation:
         return t, {group: curve.reshape(len(t), -1) for group, curve in curves.items()}
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
-        """Return columns of motions, SI, each with the values of one of `points`, at times t."""
+        """Return columns (points, rows, ...) by name, SI, at times t (points, rows) [s]."""
         own = {name: np.array([values[name] for values in points]) for name in self.own}
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
         return self.predicted.read(own, clock, self.columns)
 
     def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
-        """Return the measurements of a group minus its predictions; angles within half a turn."""
+        """Return the measurements `seen` of a group minus its predictions.
+
+        Differences of angles are within half a turn.
+        """
         model = self._predicted_rows(group, read)
         if group in residuals.OF_ATTITUDES:
             return residuals.OF_ATTITUDES[group](seen, model)
@@ -214,7 +224,7 @@ class Observation:
         return off
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
-        """Return the predictions of a group, (points, rows, parts)."""
+        """Return the predictions of a group, (points, rows, parts), from columns `read`."""
         if CAMERA.fullmatch(group):
             return angle_in_picture(read["axis"], group)[..., None]
         if group == "accelerometer":

@@ -1,4 +1,7 @@
-"""Columns of many motions at given times, for sets of values of the free numbers of a scenario."""
+"""Columns of many motions at given times, for sets of values of the free numbers of a scenario.
+
+Values of the free numbers and times go in; columns come out, computed by an ensemble.
+"""
 
 import dataclasses
 from collections.abc import Mapping, Sequence

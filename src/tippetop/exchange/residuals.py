@@ -1,4 +1,7 @@
-"""Residuals of measured attitudes, in as many numbers as noise has directions."""
+"""Residuals of measured attitudes, in as many numbers as noise has directions.
+
+Predictions and measurements go in, residuals come out, for `observation`.
+"""
 
 import numpy as np
 
@@ -8,9 +11,10 @@ from ..mechanics.rotation import Quaternion
 
 
 def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
-    """Return the chords from unit vectors (..., rows, 3) to measured ones (rows, 3).
+    """Return the residuals of predicted axes `third` from measured ones `seen` (rows, 3).
 
-    They have two parts, across the measured ones: the noise of an axis has no third direction.
+    They are chords between unit vectors, in the two directions across the measured one, (..., rows,
+    2): the noise of an axis has no third direction.
     """
     pole = np.where(seen[:, 2:] < 0, -1.0, 1.0) * [[0.0, 0.0, 1.0]]
     swing = rotation.swing(Vector(*pole.T), Vector(*seen.T))

@@ -1,4 +1,7 @@
-"""A body with its start and friction as a file for a simulator, with remarks on differences."""
+"""A body with its start and friction as a file for a simulator, with remarks on differences.
+
+A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`.
+"""
 
 import math
 from typing import Any, NamedTuple
@@ -62,6 +65,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     q = columns["orientation"].values
 
     def vectors(unit: Unit, *parts: Any) -> np.ndarray:
+        """Return arrays of components as vectors (n, 3), SI."""
         return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
 
     state, carried = read.state(rows)
@@ -149,6 +153,7 @@ def rounded_to_digits(values: Any) -> np.ndarray:
 
 
 def _numbers(*values: Any) -> str:
+    """Return numbers as text, separated by spaces."""
     return " ".join(
         f"{float(v):.{DIGITS}g}" for part in values for v in np.ravel(rounded_to_digits(part))
     )
@@ -377,6 +382,7 @@ def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
 
 
 def _sdf_geometry(surface: Surface) -> str:
+    """Return a surface as an SDF element, a sphere or an ellipsoid."""
     if not np.ptp(surface.half):
         return f"<sphere><radius>{_numbers(surface.half[0])}</radius></sphere>"
     return f"<ellipsoid><radii>{_numbers(surface.half)}</radii></ellipsoid>"

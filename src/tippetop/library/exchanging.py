@@ -1,4 +1,7 @@
-"""The calls that hold another program's motion against ours."""
+"""The calls that hold another program's motion against ours.
+
+`tippetop.compare` and `tippetop.fit`: files and scenarios go in, results with plots come out.
+"""
 
 from __future__ import annotations
 
@@ -256,6 +259,7 @@ def fit(
     flag("systematic", systematic)
 
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
+        """Fit these numbers of a problem."""
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)

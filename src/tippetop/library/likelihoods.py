@@ -100,6 +100,7 @@ class Posterior:
         return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
+        """Return how many of the draws count, in words."""
         few = " (too few: take more draws, or a sampler of Markov chains)"
         count = len(self.weights)
         return f"{count} draws, {self.effective:.0f} effective{few * (self.effective < 100)}"

@@ -1,6 +1,7 @@
 """Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas.
 
-And what keeps a motion from being differentiated by them.
+`Problems.checked` and `scenario.build` call these functions; they return sentences for InputError.
+`refuse` raises it for what has no derivatives.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -187,9 +188,11 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
+        """Return k of the law of each problem, (n,)."""
         return kind.coefficient(np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
+        """Return a fault for the problems in which k is bad, (n,) of bool."""
         return [(f"the coefficient k of {of} must {must}, but {found}.", bad)]
 
     for v2, z in PLACES:

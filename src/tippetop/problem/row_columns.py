@@ -1,4 +1,7 @@
-"""The columns of a run: their names and sources."""
+"""The columns of a run: their names and sources.
+
+A system and a form go in, names of columns come out.
+"""
 
 from collections.abc import Collection, Mapping
 from functools import lru_cache

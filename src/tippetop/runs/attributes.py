@@ -1,4 +1,8 @@
-"""The tables and attributes of a run's store, and the summary that `run` and `info` print."""
+"""The tables and attributes of a run's store, and the summary that `run` and `info` print.
+
+A `RunProgress` goes in; out come plain data that a store keeps, and labelled Datasets of a run in
+memory. `recording` and `library` call it at the end of a run.
+"""
 
 from typing import TYPE_CHECKING, Any
 

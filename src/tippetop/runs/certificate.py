@@ -1,4 +1,8 @@
-"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision."""
+"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision.
+
+Root attributes or a problem go in; out come sentences on what a run must keep and does not, and the
+data of `results.Certificate`.
+"""
 
 import dataclasses
 import math
@@ -144,6 +148,7 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
     kinds = problem.system.tables
 
     def words(table: str, column: str) -> set[str]:
+        """Return the words that occur in a column of a table."""
         return {kinds[table][column][k] for k in tables[table][column].values}
 
     sticks = words("impacts", "mode") - {"slip"} if problem.law.torque else {}

@@ -1,5 +1,7 @@
 """The event log of a run while it grows.
 
+`Passages` of a `Slice` go in; out come rows of an `EventTable`, and marks of rows.
+
 Zeros of event functions become rows immediately. Whether a turning or a lasting event is
 significant is known only later: a turning counts once theta has come back from it by more than
 rounding, so that one true turning which rounding splits into three counts once, and a decay that
@@ -39,6 +41,8 @@ def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | No
 
 class EventLog:
     """Convert the zeros of slices to rows of the event table.
+
+    `Integration` makes it, and calls `add_zeros` after each slice and `finish` at the end.
 
     The log covers 0 < t <= t_end, and what jumps log at t = 0: a run that starts on the zero of an
     event function does not find it, but one that starts where another run has ended does, if that
@@ -128,7 +132,13 @@ class EventLog:
         return {name: c._replace(dims=("event", *c.dims[1:])) for name, c in columns.items()}
 
     def _marks(self, rows: np.ndarray, signs: np.ndarray, theta: np.ndarray) -> list[int]:
-        """Count turnings, and return the rows of those that are now confirmed."""
+        """Count turnings, and return the rows of those that are now confirmed.
+
+        Parameters
+        ----------
+        rows, signs, theta
+            (k,) Rows in the log, +1 for a minimum of theta and -1 for a maximum, and theta [rad].
+        """
         confirmed, waits = count_turnings(self.tallies, signs, theta)
         waiting = np.maximum.accumulate(np.append(self.waiting, np.where(waits, rows, -1)))
         self.waiting = int(waiting[-1])

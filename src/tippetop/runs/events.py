@@ -1,4 +1,7 @@
-"""The event log as a table: one row per event."""
+"""The event log as a table: one row per event.
+
+`event_log` makes an `EventTable` by `event_table`; its columns are those of a store.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

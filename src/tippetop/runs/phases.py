@@ -1,4 +1,8 @@
-"""The phases of a run's contact and its impacts, as tables of its store."""
+"""The phases of a run's contact and its impacts, as tables of its store.
+
+Rows of the tables of a driver go in, as columns in SI; out come columns with labels for the store,
+and counts for the report.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -49,7 +53,10 @@ def tables_of(attributes: PlainData) -> tuple[str, ...]:
 
 @dataclass
 class PhaseHistory:
-    """Count the phases and impacts of a run for its report, and keep the first and last phases."""
+    """Count the phases and impacts of a run for its report, and keep the first and last phases.
+
+    `Integration` makes it.
+    """
 
     words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)

@@ -45,7 +45,11 @@ PATIENCE = 2.0
 
 
 class Recorder(Writer, Sink):
-    """A sink that writes the store of a run, on a thread."""
+    """A sink that writes the store of a run, on a thread.
+
+    `run_into` makes it for a run, `replay` a subclass. Work is queued by `later` for the thread of
+    the store's `Writer`.
+    """
 
     keeps_rows = True
 
@@ -91,6 +95,7 @@ class Recorder(Writer, Sink):
             raise Interrupted
 
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
+        """Append rows to the table of this name, and to that of its late columns."""
         values = {key: column.values for key, column in columns.items()}
         for part in self.growing.keys() & {name, name + LATE}:
             self.growing[part].append(values)
@@ -107,6 +112,7 @@ class Recorder(Writer, Sink):
         }
 
         def work() -> None:
+            """Commit on the writer's thread."""
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
@@ -145,6 +151,7 @@ class Recorder(Writer, Sink):
         attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
+            """Write the last rows and the end of the store."""
             for table in self.growing.values():
                 table.finish()
             begun = self.store.state.header["attributes"]
@@ -198,6 +205,10 @@ def record(
     begun: list[Integration] = []
 
     def head() -> PlainData:  # called once the folder can be written: compiling takes seconds
+        """Return the header of the store.
+
+        Called once its folder can be written, as compiling takes seconds.
+        """
         begun.append(Integration(problem, stop))
         return header(begun[0])
 
@@ -212,7 +223,10 @@ def run_into(
     stop: threading.Event | None,
     take_up: Callable[[Recorder], None] = lambda _: None,
 ) -> tuple[Integration, PlainData]:
-    """Integrate into an open store, after `take_up` has set the state to continue from, if any."""
+    """Integrate into an open store; return the integration and the last root attributes.
+
+    `take_up` sets the state from which the run continues, if it does.
+    """
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
         take_up(recorder)

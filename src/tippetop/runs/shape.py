@@ -1,4 +1,12 @@
-"""The shape of a body for pages and films: its surfaces, or the ellipsoid with its moments."""
+"""The shape of a body for pages and films: its surfaces, or the ellipsoid with its moments.
+
+Symbols
+    b         the body in SI units, a `contact.body.Touch` or `frame.Asymmetric`
+    orientation   unit quaternions (w, x, y, z), (n, 4)
+
+Root attributes or a body go in; out come surfaces, matrices and points in metres, for pages, films
+and files for simulators. Quaternions turn body axes into space axes.
+"""
 
 from typing import Any, NamedTuple
 

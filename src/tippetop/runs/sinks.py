@@ -1,4 +1,8 @@
-"""Destinations of the rows and events of a run; `recording.Recorder` is the one with a store."""
+"""Destinations of the rows and events of a run; `recording.Recorder` is the one with a store.
+
+`Integration` calls the methods of a sink: rows in internal units with times in seconds, tables in
+SI.
+"""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,7 @@
-"""User-defined events and columns: a store keeps digests of them to detect changed definitions."""
+"""User-defined events and columns: a store keeps digests of them to detect changed definitions.
+
+`runs.attributes` and `sweeps.store` store the digests; `build.stored` compares them.
+"""
 
 import contextlib
 import hashlib

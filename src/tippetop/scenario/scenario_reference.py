@@ -1,4 +1,7 @@
-"""The keys of a scenario, and the columns and events of a run, as tables made from the records."""
+"""The keys of a scenario, and the columns and events of a run, as tables made from the records.
+
+Systems, laws and options go in; `Section`s come out, for `tippetop help` and the manual.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -180,7 +183,7 @@ def systems_table() -> list[Section]:
 
 
 def _with_contact() -> list[System]:
-    """Return the systems whose contact may open, opened."""
+    """Return the systems whose contact may open, with their phases, without and with a stem."""
     return [
         opened(system, LAWS["none"], balls)
         for system in opening_systems().values()

@@ -1,4 +1,8 @@
-"""Read the root attributes and the groups of a store, and create new stores."""
+"""Read the root attributes and the groups of a store, and create new stores.
+
+A path goes in; attributes as plain data and groups as Datasets come out. `new_store` makes room for
+a new one.
+"""
 
 import contextlib
 import json

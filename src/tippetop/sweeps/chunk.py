@@ -1,4 +1,7 @@
-"""A chunk of a sweep: the task of a worker, and the rows that it returns, without integrators."""
+"""A chunk of a sweep: the task of a worker, and the rows that it returns, without integrators.
+
+Plain data go in and come out, so that they can travel to another process.
+"""
 
 from typing import NamedTuple
 
@@ -24,7 +27,10 @@ EVENTS = "events"  # the name in `keep` of the table of events, which is left ou
 
 
 class Task(NamedTuple):
-    """A chunk to compute."""
+    """A chunk to compute.
+
+    `sweep` makes one for each chunk that is to be done.
+    """
 
     chunk: int
     tables: PlainData  # of the base scenario

@@ -1,4 +1,7 @@
-"""The axes of a sweep: those with numbers form a grid, those with a range are drawn together."""
+"""The axes of a sweep: those with numbers form a grid, those with a range are drawn together.
+
+Checked axes go in; the numbers of any top come out, by its number.
+"""
 
 import math
 from dataclasses import dataclass
@@ -91,7 +94,10 @@ class Sample(Table, use_attribute_docstrings=True):
 
 @dataclass(frozen=True)
 class Design:
-    """All tops of a sweep: the product of the grid, first axis slowest, and the sample, fastest."""
+    """All tops of a sweep: the product of the grid, first axis slowest, and the sample, fastest.
+
+    `Plan.from_tables` makes it.
+    """
 
     axes: tuple[Axis, ...]
     sample: Sample | None = None
@@ -114,6 +120,7 @@ class Design:
 
     @cached_property
     def _drawn(self) -> Arrays:
+        """Return the numbers of drawn axes, by key."""
         axes = [axis for axis in self.axes if axis.sampled]
         points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
         return {axis.of: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}

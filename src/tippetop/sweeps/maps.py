@@ -1,4 +1,7 @@
-"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory."""
+"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory.
+
+The store of a sweep goes in; a `Map` comes out, which `figures.sweep_map` draws.
+"""
 
 import math
 from dataclasses import dataclass
@@ -114,6 +117,7 @@ def make_map(path: Path, kind: str) -> Map:
     cells = np.ravel_multi_index(places, shape)[chosen]
 
     def field(name: str) -> np.ndarray:
+        """Return the values of a column on the cells of the map."""
         values = values_of(path, table, name)
         if kind == "normal-force":
             b = derived_axes.body(plan.base, columns)
@@ -207,6 +211,7 @@ def labelled(attrs: PlainData) -> str:
 
 
 def _middle(axis: Axis) -> float:
+    """Return the middle one of the numbers of an axis."""
     return axis.numbers[len(axis.numbers) // 2]
 
 

@@ -1,4 +1,7 @@
-"""The plan of a sweep: a TOML file becomes the checked numbers of many tops."""
+"""The plan of a sweep: a TOML file becomes the checked numbers of many tops.
+
+`Plan.from_toml` and `from_tables` are the entrances; they raise InputError with every fault.
+"""
 
 import contextlib
 import math

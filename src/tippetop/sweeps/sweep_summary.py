@@ -1,4 +1,7 @@
-"""The content of a sweep's store, finished or not: counts, worst drift, and faults."""
+"""The content of a sweep's store, finished or not: counts, worst drift, and faults.
+
+The path of a store goes in; plain data and lines come out, for `tippetop info`.
+"""
 
 import json
 from pathlib import Path
@@ -126,10 +129,12 @@ def lines(facts: PlainData) -> list[tuple[str, str]]:
 
 
 def _text(counts: dict[str, int]) -> str:
+    """Return counts in words: "12 inverted, 3 under way"."""
     return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"
 
 
 def _plain(value: Any) -> str:
+    """Return a value as text; a list without brackets."""
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 

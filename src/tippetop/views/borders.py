@@ -1,4 +1,7 @@
-"""Thresholds as lines over the map of a page, for each choice of the further axes."""
+"""Thresholds as lines over the map of a page, for each choice of the further axes.
+
+The plan of a sweep goes in; lines come out as plain data for the page.
+"""
 
 import itertools
 from typing import Any
