@@ -154,6 +154,11 @@ def loaded(table: Any, path: str | Path) -> Any:
     return table
 
 
+def column(path: str | Path, table: Any, name: str) -> np.ndarray:
+    """Return a column of a table of a store. Raises StoreError if it is damaged."""
+    return loaded(table[[name]], path)[name].values
+
+
 @contextlib.contextmanager
 def new_store(
     target: str | Path, *, overwrite: bool = False, in_sweep: bool = False
