@@ -625,8 +625,8 @@ class Pass:
         lanes = states.shape[2:]
         pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
         columns = function(states.reshape(-1, math.prod(lanes)), pars=pars[: function.nparams])
-        columns = columns.reshape(len(names), order + 1, *lanes)
-        values = dict(zip(names, duals_of(columns), strict=True))
+        rows = columns.reshape(len(names), order + 1, *lanes)
+        values = dict(zip(names, duals_of(rows), strict=True))
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
@@ -641,8 +641,12 @@ class Pass:
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         at = np.searchsorted(self.times, times)
+        is_known = np.isin(times, [*self.shifts])
+        at[is_known] = -1
         for motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
+            if not len(mine):
+                continue
             some = states[:, :2, :, np.searchsorted(which, at[mine])]
             values = some[:, 0, 0]
             moving = [*map(Dual, values, motion.rates(values))]
@@ -651,9 +655,8 @@ class Pass:
                 happens = [names[k] == name for k in mine]
                 shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
-        for k, time in enumerate(times.tolist()):
-            if time in self.shifts:
-                shifts[:, k] = self.shifts[time]
+        for k in np.flatnonzero(is_known):
+            shifts[:, k] = self.shifts[times[k]]
         return shifts
 
     @QUIET
