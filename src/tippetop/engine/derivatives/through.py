@@ -523,8 +523,8 @@ class Pass:
         is_whole = end == interval.ended
         last = np.append(interval.last, interval.ended)
         exit: Any = interval.jump.exit if interval.jump and is_whole else None
-        events = [one for one in interval.solver.phase.events if exit and one.name == exit.event]
-        event = next(iter(events), None)
+        events = {one.name: one for one in interval.solver.phase.events}
+        event = exit and events.get(exit.event)
         stops = []
         if event and event.name == STICK.name:
             at_end = rows_of(last, self.directions)
@@ -707,6 +707,8 @@ def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
 
     `which` has the number of the phase of each sample.
     """
-    falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
-    rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)
+    joint = np.diff(which) != 0
+    change = np.diff(size)
+    falls = np.append(False, ~joint & (change <= 0))
+    rises = np.append(joint | (change > 0), True)
     return np.flatnonzero(falls & rises)
