@@ -39,7 +39,7 @@ from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, compiled_columns, compiled_flow, in_motion
+from ..variational import EXACT, Moving, compiled_columns, compiled_flow, in_motion
 from .tape import Tape
 
 
@@ -133,23 +133,19 @@ class Motion(NamedTuple):
         return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
 
     def slopes(self, event: Any, state: np.ndarray, order: int = 1) -> tuple:
-        """Return the rates of a state; and an event function and its time derivatives up to an
-        order, as rows. Without an event, there are the rates alone.
+        """Return the rates of a state; and a function of an event, or the time without one, and its
+        time derivatives up to an order, as rows.
         """
         count = len(self.pars)
         size = len(self.variables.names)
 
         def function(_: Any, numbers: tuple) -> tuple:
-            """Return the rates, then the event function and its time derivatives."""
+            """Return the rates, then the function and its time derivatives."""
             b = self.formulas.body(iter(numbers))
             moving = in_motion(self.variables, numbers[count:], b, order)
-            q, carried = self.variables.split(moving)
-            events = self.formulas.events
-            if event in events:
-                h = self.formulas.functions(q, carried, b)[events.index(event)]
-            else:
-                h = event.formula(self.formulas.form.scalars(q, b), b) if event else 0.0
-            return [*(parts_of(one, 1)[1] for one in moving), *parts_of(h, order)], None
+            q, _ = self.variables.split(moving)
+            h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
+            return [*(one.first for one in moving), *parts_of(h, order)], None
 
         numbers = np.concatenate([self.pars, state[:size]])
         key = self.formulas, self.variables, event, order
@@ -157,7 +153,7 @@ class Motion(NamedTuple):
         return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
-        """Return the state as it moves with an event.
+        """Return the state as it moves with an event, or with a time.
 
         `known`: the derivatives of its function, where they are known better than from the state.
         """
@@ -527,8 +523,7 @@ class Pass:
         event = exit and events.get(exit.event)
         stops = []
         if event and event.name == STICK.name:
-            at_end = rows_of(last, self.directions)
-            _, (_, pace) = motion.slopes(event, at_end)
+            _, (_, pace) = motion.slopes(event, rows_of(last, self.directions))
             stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
@@ -545,18 +540,17 @@ class Pass:
                 state = motion.happens(event, state)
         if is_whole:
             state[:, 0] = last[:, None]
-        if event:
-            known = None
-            if event.name in zeros and end - interval.began < BRIEF_PHASE:
-                three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
-                known = (end - interval.began) * (SIMPSON @ paces)
-            if not exit.smooth:
-                self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
+        known = None
+        if event and event.name in zeros and end - interval.began < BRIEF_PHASE:
+            three = start, inside[..., PER_INTERVAL // 2], state
+            paces = [motion.slopes(event, one)[1][1, 1] for one in three]
+            known = (end - interval.began) * (SIMPSON @ paces)
+        elif not event:  # by the clock
+            known = state[-1, 1] - start[-1, 1] - lasts
+        if event and not exit.smooth:
+            self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
+        if exit:
             state = motion.happens(event, state, known)
-        elif exit:  # by the clock
-            rates, _ = motion.slopes(None, state)
-            state[:, 1] += np.outer(rates, start[-1, 1] + lasts - state[-1, 1])
         self.between.append(Samples(motion, np.array([number]), state[..., None]))
         return state
 
