@@ -618,7 +618,8 @@ class Pass:
         states = self.rows()
         lanes = states.shape[2:]
         pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
-        columns = function(states.reshape(-1, math.prod(lanes)), pars=pars[: function.nparams])
+        inputs = np.ascontiguousarray(states.reshape(-1, math.prod(lanes)))
+        columns = function(inputs, pars=pars[: function.nparams])
         rows = columns.reshape(len(names), order + 1, *lanes)
         values = dict(zip(names, duals_of(rows), strict=True))
         if AXES[0] in values:
