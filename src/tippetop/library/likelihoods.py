@@ -11,7 +11,8 @@ import numpy as np
 from ..arguments import dotted_keys, instance, names_of, positive_integer, takes
 from ..errors import InputError, refuse_without
 from ..exchange.likelihood import LogLikelihood, drawn
-from .exchanging import Fitted, _reference, _saved, fit, observed
+from .exchanging import Fitted, _reference, fit, observed
+from .plots import saved
 
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ class Posterior:
             for name, unit in zip(self.free, units, strict=True)
         ]
         columns = dict(zip(labels, self.points.T, strict=True))
-        return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
+        return saved(corner(columns, self.weights, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
         few = " (too few: take more draws, or a sampler of Markov chains)"
