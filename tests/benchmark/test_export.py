@@ -107,20 +107,6 @@ def test_an_outline_touches_the_plane_at_the_start(exported, name, models):
     assert start["position"][2] == pytest.approx(height, abs=1e-12)
 
 
-def test_an_ellipsoid_with_three_moments_is_a_case(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(
-        'system = "ellipsoid"\nfriction = { law = "viscous", mu = 0.5 }\ncontact = { e_n = 0.0 }\n'
-        "initial = { tilt = 0.01, spin = -5.0 }\nrun = { until = 0.05, output_step = 1e-2 }\n"
-        "[parameters]\nm = 1.0\na = 0.2\nb = 0.03\nc = 0.02\ndelta = 0.01\nx = 0.0\ny = 0.0\n"
-        "h = 0.01\nI1 = 2e-4\nI2 = 1.6e-3\nI3 = 1.7e-3\ng = 9.81\n"
-    )
-    benchmark.export(tmp_path / "cases", [path])
-    test_an_outline_touches_the_plane_at_the_start(
-        tmp_path / "cases", "mine", {"model.mjcf.xml", "model.sdf"}
-    )
-
-
 def test_a_rattleback_that_rolls_keeps_its_energy_and_reverses_its_spin(exported):
     folder = exported / "reversing-rattleback"
     found = tt.compare(folder / "reference.csv", folder / "scenario.toml").to_dict()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nightly import at_night
 from typed import typed
 
 
@@ -15,7 +16,7 @@ encoder = pytest.importorskip("imageio_ffmpeg", reason="no encoder: pip install 
 @pytest.mark.parametrize(
     ("name", "options", "frames", "seconds"),
     [
-        ("top.mp4", "", 5, 0.2),
+        at_night("top.mp4", "", 5, 0.2),
         ("top.mp4", "--fps 50 --speed 0.5 --from 0.1", 10, 0.2),
         ("top.gif", "--fps 30 --from 0.1", 4, 0.12),  # at 33.3 frames a second
     ],
