@@ -57,10 +57,9 @@ def pushed(u: Any, L: Any, beta: float, b: Any) -> Any:
     C, S = np.cos(beta), np.sin(beta)
     push = np.array([-b.mu * C, -b.mu * S, 1.0])
     free = accelerated(u, L, np.zeros(3), b)[0]
-    G, torque = accelerated(u, L, push, b)  # both are linear in the force
-    N = free[2] / (free[2] - G[2])
-    G = free + N * (G - free)
-    return C * G[0] + S * G[1], C * G[1] - S * G[0], N, N * torque
+    N = free[2] / (free[2] - accelerated(u, L, push, b)[0][2])
+    G, torque = accelerated(u, L, N * push, b)
+    return C * G[0] + S * G[1], C * G[1] - S * G[0], N, torque
 
 
 def rates(y: Any, b: Any) -> Any:
