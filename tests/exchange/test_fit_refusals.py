@@ -74,8 +74,7 @@ def test_noise_explains_angles_beyond_the_poles(
     path = film(tmp_path, "0,179", "0.1,-0.6", "0.2,182.14", "0.3,180.5")
 
     def observed() -> measurements.Observation:
-        scenario, convention = tt.load("inverting"), measurements.Convention()
-        return measurements.observation_of(scenario, path, ["friction.mu"], convention, None, noise)
+        return measurements.observed(path, tt.load("inverting"), ["friction.mu"], noise=noise)
 
     if words:
         with pytest.raises(InputError, match=words):
@@ -90,9 +89,8 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
 ) -> None:
     path = film(tmp_path, *(f"{first + k},5" for k in range(3)))
     free = ["time.offset"]
-    assert measurements.observation_of(
-        tt.load("inverting"), path, free, measurements.Convention(), None
-    ).start() == {"time.offset": offset}
+    observation = measurements.observed(path, tt.load("inverting"), free)
+    assert observation.start() == {"time.offset": offset}
 
 
 ATTITUDES = {  # columns that a row may lack, and the measurement that they make of it

@@ -1,7 +1,17 @@
-"""Bodies without an axis of symmetry: starts, scalars, columns, events and rows.
+"""Bodies without an axis of symmetry: starts, rows, forms, columns and events.
 
-Their phases and jumps are those of other bodies: a state has axes 1 and 3 of the body, so that
-their orientation needs no integral.
+In go the user's numbers and states of phases; out come the common state at the start, rows, and the
+scalars of columns and events. Phases and jumps are those of other bodies (`contact_phases`,
+`exits`); a state has axes 1 and 3 of the body, so that their orientation needs no integral.
+`systems.ellipsoid` makes its systems of these constants.
+
+Symbols
+    b         the body, a `frame.Asymmetric`; b.outline: its shape, with half axes a, b, c
+    u         how it lies, a `frame.Frame`: axes 3 and 1; up: zhat along its axes
+    x         the common state, a `body.Moving`: u, momentum L, velocity, height
+    q         the state of a phase, or a row; carried: the record of integrals; e: record of angles
+    s         in (s, b): record of `Scalars`; in (e, s, z, b): sin(theta), and z: cos(theta)
+    omega     angular velocity; spin: its vertical part; v: velocity of the contact point
 """
 
 from collections import namedtuple
@@ -17,9 +27,9 @@ from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, ti
 from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
-from .body import FRAME, VELOCITY, Moving, Turning, filled, state
+from .body import FRAME, Moving, Turning, filled
 from .body_axes import axes_of_angles
-from .contact_phases import OF_FRAME, PHASES, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
 from .response import gains
 
@@ -47,7 +57,11 @@ Begin: Any = namedtuple("Begin", "moving x y")
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the start by the numbers that the user gave; s, z are sin(theta), cos(theta)."""
+    """Return the `Begin` of a start, from the numbers of the user in `data`: `System.start`.
+
+    s, z are sin(theta), cos(theta). The orientation is given by theta, phi and psi, or by tilt,
+    roll and heading; missing numbers are zero.
+    """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
     along = Vector(cos(given.phi), sin(given.phi), none)
@@ -77,7 +91,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
 
 
 def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of a start, or of angles."""
+    """Return the common state of e: of a `Begin`, or of a record of angles."""
     return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
 
 
@@ -94,28 +108,15 @@ LONG_NAMES = gliding.LONG_NAMES | {
     "psi": "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
 }
 
-NUMBERS = ("height", "Fx", "Fy", "force", "drilled", "phase", "ball")
-ROW_UNITS = state(FRAME, **VELOCITY, **{name: rows.NUMBERS[name] for name in NUMBERS})
-Row = type(ROW_UNITS)
-
-
-def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmetric]:
-    """Return the row of a state of a phase, and the body."""
-    x = phase.leave(q, b)
-    by = phase.reaction(q, b)
-    numbers = x.height, *by.force, by.drilled, PHASES.index(phase.label), phase.ball
-    return Row(*x.u, *x.L, *x.velocity, *numbers), b
-
-
 OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
-Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *NUMBERS, *OWN))))
-"""As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
+Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *rows.OF_FRAME, *OWN))))
+"""As of other rows; v_A, how the body lies, zhat and omega x zhat along the half axes, omega_z,
 energy of rotation.
 """
 
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
-    """Return the scalars of a row."""
+    """Return the `Scalars` of a row q."""
     x = rows.moving(q, ())
     u = x.u
     up = frame.up(u)
@@ -124,12 +125,12 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     power = 0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled
     return Scalars(
         *rows.motion(x, v, power, contact.gap(x, b), b),
-        *(getattr(q, name) for name in NUMBERS),
+        *(getattr(q, name) for name in rows.OF_FRAME),
         q.Fx * q.Fx + q.Fy * q.Fy,
         v,
         u,
-        up,
-        cross(omega, up),
+        b.outline.half_axes(up),
+        b.outline.half_axes(cross(omega, up)),
         dot(up, omega),
         dot(omega, frame.along_axes(x.L, u)) / 2,
     )
@@ -137,13 +138,12 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
     """Return the row of a start, its reaction not yet known."""
-    x = begun(e, s, z, b)
-    return Row(*x.u, *x.L, *x.velocity, x.height, *(0 * z,) * 6)
+    return rows.filled_row(rows.FRAME_UNITS, begun(e, s, z, b))
 
 
 OF_ROW = replace(
     rows.ROW,
-    units=ROW_UNITS,
+    units=rows.FRAME_UNITS,
     scalars=row_scalars,
     of_angles=row_of_angles,
     to_angles=gliding.angles_by(ROW_ANGLES, row_scalars),
@@ -164,7 +164,8 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:
-        return row_scalars(row(phase, q, (), b)[0], b)
+        """Return the `Scalars` of a state of the phase."""
+        return row_scalars(rows.row(phase, q, (), b)[0], b)
 
     return replace(
         phase.form,
@@ -176,7 +177,10 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
 
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg]."""
+    """Return the upward acceleration of the contact point per normal force [1/kg].
+
+    It must be positive.
+    """
     force, torque = smooth_friction(s.v, s.v, s.z, b)
     return gains(s.u, force, torque, b)[0].z
 
@@ -193,28 +197,25 @@ ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
 
 
 def heading(s: Any, b: Asymmetric) -> Any:
-    """Return the azimuth of half axis a."""
+    """Return the azimuth of half axis a [rad]."""
     one, two, _ = s.u.axes
     along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
     return atan2(along.y, along.x)
 
 
 def tilt(s: Any, b: Asymmetric) -> Any:
-    """Return the elevation of half axis a."""
-    rises = b.outline.half_axes(s.up)
-    return atan2(rises.x, sqrt(rises.y * rises.y + rises.z * rises.z))
+    """Return the elevation of half axis a [rad]."""
+    return atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z))
 
 
 def roll(s: Any, b: Asymmetric) -> Any:
-    """Return the turn about half axis a, zero where half axis b is horizontal."""
-    rises = b.outline.half_axes(s.up)
-    return atan2(rises.y, rises.z)
+    """Return the turn about half axis a [rad], zero where half axis b is horizontal."""
+    return atan2(s.up.y, s.up.z)
 
 
 def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return the rate of `roll` times a negative number."""
-    turns = b.outline.half_axes(s.turns)
-    return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
+    """Return a number with the opposite sign of roll': the function of the event `roll_peak`."""
+    return s.turns.y * s.up.z - s.up.y * s.turns.z
 
 
 SPIN = "angular velocity about the vertical"
@@ -248,7 +249,7 @@ OF_AXES = (
     Event(
         "tilt_peak",
         "the tilt (pitch) of half axis a is greatest or least",
-        lambda s, b: b.outline.half_axes(s.turns).x,
+        lambda s, b: s.turns.x,
     ),
     Event("roll_peak", "the roll about half axis a is greatest or least", roll_rate),
     gliding.EQUATOR,
