@@ -37,7 +37,7 @@ class Minimal:
     @cached_property
     def start(self) -> np.ndarray:
         """The state at t = 0, (n,)."""
-        return self.of_rows(self.problem.start()[None, :])[0].astype(float)
+        return self.problem.start()[: len(self.names)].astype(float)
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -48,10 +48,6 @@ class Minimal:
     def body(self) -> Any:
         """The parameters, plain floats: those that are 0 or 1 in these units fold."""
         return _plain(self.problem.internal_body)
-
-    def of_rows(self, rows: np.ndarray) -> np.ndarray:
-        """The minimal states among full rows."""
-        return rows[:, : len(self.names)]
 
     def theta(self, states: np.ndarray) -> np.ndarray:
         """theta [rad] of minimal states (k, n); where it is an integral itself (cylinders), without

@@ -39,7 +39,6 @@ class Peer(NamedTuple):
     kind: str
     prepare: Callable[[Minimal], Callable[[float], Solver]]
     needs: str | None = None
-    package: str | None = None  # to be installed, where it is called otherwise
     tolerances: tuple[float, ...] = LADDER
 
     @property
@@ -48,7 +47,7 @@ class Peer(NamedTuple):
         if self.needs == "c++":
             return None if COMPILER else "no C++ compiler"
         if self.needs and importlib.util.find_spec(self.needs) is None:
-            return f"{self.package or self.needs} is not installed"
+            return f"{self.needs} is not installed"
         return None
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tippetop.engine.expressions import equations_of_motion, formulas_of
+from tippetop.mechanics.operand import leaves
 from tippetop.runs import starting
 
 from . import report
@@ -48,14 +49,8 @@ def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
     ).rates
     chosen = equations[: problem.variables.moving]
     function = hy.cfunc([rate for _, rate in chosen], [v for v, _ in chosen])
-    pars = [float(leaf) for leaf in _leaves(minimal.body)]
+    pars = [float(leaf) for leaf in leaves(minimal.body)]
     return np.array([function(state, pars=pars[: function.nparams]) for state in states])
-
-
-def _leaves(record: tuple) -> list:
-    return [
-        leaf for part in record for leaf in (_leaves(part) if isinstance(part, tuple) else [part])
-    ]
 
 
 @compiler
@@ -173,10 +168,8 @@ def test_the_reference_is_that_of_an_independent_integration() -> None:
 
 
 def test_a_missing_peer_is_told() -> None:
-    peer = Peer(
-        "none", "compiled", lambda minimal: None, needs="no_such_package", package="no-such-package"
-    )
-    assert peer.missing == "no-such-package is not installed"
+    peer = Peer("none", "compiled", lambda minimal: None, needs="no_such_package")
+    assert peer.missing == "no_such_package is not installed"
     results = report.read(report.RESULTS)
     for name in [name for name in results["inversion"]["contestants"] if "DOP853" in name]:
         results["inversion"]["contestants"][name] = {"kind": "compiled", "missing": peer.missing}

@@ -111,7 +111,7 @@ def test_theta_counts_in_every_row_that_lacks_a_fuller_attitude(head: str, tmp_p
     theta = rows.theta.values
     path = tmp_path / "table.csv"
     free = ["initial.omega3"]
-    how = {"within": 0.05, "systematic": False}
+    how = {"within": 0.05, "systematic": False, "starts": 3}
     written(path, {"t [s]": t, "theta [rad]": theta, head: fuller})
     right = tt.fit(path, "heavy-top", free, **how)
     assert right.trustworthy, right.reason

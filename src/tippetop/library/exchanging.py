@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import (
     finite,
     flag,
-    in_python,
     instance,
     names_of,
     path_of,
@@ -33,6 +32,7 @@ from ..progress import reporting
 from ..runs.starting import load_any
 from ..scenario import build
 from .finished_run import Run
+from .plots import saved
 from .sources import problem_behind
 
 
@@ -60,7 +60,7 @@ class Comparison(Verdict):
         refuse_without("matplotlib")
         from ..figures.motions import comparison
 
-        return _saved(comparison(self.motions, self.title), path, overwrite)
+        return saved(comparison(self.motions, self.title), path, overwrite)
 
 
 @takes(convention_of)
@@ -169,7 +169,7 @@ class Fitted(fitting.Fit):
             self.residuals,
             fit_text.lines(self),
         )
-        return _saved(figure, path, overwrite)
+        return saved(figure, path, overwrite)
 
     def __str__(self) -> str:
         return "\n".join(fit_text.lines(self))
@@ -283,17 +283,6 @@ def fit(
     best, sentence = law_choice.verdict(fits)
     chosen = fits[best]
     return replace(chosen, reasons=[*chosen.reasons, sentence], laws=fits)
-
-
-def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
-    """Return a figure, which is written where a path is given."""
-    from ..figures import catalogue, drawing
-
-    if path is not None:
-        place = catalogue.check_format(path_of("path", path))
-        with in_python():
-            drawing.write(figure, place, overwrite=overwrite)
-    return figure
 
 
 def _reference(name: str, source: Any) -> Any:

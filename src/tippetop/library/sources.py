@@ -17,7 +17,7 @@ from ..mechanics.systems.revolution import Disc, Spheroid
 from ..mechanics.systems.tippe_top import TippeTop
 from ..problem import Problem
 from .finished_run import Run
-from .scenarios import checked, problem_of
+from .scenarios import problem_of
 
 
 KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, Ellipsoid)
@@ -31,9 +31,7 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
         return None
     if isinstance(source, Run):
         return source.problem
-    if isinstance(source, Problem):
-        return checked(source)
-    if isinstance(source, str | Mapping) or hasattr(source, "__fspath__"):
+    if isinstance(source, str | Mapping | Problem) or hasattr(source, "__fspath__"):
         return problem_of(source)
     raise InputError(
         f"the body must be {_words(kinds)}, a Run, a Problem or the name of a preset, but is "
