@@ -32,6 +32,7 @@ def finite(value: Any) -> Any:
     """Return a value as JSON can contain it: numbers that are not finite become None."""
 
     def of_numpy(number: Any) -> Any:
+        """Return a scalar of numpy as one of Python."""
         return float(number) if isinstance(number, np.floating) else number.item()
 
     return json.loads(json.dumps(value, default=of_numpy), parse_constant=lambda _: None)

@@ -142,6 +142,7 @@ def pair(
     """
 
     def system(phase: str, name: str, fields: Mapping[str, Any], words: str) -> System:
+        """Return the system of one phase, "slip" or "roll", whose title ends with these words."""
         records = {
             key: tuple(map(in_scalars, fields.get(key, ())))
             for key in ("quantities", "events", "on_request")
