@@ -85,10 +85,10 @@ def first_slip(
 
 
 def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
-    """Return the slide over a whole duration, found by repeated corrections at the nodes.
+    """Return the slide over a whole duration, found by repeated corrections at Chebyshev nodes.
 
-    They are: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration in
-    units of the time in which the direction follows the forces. None if the corrections do not
+    It is a tuple: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration
+    in units of the time in which the direction follows the forces. None if the corrections do not
     converge, or the series is not resolved.
     """
     nodes, fit, integral, slope = _matrices(start.dtype)
@@ -129,10 +129,12 @@ def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
     gained = fit @ ((state[-2] - start[-2]) / times)
 
     def at(t: Any) -> np.ndarray:
+        """Return the state and beta at times t since the start, (k + 1, ...)."""
         moved = chebval(2 * np.asarray(t) / duration - 1, values).T - chebval(-1, values)
         return (begin + moved).T  # exactly the start at 0
 
     def pace(t: Any) -> Any:
+        """Return w/t, the mean acceleration since the start."""
         return start[-2] / t + chebval(2 * t / duration - 1, gained)
 
     return at, pace, follows[0] * duration / w[0]
