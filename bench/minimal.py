@@ -37,7 +37,7 @@ class Minimal:
     @cached_property
     def start(self) -> np.ndarray:
         """The state at t = 0, (n,)."""
-        return self.of_rows(self.problem.start()[None, :])[0].astype(float)
+        return self.problem.start()[: len(self.names)].astype(float)
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -48,10 +48,6 @@ class Minimal:
     def body(self) -> Any:
         """The parameters, plain floats: those that are 0 or 1 in these units fold."""
         return _plain(self.problem.internal_body)
-
-    def of_rows(self, rows: np.ndarray) -> np.ndarray:
-        """The minimal states among full rows."""
-        return rows[:, : len(self.names)]
 
     def theta(self, states: np.ndarray) -> np.ndarray:
         """theta [rad] of minimal states (k, n); where it is an integral itself (cylinders), without
@@ -92,19 +88,15 @@ class Minimal:
     @cached_property
     def jitted(self) -> Any:
         """slope(y, d) for numba, of the same formulas."""
-        return _jitted(self)
+        from numba import njit
 
-
-def _jitted(minimal: Minimal) -> Any:
-    from numba import njit
-
-    form, n = minimal.problem.form, len(minimal.names)
-    rates, state, body = njit(error_model="numpy")(form.rates), type(form.units), minimal.body
-    arguments = ", ".join(f"y[{i}]" for i in range(n))
-    sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(n))
-    space = {"rates": rates, "State": state, "body": body}
-    exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
-    return njit(error_model="numpy", nogil=True)(space["slope"])
+        form = self.problem.form
+        rates = njit(error_model="numpy")(form.rates)
+        arguments = ", ".join(f"y[{i}]" for i in range(len(self.names)))
+        sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(len(self.names)))
+        space = {"rates": rates, "State": type(form.units), "body": self.body}
+        exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
+        return njit(error_model="numpy", nogil=True)(space["slope"])
 
 
 @cache

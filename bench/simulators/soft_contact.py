@@ -46,12 +46,11 @@ class SoftContact(NamedTuple):
     impratio: float = 1.0
     cone: str = "pyramidal"
     mu: float = 1.0
-    dampratio: float = 1.0
 
     @property
     def depth(self) -> float:
         """How far the body sinks in [m]: R_n N = K d depth."""
-        stiffness = 1 / (D_MAX * self.timeconst * self.dampratio) ** 2
+        stiffness = 1 / (D_MAX * self.timeconst) ** 2
         edges = 1.0
         if self.cone == "pyramidal":
             edges = self.mu**2 * (1 + self.mu**2) / (2 * self.impratio)
@@ -97,9 +96,9 @@ def growth(damping: float, inertance: float = 0.0, frame: float = 0.0) -> comple
     return max(determinant.roots(), key=lambda root: root.real)
 
 
-def effective(contact: SoftContact, frame: float = 0.0) -> float:
+def effective(contact: SoftContact) -> float:
     """Return the mu [s/m] of the viscous law under which the tutorial's top rises as fast."""
-    rate = growth(contact.damping * contact.inertance, contact.inertance, frame).real
+    rate = growth(contact.damping * contact.inertance, contact.inertance).real
     return brentq(lambda mu: growth(mu * GRAVITY).real - rate, 30.0, 1e6)
 
 
@@ -134,29 +133,24 @@ def tutorial() -> Case:
     )
 
 
-def simulated(
-    cone: str = "elliptic",
-    frame: str = "centre of the ball",
-    step: float = 1e-3,
-    impratio: float = 1.0,
-    timeconst: float = 0.02,
-) -> np.ndarray:
-    """Return time, theta and the gap of MuJoCo, by default with the settings of the tutorial."""
+def simulated(cone: str, frame: str = "centre of the ball") -> np.ndarray:
+    """Return time, theta and the gap of MuJoCo with the settings of the tutorial."""
     from .mujoco import motion
 
-    case = tutorial()
+    case, step = tutorial(), 1e-3
     setting = {"integrator": "RK4", "cone": cone, "frame": frame}
-    setting |= {"impratio": impratio, "timeconst": timeconst}
-    rows = itertools.islice(motion(case, setting, step), round(8.0 / step))
+    setting |= {"impratio": 1.0, "timeconst": 0.02}
+    rows = itertools.islice(motion(case, setting, step), round(case.until / step))
     height, x, y = np.array([row[[2, 4, 5]] for row in rows]).T
     up = 1 - 2 * (x**2 + y**2)
     gap = height + case.balls[0].offset * up - case.balls[0].radius
     return np.array([step * np.arange(len(up)), np.arccos(np.clip(up, -1, 1)), gap])
 
 
-def passage(time: np.ndarray, theta: np.ndarray, angle: float = math.pi / 2) -> float:
-    """Return when theta passes an angle [s]; NaN if it does not."""
-    return float(time[np.argmax(theta > angle)]) if theta.max() > angle else math.nan
+def passage(time: np.ndarray, theta: np.ndarray) -> float:
+    """Return when theta passes pi/2 [s]; NaN if it does not."""
+    over = theta > math.pi / 2
+    return float(time[np.argmax(over)]) if over.any() else math.nan
 
 
 def draw(path: Path) -> None:

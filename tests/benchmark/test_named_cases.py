@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tippetop import benchmark
 from tippetop.benchmark.named_cases import data
@@ -19,7 +20,7 @@ def motion(name: str, count: int = 201) -> tuple[Truth, object]:
 
 def test_torque_free_axis_circles_the_angular_momentum():
     there, b = motion("torque-free")
-    axes = np.array([turned(q, np.array([0.0, 0.0, 1.0])) for q in there.quaternion])
+    axes = Rotation.from_quat(there.quaternion, scalar_first=True).apply([0.0, 0.0, 1.0])
     spin = (there.omega * axes).sum(axis=1)
     L = b.I1 * there.omega + ((b.I3 - b.I1) * spin)[:, None] * axes
     L0, u0, t = L[0], axes[0], there.t
@@ -30,11 +31,6 @@ def test_torque_free_axis_circles_the_angular_momentum():
     np.testing.assert_allclose(axes, expected, atol=1e-12)
     fall = there.position[0] + np.outer(t, there.velocity[0]) - np.outer(t**2, [0, 0, b.g / 2])
     np.testing.assert_allclose(there.position, fall, atol=1e-14)
-
-
-def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    w, r = q[0], q[1:]
-    return v + 2 * np.cross(r, np.cross(r, v) + w * v)
 
 
 def test_slide_ends_in_rolling_at_the_time_of_the_closed_form():
@@ -89,7 +85,6 @@ def test_reference_is_certified(name):
     each = benchmark.case(name)
     assert each.certificate["error"] < 1e-10
     assert 0 < each.certificate["horizon"] <= each.problem.until
-    assert each.horizon == each.certificate["horizon"]
 
 
 def test_certificates_are_of_the_cases():

@@ -108,6 +108,7 @@ def test_warnings_are_lines_of_ours_on_stderr(
         ("matplotlib", "run inverting --until 0.1 --out r.zarr --figure f.png", "figures"),
         ("pyarrow", "export {} --to parquet --out r.pq", "export"),
         ("h5netcdf", "export {} --to netcdf --out r.nc", "export"),
+        ("imageio_ffmpeg", "film {} --out r.mp4", "film"),
     ],
 )
 def test_what_an_extra_brings_is_missed_before_anything_is_made(

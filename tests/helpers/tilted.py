@@ -28,6 +28,19 @@ def turned_about(*vector: float) -> np.ndarray:
     return Rotation.from_rotvec(vector).as_matrix()
 
 
+@cache
+def plane_of(tilt: float, azimuth: float) -> np.ndarray:
+    """Return the axes of a plane as columns; the last is its normal."""
+    return turned_about(-tilt * np.sin(azimuth), tilt * np.cos(azimuth), 0.0)
+
+
+@cache
+def quadric(a: float, b: float, c: float, turn: float) -> np.ndarray:
+    """Return the matrix of an ellipsoid whose axes are turned about axis 3."""
+    twist = turned_about(0.0, 0.0, turn)
+    return twist @ np.diag([a * a, b * b, c * c]) @ twist.T
+
+
 def cross(a: Any, b: Any) -> np.ndarray:
     """Return the product of vectors, or of a vector and the columns of a matrix."""
     return np.array(
@@ -60,8 +73,7 @@ class Body(NamedTuple):
     @property
     def plane(self) -> np.ndarray:
         """The axes of the plane as columns; the last is its normal."""
-        across = np.array([-np.sin(self.azimuth), np.cos(self.azimuth), 0.0])
-        return turned_about(*(self.tilt * across))
+        return plane_of(self.tilt, self.azimuth)
 
     def height(self, t: float) -> tuple[float, float, float]:
         """Height, velocity and acceleration of the plane along its normal."""
@@ -76,11 +88,11 @@ class Body(NamedTuple):
 
     def reached(self, n: np.ndarray) -> np.ndarray:
         """The lowest point, where n is the normal of the plane in body axes."""
-        twist = turned_about(0.0, 0.0, self.turn)
-        A = twist @ np.diag(np.square(self.half)) @ twist.T
-        across = n * [1, 1, 0]
-        rim = self.tube * n + (self.ring and self.ring * across / np.sqrt(across @ across))
-        return np.array(self.centre) - A @ n / (np.sqrt(n @ A @ n) or 1.0) - rim
+        if self.ring:
+            across = n * [1, 1, 0]
+            return self.centre - self.tube * n - self.ring * across / np.sqrt(across @ across)
+        reach = quadric(*self.half, self.turn) @ n
+        return self.centre - reach / (np.sqrt(n @ reach) or 1.0)
 
     @property
     def centre_of_table(self) -> np.ndarray:
@@ -128,7 +140,7 @@ def lowest(s: np.ndarray, b: Body) -> Point:
     """Return the lowest point of a body in a state."""
     r, v, L, Q = split(s)
     n = b.plane[:, 2]
-    inverse = Q @ np.diag(1 / np.array(b.inertia)) @ Q.T
+    inverse = (Q / b.inertia) @ Q.T
     w = inverse @ L
     nb, nb_dot = Q.T @ n, Q.T @ cross(n, w)
     p, p_dot = b.reached(nb), np.imag(b.reached(nb + 1e-30j * nb_dot)) / 1e-30
@@ -156,10 +168,9 @@ def no_torque(omega: np.ndarray) -> np.ndarray:
 
 
 def sliding(k: Callable, torque: Callable = no_torque) -> Callable:
-    """Return force and torque (s, b) of friction -k(|v|) N v, and of a torque per normal force."""
+    """Return force and torque of friction -k(|v|) N v, and of a torque per normal force."""
 
-    def force(s: np.ndarray, b: Body) -> tuple[np.ndarray, np.ndarray]:
-        point, n = lowest(s, b), b.plane[:, 2]
+    def force(point: Point, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         slip = point.v - n * (n @ point.v)
         push, twist = n - k(np.linalg.norm(slip)) * slip, torque(point.omega)
         free = n @ point.rates(0 * n)[2]
@@ -170,13 +181,11 @@ def sliding(k: Callable, torque: Callable = no_torque) -> Callable:
 
 
 def resting(torque: Callable = no_torque, turns: bool = True) -> Callable:
-    """Return force and torque (s, b) that keep a contact at rest, and its turning about the
-    vertical if it does not turn.
+    """Return force and torque that keep a contact at rest, and its turning about the vertical if it
+    does not turn.
     """
 
-    def force(s: np.ndarray, b: Body) -> tuple[np.ndarray, np.ndarray]:
-        point, n = lowest(s, b), b.plane[:, 2]
-
+    def force(point: Point, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         def given(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return x[:3], (n @ x[:3]) * torque(point.omega) + x[3] * n
 
@@ -195,19 +204,19 @@ def resting(torque: Callable = no_torque, turns: bool = True) -> Callable:
 rolling = resting()
 
 
-def flying(s: np.ndarray, b: Body) -> tuple[np.ndarray, np.ndarray]:
+def flying(point: Point, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return no force and no torque."""
     return np.zeros(3), np.zeros(3)
 
 
 def motion(force: Callable, b: Body) -> Callable:
-    """Return the right-hand side of the equations."""
+    """Return the right-hand side of the equations under force and torque (point, normal)."""
 
     def rates(t: float, s: np.ndarray) -> np.ndarray:
-        v_dot, L_dot, *_ = lowest(s, b).rates(*force(s, b))
-        _, v, L, Q = split(s)
-        w = Q @ ((Q.T @ L) / b.inertia)
-        return np.concatenate([v, v_dot, L_dot, cross(w, Q).ravel(), [1.0]])
+        point = lowest(s, b)
+        v_dot, L_dot, *_ = point.rates(*force(point, b.plane[:, 2]))
+        _, v, _, Q = split(s)
+        return np.concatenate([v, v_dot, L_dot, cross(point.omega, Q).ravel(), [1.0]])
 
     return rates
 
@@ -262,7 +271,7 @@ def sticking(b: Body, s: np.ndarray, mu: float, until: float) -> tuple:
     slides = sliding(lambda v: mu / v)
     stops, s = follow(slides, b, s, until, lambda s, b: np.linalg.norm(lowest(s, b).v) - 1e-9)
     point = lowest(s, b)
-    last = -(point.v @ point.v) / (point.v @ point.rates(*slides(s, b))[2])
+    last = -(point.v @ point.v) / (point.v @ point.rates(*slides(point, b.plane[:, 2]))[2])
     s = s + last * motion(slides, b)(0.0, s)
     return stops + last, follow(rolling, b, s, until - stops - last)[1]
 

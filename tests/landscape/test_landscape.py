@@ -53,38 +53,31 @@ def test_surface_does_not_know_the_grid():
         assert alone.z.item() == one.z[i, j].item()
 
 
-def test_upright_line_lies_on_the_surface():
-    """D = rho_+ lambda: approached at theta = 0, F = V(1), for every lambda."""
-    lam = np.linspace(-8e-6, 8e-6, 41)
-    lines = marked_lines.marked_lines(TOP, lam)
-    for i, value in enumerate(lam):
-        found = surface.minimal_surface(TOP, lines.D[0, i].item(), value)
-        assert found.status.item() == Status.AT_LOWER_END
-        assert found.theta.item() == 0
-        assert found.z.item() == 1
-        assert found.F.item() == pytest.approx(lines.E[0, i].item(), rel=2e-15)
-
-
-def test_inverted_line_lies_on_the_surface_from_lambda_pi():
-    """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is strictly lower. (5.1)"""
+@pytest.mark.parametrize(
+    ("end", "status", "theta"), [(0, Status.AT_LOWER_END, 0.0), (1, Status.AT_UPPER_END, np.pi)]
+)
+def test_spinning_states_lie_on_the_surface(end, status, theta):
+    """F is V at their pole, which it approaches: upright for every lambda, inverted from lambda_pi
+    on; below, F is strictly lower. (5.1)
+    """
     lam_pi = marked_lines.marked_lines(TOP, 0.0).lambda_pi
     assert lam_pi == pytest.approx(1.70683e-6, rel=1e-5)  # section 14
-    lam = lam_pi * np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
+    some = np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
+    lam = lam_pi * np.concatenate([-some[::-1], some])
     lines = marked_lines.marked_lines(TOP, lam)
     for i, value in enumerate(lam):
-        found, E = (
-            surface.minimal_surface(TOP, lines.D[1, i].item(), value),
-            lines.E[1, i].item(),
-        )
-        if value < lam_pi:
+        found = surface.minimal_surface(TOP, lines.D[end, i].item(), value)
+        E = lines.E[end, i].item()
+        on_surface = end == 0 or abs(value) >= lam_pi
+        assert lines.on_surface[end, i] == on_surface
+        if on_surface:
+            assert found.status.item() == status
+            assert found.theta.item() == theta
+            assert found.z.item() == np.cos(theta)
+            assert found.F.item() == pytest.approx(E, rel=2e-15)
+        else:
             assert found.status.item() == Status.ATTAINED
             assert found.F.item() < E * (1 - 1e-9)
-            assert not lines.on_surface[1, i]
-        else:
-            assert found.status.item() == Status.AT_UPPER_END
-            assert found.theta.item() == np.pi
-            assert found.F.item() == pytest.approx(E, rel=2e-15)
-            assert lines.on_surface[1, i]
 
 
 def test_nothing_moves_at_rest():

@@ -1,8 +1,9 @@
 """Compile derivatives of motions and of their columns along directions of the input numbers.
 
-The formulas are those of the run; their operands are expressions with derivatives. A number and its
-direction are parameters of the compiled functions, so that one integrator serves every direction,
-each in a SIMD lane.
+`Formulas` of a run go in; out comes heyoka's integrator of the same equations for numbers with
+derivatives. The formulas are those of the run; their operands are expressions with derivatives. A
+number and its direction are parameters of the compiled functions, so that one integrator serves
+every direction, each in a SIMD lane. `derivatives.through` integrates with it.
 """
 
 from collections.abc import Iterable, Sequence
@@ -94,7 +95,7 @@ class Moving(Dual):
 
 
 def in_motion(variables: Variables, state: Sequence[Any], body: Any, order: int) -> list[Any]:
-    """Return variables with their derivatives by time, up to an order."""
+    """Return the variables of a state as numbers with their time derivatives, up to this order."""
     moving: list[Any] = [*state]
     for _ in range(order):
         rates = variables.rates(*variables.split(moving), body)

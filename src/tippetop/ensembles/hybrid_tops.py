@@ -1,4 +1,7 @@
-"""Integrate tops one after the other, each by an `Integration` instead of a lane."""
+"""Integrate tops one after the other, each by an `Integration` instead of a lane.
+
+For tops that lanes cannot follow, such as those of user-defined systems with phases.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,6 +24,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     """Return the problem of one top, to run alone."""
 
     def numbers(table: str) -> dict[str, Any]:
+        """Return the numbers of this top in a table of the scenario."""
         given = tops.given(table)
         return {
             name: v if isinstance(v, bool) else float(v[top] if np.ndim(v) else v)
@@ -61,6 +65,15 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.clashes(), *contact_faults(problem)]
 
 
+def checked(outcomes: Outcomes, top: int) -> Problem | None:
+    """Return the problem of a top; mark a top that cannot be integrated as invalid."""
+    problem = problem_of(outcomes.tops, top)
+    if faults := faults_of(problem):
+        outcomes.refuse(top, faults[0])
+        return None
+    return problem
+
+
 def run_each(
     outcomes: Outcomes, numbers: list[int], ended: Callable[[], None], *, events: bool = False
 ) -> None:
@@ -78,11 +91,10 @@ def run_each(
         Whether events are logged.
     """
     for top in numbers:
-        problem = problem_of(outcomes.tops, top)
+        problem = checked(outcomes, top)
         try:
-            if faults := faults_of(problem):
-                raise InputError(faults)
-            _run(outcomes, top, problem, events)
+            if problem:
+                _run(outcomes, top, problem, events)
         except InputError as error:
             outcomes.refuse(top, error.sentences[0])
         ended()

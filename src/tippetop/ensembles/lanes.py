@@ -1,4 +1,7 @@
-"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`."""
+"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`.
+
+Numbers of tops come from a queue; their outcomes go to the common `Outcomes`.
+"""
 
 import threading
 from collections.abc import Callable, Collection, Iterator
@@ -19,7 +22,7 @@ from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
 from ..scenario.contact import touches
-from .hybrid_tops import faults_of, problem_of
+from .hybrid_tops import checked, problem_of
 from .outcomes import SWINGS, Outcomes
 
 
@@ -62,6 +65,7 @@ class PoolOfOne(Pools):
         code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
 
         def reads(*names: str) -> bool:
+            """Return whether a requested column begins with one of these names."""
             return wanted is None or any(name.startswith(names) for name in wanted)
 
         rows = watched(code.rows, base, reads)
@@ -75,10 +79,14 @@ class PoolOfOne(Pools):
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         self.allocate_tops(room, 1, width, numbers, row_count)
         found = self.of_tops, self.log, self.samples
-        self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
+        motion = new_motion(width, numbers, made.order + 1, self.lanes)
         rules = Rules(settled_for, most, EVERY, 0)
-        self.loop = Loop(self.motion, rows, *found, rules, code.machine)
+        self.loop = Loop(motion, rows, *found, rules, code.machine)
         self.add_pool(0, self.loop, range(numbers))
+
+    def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
+        """Return states of the tops in slots as rows."""
+        return states[:, : self.variables]
 
 
 class Lanes:
@@ -118,16 +126,14 @@ class Lanes:
         self.outcomes = outcomes
         self.functions = functions
         self.ended = ended
-        self.logs = events
         self.tops = outcomes.tops
         self.stop = threading.Event()
         row_count = outcomes.times.shape[1]
         self.room = min(room, ROOM, max(ROOM // 8, ROWS // max(1, row_count)))
         self.top_in = np.full(self.room, -1)
-        self.under_way = 0
-        self.steps = self.possible = 0  # of lanes: made, and possible
-        self.pools: Pools | None = None
-        if not self.tops.base.system.is_hybrid:
+        self.is_hybrid = self.tops.base.system.is_hybrid
+        self.pools: Any = None
+        if not self.is_hybrid:
             self.pools = PoolOfOne(
                 self.tops, self.room, row_count, wanted, events=events, most=most
             )
@@ -138,30 +144,30 @@ class Lanes:
         done = list[int]()  # slots of tops that have ended
         is_more = True
         while not self.stop.is_set():
-            if not self.under_way or (is_more and len(free) + len(done) >= self.room / 4):
-                self._look()
-                self._write(np.array(done, int))
+            idle = len(free) + len(done)
+            if idle == self.room or (is_more and idle >= self.room / 4):
+                if done:
+                    self._look()
+                    self._write(np.array(done))
                 free += done
                 done = []
                 while is_more and free and not self.stop.is_set():
                     is_more = self._begin(queue, free)
-            pools = self.pools
-            if pools is None or not self.under_way:
+            if len(free) == self.room:
                 return
+            pools = self.pools
             ended, looks = pools.step(MOST_DRIVEN)
             for slot in looks:
                 if self._stays(slot):
                     pools.of_tops.lane["status"][slot] = Status.SETTLED.code
                     ended.append(slot)
                     continue
-                if not self.tops.base.system.is_hybrid:
+                if not self.is_hybrid:
                     pools.of_tops.lane["lasts_since"][slot] = np.nan
                 pools.push(slot)
             for _ in ended:
                 self.ended()
-            self.under_way -= len(ended)
             done += ended
-            self.possible = pools.record.possible
             logged = pools.log.filled[0] / max(1, len(pools.log.rows))
             if max(logged, pools.samples.filled[0] / max(1, len(pools.samples.top))) > 0.5:
                 self._look()
@@ -172,8 +178,7 @@ class Lanes:
         """Begin tops in free slots. Return whether the queue may have more."""
         taken = list(islice(queue, len(free)))
         is_more = len(taken) == len(free)
-        is_hybrid = self.tops.base.system.is_hybrid
-        problems: dict[int, Any] = self._checked(taken) if is_hybrid else dict.fromkeys(taken)
+        problems: Any = self._checked(taken) if self.is_hybrid else dict.fromkeys(taken)
         if not problems:
             return is_more
         which = np.array([*problems])
@@ -183,17 +188,15 @@ class Lanes:
         if self.pools is None:
             first = next(iter(problems.values()))
             self.pools = HybridPools(first, self.room, times.shape[1], self.stop)
-        if isinstance(self.pools, HybridPools):
-            self.pools.problems.update(zip(slots.tolist(), problems.values(), strict=True))
-            begun = self._begun(problems, len(self.pools.numbers), times)
+        if self.is_hybrid:
+            begun = self._begun(problems, times)
         else:
             tops = self.tops
             of_tops = tops.start[:, which], self.functions[which].T, tops.pars[:, which]
             begun = Begun(*of_tops, tops.end[which], times)
         self.pools.begin_tops(slots, begun)
-        if is_hybrid:  # the gap of the start may follow theta
+        if self.is_hybrid:  # the gap of the start may follow theta
             self.outcomes.begin(self.pools.rows_in(slots).T, which)
-        self.under_way += len(slots)
         return is_more
 
     def _checked(self, tops: list[int]) -> dict[int, Problem]:
@@ -205,30 +208,31 @@ class Lanes:
         for top in tops:
             if self.stop.is_set():
                 break
-            problem = problem_of(self.tops, top)
-            if faults := faults_of(problem):
-                self.outcomes.refuse(top, faults[0])
-                self.ended()
-            else:
+            if problem := checked(self.outcomes, top):
                 found[top] = problem
+            else:
+                self.ended()
         return found
 
-    def _begun(self, problems: dict[int, Problem], events: int, times: np.ndarray) -> Begun:
-        """Return the starts of tops whose contact may change its phase."""
+    def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
+        """Return the starts of tops whose contact may change its phase.
+
+        `problems` are the tops by number, `times` those of rows (k, rows).
+        """
         which = np.array([*problems])
         columns = {key: values[which] for key, values in self.tops.columns.items()}
         if touches(self.tops.base) and "initial.gap" not in columns:
             gaps = [problem.initial.get("gap", 0.0) for problem in problems.values()]
             columns["initial.gap"] = np.array(gaps)
         some = replace(self.tops, columns=columns)
-        return Begun(some.start, np.ones((events, some.n)), bodies_of(some), some.end, times)
+        functions = np.ones((len(self.pools.numbers), some.n))
+        return Begun(some.start, functions, bodies_of(some), some.end, times)
 
     # --- rows of tops ----------------------------------------------------------------------------
 
     def _stays(self, slot: int) -> bool:
         """Return whether a top that may have settled has done so for good."""
         pools = self.pools
-        assert pools is not None
         problem = problem_of(self.tops, int(self.top_in[slot]))
         view = Observables(problem)
         last = pools.rows_in(np.array([slot]))
@@ -238,14 +242,12 @@ class Lanes:
     def _look(self) -> None:
         """Compare the invariants of sampled states with the start, and empty samples and log."""
         pools = self.pools
-        if pools is None:
-            return
         if count := int(pools.samples.filled[0]):
             slots, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
-            rows = pools.rows_at(phases, pools.samples.states[:count], slots)
+            rows = pools.rows_of(phases, pools.samples.states[:count], slots)
             self.outcomes.look(rows.T, self.top_in[slots])
             pools.samples.filled[0] = 0
-        if self.logs and (count := int(pools.log.filled[0])):
+        if count := int(pools.log.filled[0]):
             found = pools.log.rows[:count].copy()
             found["phase"] = self.top_in[found["phase"]]
             self.outcomes.passages.append((found, pools.log.states[:count].copy()))
@@ -256,8 +258,6 @@ class Lanes:
         pools = self.pools
         outcomes = self.outcomes
         columns = outcomes.columns
-        if pools is None or not len(slots):
-            return
         status = pools.of_tops.lane["status"][slots]
         outcomes.status[self.top_in[slots]] = status
         for slot in slots[status == Status.INVALID.code].tolist():
@@ -266,7 +266,7 @@ class Lanes:
         tops = self.top_in[slots]
         final = pools.rows_in(slots).T
         outcomes.final[:, tops] = final
-        if self.tops.base.system.is_hybrid:
+        if self.is_hybrid:
             outcomes.look(final, tops)
         place, row = np.nonzero(np.isfinite(pools.rows.states[slots, :, 0]))
         outcomes.rows[tops[place], row] = pools.rows_made(slots[place], row)
@@ -278,17 +278,15 @@ class Lanes:
         tallies["turnings"] += counts
         for name, nearer in ("theta_min", np.fmin), ("theta_max", np.fmax):
             tallies[name][counts] = nearer(tallies[name], at)[counts]
-        steps = pools.tops["steps"][slots] + tallies["steps"]
         columns["t_end"][tops] = tallies["t"]
-        columns["steps"][tops] = steps
+        columns["steps"][tops] = pools.tops["steps"][slots] + tallies["steps"]
         for name in SWINGS:
             columns[name][tops] = tallies[name]
-        self.steps += int(steps.sum())
 
         functions = pools.of_tops.functions[:, slots]
         kept = iter(pools.of_tops.kept[:, slots])
         settled = ~slides(self.tops, final, tops)
-        if self.tops.base.system.is_hybrid:
+        if self.is_hybrid:
             settled &= ~np.isnan(tallies["lasts_since"])
         for k, event in enumerate(self.tops.base.system.events):
             if event.lasting:

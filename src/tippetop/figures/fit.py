@@ -1,4 +1,7 @@
-"""Measurements with the fitted curves and their residuals."""
+"""Measurements with the fitted curves and their residuals.
+
+`Fitted.plot` calls it.
+"""
 
 from textwrap import wrap
 from typing import Any
@@ -6,22 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from .labels import MEASURED
 from .style import COLOURS, LIGHT, draw_curves, figure, styled
 
 
-NAMES = {
-    "theta": ("inclination θ", "rad"),
-    "phi": ("angle φ", "rad"),
-    "omega3": ("angular velocity ω₃", "rad s⁻¹"),
-    "omega": ("angular velocity", "rad s⁻¹"),
-    "gyroscope": ("gyroscope", "rad s⁻¹"),
-    "accelerometer": ("accelerometer", "m s⁻²"),
-    "place": ("place", "m"),
-    "marker": ("marker", "m"),
-    "axis": ("axis", ""),  # its residual is an angle
-    "orientation": ("inclination θ", "rad"),
-}
-"""Label and unit of each kind of measurement."""
 PARTS = "xyz"
 # Characters in a line of text below the panels
 WIDTH = 115
@@ -54,7 +45,7 @@ def fit(
     panels: Any = fig.subplots(2 * len(measured), sharex=True, height_ratios=[2, 1] * len(measured))
     for above, below, (name, seen) in zip(panels[::2], panels[1::2], measured.items(), strict=True):
         off = residuals[name]
-        words, unit = NAMES.get(name, (name, "rad"))
+        words, unit = MEASURED.get(name, (name, "rad"))
         dots, *_ = above.plot(t, seen, ".", ms=4, color=LIGHT.quiet)
         dots.set_label("measured")
         parts = [f"fit {part}" for part in PARTS] if seen.shape[1] > 1 else ["fit"]

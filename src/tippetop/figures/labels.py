@@ -1,4 +1,7 @@
-"""Texts of figures: numbers with their units, titles of runs, labels of several runs."""
+"""Texts of figures: numbers with their units, titles of runs, labels of several runs.
+
+Attributes of runs go in; texts come out.
+"""
 
 from typing import Any
 
@@ -9,6 +12,19 @@ from .style import heading
 Attributes = dict[str, Any]
 """The root attributes of the store of a run."""
 
+MEASURED = {
+    "theta": ("inclination θ", "rad"),
+    "phi": ("angle φ", "rad"),
+    "omega3": ("angular velocity ω₃", "rad s⁻¹"),
+    "omega": ("angular velocity", "rad s⁻¹"),
+    "gyroscope": ("gyroscope", "rad s⁻¹"),
+    "accelerometer": ("accelerometer", "m s⁻²"),
+    "place": ("place", "m"),
+    "marker": ("marker", "m"),
+    "axis": ("axis", ""),  # its residual is an angle
+    "orientation": ("inclination θ", "rad"),
+}
+"""Label and unit of each kind of measurement; others are angles."""
 TABLES = ("parameters", "friction", "contact", "stem", "air", "plane", "initial", "run")
 RUN_KEYS = ("precision", "tolerance")
 MOST_NUMBERS = 2  # bodies that differ in more are named

@@ -1,4 +1,7 @@
-"""The motion of another program and the reference: theta, differences, conserved quantities."""
+"""The motion of another program and the reference: theta, differences, conserved quantities.
+
+`Comparison.plot` calls it with `exchange.comparison.Compared`s.
+"""
 
 import itertools
 from collections.abc import Sequence
@@ -8,18 +11,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..columns import capitalised
+from .labels import MEASURED
 from .style import COLOURS, LIGHT, figure, legend, literal, styled
 
 
 FLOOR = 1e-17  # smaller differences are not drawn
-SHOWN = {
-    "theta": ("θ", "rad"),
-    "place": ("place", "m"),
-    "omega3": ("ω₃", "rad s⁻¹"),
-    "gyroscope": ("gyroscope", "rad s⁻¹"),
-    "accelerometer": ("accelerometer", "m s⁻²"),
-}
-"""Symbol and unit; others are angles."""
 
 
 @styled()
@@ -54,8 +50,8 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
             axes.semilogy(m.t, shown, color=color, ls=style, lw=0.9)
     panels[0].set(ylabel="inclination θ (rad)", title=literal(capitalised(title)))
     dotted = "" if name == "theta" else ", dotted θ alone"
-    words, unit = SHOWN.get(name, (name, "rad"))
-    panels[1].set(ylabel=f"difference ({unit})", title=f"Error: solid {words}{dotted}")
+    words, unit = MEASURED.get(name, (name, "rad"))
+    panels[1].set(ylabel=f"difference ({unit or 'rad'})", title=f"Error: solid {words}{dotted}")
     if drifts:
         words = "Change less the exact one: solid Jellett's integral λ, dashed energy E"
         panels[2].set(ylabel="relative change", title=words)

@@ -1,4 +1,7 @@
-"""The calls that hold another program's motion against ours."""
+"""The calls that hold another program's motion against ours.
+
+`tippetop.compare` and `tippetop.fit`: files and scenarios go in, results with plots come out.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import (
     finite,
     flag,
-    in_python,
     instance,
     names_of,
     path_of,
@@ -19,17 +21,18 @@ from ..arguments import (
     takes,
 )
 from ..errors import InputError, refuse_without
-from ..exchange import fit_text, fitting, law_choice, measurements
-from ..exchange.motion import convention_of, place_of
+from ..exchange import fit_text, fitting, law_choice
+from ..exchange.comparison import Verdict
+from ..exchange.motion import convention_of
 from ..exchange.motion_table import read
-from ..exchange.observation import Observation
+from ..exchange.observation import observed
 from ..exchange.scales import FAR
-from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..progress import reporting
 from ..runs.starting import load_any
 from ..scenario import build
 from .finished_run import Run
+from .plots import saved
 from .sources import problem_behind
 
 
@@ -57,7 +60,7 @@ class Comparison(Verdict):
         refuse_without("matplotlib")
         from ..figures.motions import comparison
 
-        return _saved(comparison(self.motions, self.title), path, overwrite)
+        return saved(comparison(self.motions, self.title), path, overwrite)
 
 
 @takes(convention_of)
@@ -104,27 +107,6 @@ def compare(others: str | Path | Sequence[str | Path], reference: Any, **frames:
     problem = _reference("reference", reference)
     paths = [path_of("others", file) for file in files]
     return Comparison(problem, paths, convention_of(**frames))
-
-
-@takes(convention_of)
-def observed(
-    data: str | Path,
-    problem: Problem,
-    free: Sequence[str],
-    *,
-    marker: Sequence[float] | str | None = None,
-    noise: float | str | None = None,
-    **frames: Any,
-) -> Observation:
-    """Return what a film shows of the motion of a problem. Raises InputError."""
-    return measurements.observation_of(
-        problem,
-        path_of("data", data),
-        free,
-        convention_of(**frames),
-        place_of("marker", marker),
-        noise,
-    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -187,7 +169,7 @@ class Fitted(fitting.Fit):
             self.residuals,
             fit_text.lines(self),
         )
-        return _saved(figure, path, overwrite)
+        return saved(figure, path, overwrite)
 
     def __str__(self) -> str:
         return "\n".join(fit_text.lines(self))
@@ -277,6 +259,7 @@ def fit(
     flag("systematic", systematic)
 
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
+        """Fit these numbers of a problem."""
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)
@@ -300,17 +283,6 @@ def fit(
     best, sentence = law_choice.verdict(fits)
     chosen = fits[best]
     return replace(chosen, reasons=[*chosen.reasons, sentence], laws=fits)
-
-
-def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
-    """Return a figure, which is written where a path is given."""
-    from ..figures import catalogue, drawing
-
-    if path is not None:
-        place = catalogue.check_format(path_of("path", path))
-        with in_python():
-            drawing.write(figure, place, overwrite=overwrite)
-    return figure
 
 
 def _reference(name: str, source: Any) -> Any:

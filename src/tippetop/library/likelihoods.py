@@ -11,7 +11,9 @@ import numpy as np
 from ..arguments import dotted_keys, instance, names_of, positive_integer, takes
 from ..errors import InputError, refuse_without
 from ..exchange.likelihood import LogLikelihood, drawn
-from .exchanging import Fitted, _reference, _saved, fit, observed
+from ..exchange.observation import observed
+from .exchanging import Fitted, _reference, fit
+from .plots import saved
 
 
 if TYPE_CHECKING:
@@ -96,9 +98,10 @@ class Posterior:
             for name, unit in zip(self.free, units, strict=True)
         ]
         columns = dict(zip(labels, self.points.T, strict=True))
-        return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
+        return saved(corner(columns, self.weights, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
+        """Return how many of the draws count, in words."""
         few = " (too few: take more draws, or a sampler of Markov chains)"
         count = len(self.weights)
         return f"{count} draws, {self.effective:.0f} effective{few * (self.effective < 100)}"

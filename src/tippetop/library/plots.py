@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..arguments import finite, flag, in_python, instance, path_of, seconds
 from ..errors import InputError, refuse_without
 from ..figures import catalogue, drawing
-from ..figures.catalogue import Look
+from ..figures.catalogue import PLAIN, Look
 
 
 if TYPE_CHECKING:
@@ -85,7 +85,8 @@ def plot(
     refuse_without("matplotlib")
     flag("overwrite", overwrite)
     catalogue.check_kind(kind)
-    file = None if path is None else catalogue.check_format(path_of("path", path))
+    if path is not None:
+        catalogue.check_format(path_of("path", path))
     look = Look(title, size, dpi, dark)
     instance("title", title, str | None, "text")
     instance("size", size, list | tuple | None, "two numbers")
@@ -109,8 +110,13 @@ def plot(
         drawn = drawing.several(kind, tables, names, look, ax)
     else:
         drawn = drawing.axes_of(kind, *parts[0], look, ax)
-    figure = drawn.get_figure(root=True)
-    if file is not None:
+    return saved(drawn.get_figure(root=True), path, overwrite, look)
+
+
+def saved(figure: Any, path: str | Path | None, overwrite: bool, look: Look = PLAIN) -> Any:
+    """Return a figure, which is written where a path is given."""
+    if path is not None:
+        place = catalogue.check_format(path_of("path", path))
         with in_python():
-            drawing.write(figure, file, look, overwrite=overwrite)
+            drawing.write(figure, place, look, overwrite=overwrite)
     return figure

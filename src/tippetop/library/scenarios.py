@@ -1,4 +1,8 @@
-"""Python arguments become the tables of a scenario, and a checked Problem."""
+"""Python arguments become the tables of a scenario, and a checked Problem.
+
+`problem_of` has the arguments of `tippetop.run`; they replace values in the tables of the source,
+which `scenario.build` checks.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +55,8 @@ def problem_of(
                 f"a Problem must be the only argument, but {surplus} is given too: "
                 "give the preset or file that it was loaded from instead."
             )
-        return checked(source)
+        with in_python():
+            return build.checked(source)
     if not given and isinstance(source, str) and not os.path.isfile(source):
         return _preset(source)
     names, events = _named("events", options.pop("events", None), Event)
@@ -89,12 +94,6 @@ def problem_of(
 def _preset(name: str) -> Problem:
     """Return the Problem of a preset: it never changes."""
     return starting.load(name)
-
-
-def checked(problem: Problem) -> Problem:
-    """Return a problem after checking it, if it was not checked before. Raises InputError."""
-    with in_python():
-        return build.checked(problem)
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[PlainData, System]:

@@ -1,4 +1,7 @@
-"""The body behind an argument: a body, a run, a problem, or the name of a scenario."""
+"""The body behind an argument: a body, a run, a problem, or the name of a scenario.
+
+Calls of `theory`, `landscapes` and `derivatives` take bodies from it.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,7 +17,7 @@ from ..mechanics.systems.revolution import Disc, Spheroid
 from ..mechanics.systems.tippe_top import TippeTop
 from ..problem import Problem
 from .finished_run import Run
-from .scenarios import checked, problem_of
+from .scenarios import problem_of
 
 
 KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, Ellipsoid)
@@ -28,9 +31,7 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
         return None
     if isinstance(source, Run):
         return source.problem
-    if isinstance(source, Problem):
-        return checked(source)
-    if isinstance(source, str | Mapping) or hasattr(source, "__fspath__"):
+    if isinstance(source, str | Mapping | Problem) or hasattr(source, "__fspath__"):
         return problem_of(source)
     raise InputError(
         f"the body must be {_words(kinds)}, a Run, a Problem or the name of a preset, but is "
@@ -56,4 +57,5 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
 
 
 def _words(kinds: tuple[type, ...]) -> str:
+    """Return types as words: "a Run or a Problem"."""
     return " or ".join(f"a {kind.__name__}" for kind in kinds)

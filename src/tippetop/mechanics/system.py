@@ -1,4 +1,8 @@
-"""Records that describe a system: formulas, names and units; nothing numerical."""
+"""Records that describe a system: formulas, names and units; nothing numerical.
+
+The modules of `systems` make a `System` for each kind of top, users register their own. `problem`,
+`engine` and `library` read it; nothing else depends on the kind of a top.
+"""
 
 from __future__ import annotations
 
@@ -113,6 +117,7 @@ class Opening(NamedTuple):
 
 
 def _same(value: Any) -> Any:
+    """Return the value: the default of conversions of a System."""
     return value
 
 
@@ -134,7 +139,8 @@ class System(metaclass=Described):
         still and the plane level. `body` finds them among its parameters.
     body, body_units : callable
         body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units;
-        body_units(units of the friction record) -> the same, filled with units.
+        body_units(units of the friction record) -> the same, filled with units; by default `body`
+        of units.
     scales : callable
         scales(b) -> the mass [kg] and the length [m] that are 1 while it is integrated.
     normalised_to : dict of float
@@ -259,9 +265,13 @@ class System(metaclass=Described):
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and all_are(self.parameters, Mapping, Number):
             record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
-            units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
-            given["body_units"] = lambda friction: record(*units, friction)
+        if self.body_units is None:
+            body = given.get("body", self.body)
+            tables = self.parameters, self.surroundings
+            given["body_units"] = lambda friction: body(
+                {name: rule.unit for table in tables for name, rule in table.items()}, friction
+            )
         angles = self.angles
         if angles is None:
             angles = given["angles"] = self.phase.form.units
@@ -402,12 +412,12 @@ class System(metaclass=Described):
 
     @property
     def is_hybrid(self) -> bool:
-        """Return whether runs go from phase to phase."""
+        """Return whether runs go from phase to phase, so that `engine.hybrid` integrates them."""
         return self.begin is not None or any(phase.exits for phase in self.phases.values())
 
     @property
     def phase(self) -> Phase:
-        """Return the common phase, or else the first, the only one of most systems."""
+        """Return the phase whose form rows have: the common one, or else the first."""
         return self.common or next(iter(self.phases.values()))
 
     @property
@@ -472,7 +482,10 @@ class System(metaclass=Described):
         )
 
     def folds(self, form: Form) -> dict[str, float]:
-        """Return the numbers of the body that are 0 or 1 in the units of a form."""
+        """Return the numbers of the body that are 0 or 1 in the units of a form, by name.
+
+        They become constants of the compiled equations.
+        """
         return {
             name: value
             for name, value in self.normalised_to.items()

@@ -1,4 +1,7 @@
-"""Units as powers of mass, length and time, and the units in which a system is integrated."""
+"""Units as powers of mass, length and time, and the units in which a system is integrated.
+
+`Scales.of(unit)` converts between SI and internal units; `problem.batch` makes the `Scales`.
+"""
 
 import re
 from dataclasses import dataclass
@@ -27,7 +30,7 @@ FACTOR = re.compile(rf"({'|'.join(POWERS)})(-?\d+)?")
 
 @dataclass(frozen=True)
 class Unit(metaclass=Described):
-    """A unit by its symbol.
+    """A unit by its symbol. Arithmetic and functions of units give the unit of the result.
 
     Parameters
     ----------
@@ -52,6 +55,25 @@ class Unit(metaclass=Described):
             )
         mass, length, time = (sum(n * powers[k] for powers, n in factors) for k in range(3))
         return mass, length, time
+
+    def __mul__(self, other: Any) -> "Unit":
+        """Return the unit of a product with a unit or a number."""
+        return Unit(f"{self.symbol} {getattr(other, 'symbol', 1)}")
+
+    def __pow__(self, power: int) -> "Unit":
+        """Return the unit of a power, in kg, m and s."""
+        return Unit("kg{} m{} s{}".format(*(power * n for n in self.powers)))
+
+    def _same(self, *others: Any) -> "Unit":
+        """Return this unit: sums, the negative, the cosine and the sine of a unit have the same."""
+        return self
+
+    __rmul__ = __mul__
+    __add__ = __sub__ = __neg__ = cos = sin = _same
+
+    def arctan2(self, other: Any) -> "Unit":
+        """Return the unit of an angle."""
+        return RADIAN
 
 
 ONE = Unit("1")

@@ -1,4 +1,7 @@
-"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw."""
+"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw.
+
+A path and the name of a group go in; Datasets in memory come out.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..sampling import extremes
-from .root import groups_of, loaded, open_group
+from .root import column, groups_of, loaded, open_group
 
 
 BLOCK = 1 << 18  # rows that are read at a time
@@ -44,16 +47,16 @@ def digest(
 ) -> Any:
     """Return a group as a Dataset of at most about `most` rows. Raises StoreError.
 
-    Of more rows, the one with the least and the one with the largest `key` of each bin are kept,
-    so that no peak is lost.
-    With a window, the rows of these times and the first row of all are kept.
+    Of more rows, the one with the least and the one with the largest `key` (a column) of each bin
+    are kept, so that no peak is lost. With a window (start, until) [s], the rows of these times and
+    the first row of all are kept.
     """
     table = open_group(path, group)
     dim = row_dimension(table)
     first = 0
     last = table.sizes[dim]
     if window != (None, None):
-        times = loaded(table[["time"]], path)["time"].values
+        times = column(path, table, "time")
         low, high = window
         first = 0 if low is None else int(np.searchsorted(times, low))
         last = last if high is None else int(np.searchsorted(times, high, side="right"))

@@ -1,7 +1,11 @@
-"""Read the root attributes and the groups of a store, and create new stores."""
+"""Read the root attributes and the groups of a store, and create new stores.
+
+A path goes in; attributes as plain data and groups as Datasets come out. `new_store` makes room for
+a new one.
+"""
 
 import contextlib
-import math
+import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -26,13 +30,12 @@ RUNS = "runs"  # the group of a sweep whose members are stores of runs
 
 def finite(value: Any) -> Any:
     """Return a value as JSON can contain it: numbers that are not finite become None."""
-    if isinstance(value, dict):
-        return {k: finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(v) for v in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value.item() if isinstance(value, np.generic) else value
+
+    def of_numpy(number: Any) -> Any:
+        """Return a scalar of numpy as one of Python."""
+        return float(number) if isinstance(number, np.floating) else number.item()
+
+    return json.loads(json.dumps(value, default=of_numpy), parse_constant=lambda _: None)
 
 
 def attributes(path: str | Path, *, whole: bool = True) -> PlainData:
@@ -150,6 +153,11 @@ def loaded(table: Any, path: str | Path) -> Any:
                 f"`{path}` must hold a readable column `{name}`, but: {what}."
             ) from None
     return table
+
+
+def column(path: str | Path, table: Any, name: str) -> np.ndarray:
+    """Return a column of a table of a store. Raises StoreError if it is damaged."""
+    return loaded(table[[name]], path)[name].values
 
 
 @contextlib.contextmanager

@@ -1,4 +1,7 @@
-"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory."""
+"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory.
+
+The store of a sweep goes in; a `Map` comes out, which `figures.sweep_map` draws.
+"""
 
 import math
 from dataclasses import dataclass
@@ -13,10 +16,11 @@ from ..engine.settling import NEAR
 from ..engine.status import Status
 from ..ensembles.outcomes import CLASSES
 from ..errors import InputError
+from ..store.root import column
 from . import derived_axes
 from .design import Axis
 from .plan import Plan
-from .sweep_summary import column, open_sweep, plan_of
+from .sweep_summary import open_sweep, plan_of
 
 
 POINTS = 121  # of a border, along each axis
@@ -36,7 +40,7 @@ SHOWN = (*CLASSES, "near-upright")
 class MapAxis:
     """An axis of a map: its key, label, and the edges of its cells, ascending."""
 
-    key: str
+    of: str
     label: str
     edges: np.ndarray
     log: bool
@@ -95,24 +99,25 @@ def make_map(path: Path, kind: str) -> Map:
         raise InputError(
             f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."
         )
-    axes = tuple(map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
+    axes = tuple(map_axis(plan, axis, table[axis.of].attrs) for axis in varying[:2])
     chosen = column(path, table, "status") != Status.TODO.code
     notes = []
     for axis in varying[2:]:  # the middle number of further axes is shown
         if axis.sampled:
-            notes.append(f"all {greek(axis.key)}")
+            notes.append(f"all {greek(axis.of)}")
             continue
-        chosen &= numbers[axis.key] == _middle(axis)
-        units = units_text(table[axis.key].attrs["units"]).replace("1", "")
+        chosen &= numbers[axis.of] == _middle(axis)
+        units = units_text(table[axis.of].attrs["units"]).replace("1", "")
         number = f"{_middle(axis):.4g} {units}".rstrip()
-        notes.append(f"{greek(axis.key)} = {number} (one of {len(axis.values)})")
+        notes.append(f"{greek(axis.of)} = {number} (one of {len(axis.numbers)})")
     for axis in varying[:2]:
-        chosen &= np.isfinite(numbers[axis.key])
+        chosen &= np.isfinite(numbers[axis.of])
     shape = tuple(len(axis.edges) - 1 for axis in axes)
-    places = [np.searchsorted(a.edges[1:-1], numbers[a.key], side="right") for a in axes]
+    places = [np.searchsorted(a.edges[1:-1], numbers[a.of], side="right") for a in axes]
     cells = np.ravel_multi_index(places, shape)[chosen]
 
     def field(name: str) -> np.ndarray:
+        """Return the values of a column on the cells of the map."""
         values = values_of(path, table, name)
         if kind == "normal-force":
             b = derived_axes.body(plan.base, columns)
@@ -130,7 +135,7 @@ def make_map(path: Path, kind: str) -> Map:
     borders = {}  # none where the tops of a cell have other numbers than its axes
     if not any(axis.sampled for axis in varying[2:]):
         rest = [axis for axis in plan.design.axes if axis not in varying[:2]]
-        borders = borders_of(plan, axes, {axis.key: _middle(axis) for axis in rest})
+        borders = borders_of(plan, axes, {axis.of: _middle(axis) for axis in rest})
     return Map(kind, plan.base.system.title, axes, fields, borders, notes)
 
 
@@ -154,7 +159,7 @@ def borders_of(
     if borders is None:
         return {}
     grids = np.meshgrid(*(axis.span[::every] for axis in axes), indexing="ij")
-    numbers = {axis.key: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
+    numbers = {axis.of: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
     numbers |= {key: np.full(grids[0].size, value) for key, value in further.items()}
     with np.errstate(all="ignore"):
         columns = derived_axes.resolved(plan.base, numbers)
@@ -167,18 +172,13 @@ def borders_of(
 
 
 def values_of(path: Path, table: Any, name: str) -> np.ndarray:
-    """Return a column of all tops; `class` has the classes that a map shows. Raises StoreError."""
-    return shown_classes(path, table) if name == "class" else column(path, table, name)
-
-
-def shown_classes(path: Path, table: Any) -> np.ndarray:
-    """Return the class of each top as an index of SHOWN. Raises StoreError."""
-    classes = np.asarray(column(path, table, "class"), dtype=int)
-    if "theta_end" not in table:
-        return classes
+    """Return a column of all tops; `class` as indices of SHOWN. Raises StoreError."""
+    values = column(path, table, name)
+    if name != "class" or "theta_end" not in table:
+        return values
     near = np.abs(column(path, table, "theta_end")) < NEAR
-    waits = (classes == CLASSES.index("under-way")) & near
-    return np.where(waits, SHOWN.index("near-upright"), classes)
+    waits = (values == CLASSES.index("under-way")) & near
+    return np.where(waits, SHOWN.index("near-upright"), values)
 
 
 def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
@@ -186,10 +186,11 @@ def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
 
     `attrs` are the attributes of its column, with its name in words and its unit.
     """
-    values = np.unique([v for v in axis.values if np.isfinite(v)] if axis.values else axis.between)
+    given = axis.numbers or axis.between or ()
+    values = np.unique([v for v in given if np.isfinite(v)])
     if not len(values):
-        raise InputError(f"the figure must have numbers on `{axis.key}`, but there are none.")
-    log = axis.log and values[0] > 0
+        raise InputError(f"the figure must have numbers on `{axis.of}`, but there are none.")
+    log = axis.is_log and values[0] > 0
     scaled = np.log(values) if log else values
     if axis.sampled:
         drawn = sum(a.sampled for a in plan.design.axes)
@@ -200,7 +201,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
     else:
         middles = (scaled[1:] + scaled[:-1]) / 2
         edges = np.r_[2 * scaled[0] - middles[0], middles, 2 * scaled[-1] - middles[-1]]
-    return MapAxis(axis.key, labelled(attrs), np.exp(edges) if log else edges, log)
+    return MapAxis(axis.of, labelled(attrs), np.exp(edges) if log else edges, log)
 
 
 def labelled(attrs: PlainData) -> str:
@@ -210,7 +211,8 @@ def labelled(attrs: PlainData) -> str:
 
 
 def _middle(axis: Axis) -> float:
-    return axis.values[len(axis.values) // 2]
+    """Return the middle one of the numbers of an axis."""
+    return axis.numbers[len(axis.numbers) // 2]
 
 
 def _gathered(

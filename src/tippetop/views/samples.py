@@ -1,12 +1,14 @@
-"""Samples of a motion from the rows of a run: attitude, velocities, forces, momenta."""
+"""Samples of a motion from the rows of a run: attitude, velocities, forces, momenta.
+
+Columns in SI units go in; an array comes out, as motion.js reads it.
+"""
 
 from collections.abc import Mapping
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import Touch, tip_inertia
+from ..mechanics.contact.body import Touch, filled, tip_inertia
 from ..mechanics.contact.surroundings import at_present, pushing
 from ..mechanics.friction import slip_coefficient
 from ..mechanics.operand import Vector, cross
@@ -133,7 +135,7 @@ def _force(
     if b.around:
         none = np.zeros(n)
         if b.around.table:
-            b = at_present(b, SimpleNamespace(x=columns["x"], y=columns["y"]))
+            b = at_present(b, filled(x=columns["x"], y=columns["y"]))
         push = push - b.m * np.stack(pushing(Vector(velocity[0], velocity[1], none), none, b)[:2])
     if "phase" in columns:
         change = np.flatnonzero(np.diff(columns["phase"]) | np.diff(columns["ball"]))

@@ -1,4 +1,7 @@
-"""Growth of small errors of the start, and the time after which a double has lost its digits."""
+"""Growth of small errors of the start, and the time after which a double has lost its digits.
+
+A problem and times go in, a `Growth` comes out.
+"""
 
 import dataclasses
 import math

@@ -23,7 +23,8 @@ assert OPERATIONS[RESULT] == "result"
 def _executed(lines, k, registers, least):
     """Execute lines from the k-th on; return the number of the next MOTION, or of the end.
 
-    Return -1 if a comparison turns out otherwise. `registers` are values and their derivatives;
+    Return -1 if a comparison turns out otherwise. Each line is an operation and the places a, b of
+    its operands. `registers` are values and their derivatives;
     `least` gets the smallest change along each direction at which a comparison would.
     """
     first = len(registers) - len(lines)
@@ -99,6 +100,8 @@ _execute = Entry(_executed)
 
 class Tape:
     """The recorded operations of a function of numbers, on one branch of its comparisons.
+
+    `through.evaluated` makes tapes, and calls them with other numbers.
 
     Parameters
     ----------

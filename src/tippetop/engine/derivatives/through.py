@@ -1,14 +1,22 @@
 """Derivatives of a run through every change of its contact.
 
-A plain run decides which phases follow each other. They are then followed once more: the flow of
-each by its variational equations, one number in each lane; the start, times of events, jumps and
-columns by dual numbers, which the formulas take like any numbers. The end of a phase so moves with
-the numbers, which is the saltation matrix of the textbooks, and no jump needs written derivatives.
-Whole steps in dual numbers would need step control and events a second time.
+`followed(problem, wrt, times)` is the entrance; it returns a `Pass`, from which `sensitivities`
+takes columns, times of events, and how far they are valid. A plain run decides which phases follow
+each other. They are then followed once more: the flow of each by its variational equations, one
+number in each lane; the start, times of events, jumps and columns by dual numbers, which the
+formulas take like any numbers. The end of a phase so moves with the numbers, which is the saltation
+matrix of the textbooks, and no jump needs written derivatives. Whole steps in dual numbers would
+need step control and events a second time.
 
-Between formulas, numbers are the rows of an array (n, 1 + order, directions, ...): the value, again
-for each direction, then its derivatives. The time is the last row of a state, so that it moves with
-the end of a phase too.
+Symbols
+    rows      numbers with derivatives as an array (n, 1 + order, directions, ...): the value, again
+              for each direction, then its derivatives
+    state     such rows of the variables of a phase; its last row is the time, so that the time
+              moves with the end of a phase too
+    direction a change of the numbers of the user, each relative to its size; wrt: their names
+    pace      the rate of an event function; by: its derivatives along the directions
+    motion    a `Motion`: the equations of a phase or of an impact
+    jump, n   jump(x, world) -> n, a `form.Next`; q, b: state and parameters of a phase
 """
 
 import math
@@ -182,6 +190,7 @@ def noted(directions: int, function: Callable, *given: Any) -> tuple[Any, np.nda
     least = [np.full(directions, np.inf)]
 
     def note(one: Dual) -> None:
+        """Collect the change at which the comparison of a number with zero turns out otherwise."""
         if np.shape(one.first) == (directions,):  # otherwise it is along another line
             least.append(abs(one.value) / abs(one.first))
 
@@ -229,6 +238,7 @@ def evaluated(
     directions = numbers.shape[2]
 
     def call(place: int, _: Any, *given: Any) -> list:
+        """Follow a motion, without a tape."""
         return duals_of(follow(place, rows_of(leaves(given), directions)))
 
     (results, about), least = noted(directions, function, call, duals_of(numbers))
@@ -265,7 +275,7 @@ class NoRows:
 
 
 class Pass:
-    """Repeat a run with derivatives.
+    """Repeat a run with derivatives; `followed` makes it.
 
     Parameters
     ----------
@@ -329,8 +339,10 @@ class Pass:
         self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
-        """Set the numbers of the run, whose world has the body `of_world`, in its units, with
-        derivatives along directions by the relative changes of some.
+        """Set start, body and scales of the run, in internal units, with derivatives.
+
+        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
+        `of_world` is the body of the plain run, whose values are kept bit by bit.
         """
         problem = self.problem
         system = problem.system
@@ -353,6 +365,7 @@ class Pass:
         self.scales = Scales(*duals_of(of_scales[..., None]))
 
         def internal(value: Any, unit: Any) -> Any:
+            """Return an SI value in internal units, with derivatives."""
             return value / scales.of(unit)
 
         units = leaves(system.body_units(problem.law.units()))
@@ -403,7 +416,7 @@ class Pass:
         return rows_of(leaves(body), self.directions, self.order)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the equations of a phase."""
+        """Return the `Motion` of a phase, made when it is first entered."""
         phase = solver.phase
         if phase not in self.motions:
             pars = self._pars(phase.parameters(self.body))
@@ -458,6 +471,7 @@ class Pass:
             state = numbers[len(self.known) :]
 
             def piece(region: str, *given: Any) -> list:
+                """Integrate a piece of an impact; this replaces `ImpactMotions.piece`."""
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 
@@ -698,9 +712,9 @@ def _quaternion(products: Sequence, order: int) -> list[Dual]:
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Return the indices of local minima of `size`, without those at the starts of phases.
+    """Return the indices of local minima of `size`, (k,), without those at the starts of phases.
 
-    `which` has the number of the phase of each sample.
+    `which` has the number of the phase of each sample, (k,).
     """
     joint = np.diff(which) != 0
     change = np.diff(size)

@@ -1,7 +1,17 @@
-"""Bodies without an axis of symmetry: starts, scalars, columns, events and rows.
+"""Bodies without an axis of symmetry: starts, rows, forms, columns and events.
 
-Their phases and jumps are those of other bodies: a state has axes 1 and 3 of the body, so that
-their orientation needs no integral.
+In go the user's numbers and states of phases; out come the common state at the start, rows, and the
+scalars of columns and events. Phases and jumps are those of other bodies (`contact_phases`,
+`exits`); a state has axes 1 and 3 of the body, so that their orientation needs no integral.
+`systems.ellipsoid` makes its systems of these constants.
+
+Symbols
+    b         the body, a `frame.Asymmetric`; b.outline: its shape, with half axes a, b, c
+    u         how it lies, a `frame.Frame`: axes 3 and 1; up: zhat along its axes
+    x         the common state, a `body.Moving`: u, momentum L, velocity, height
+    q         the state of a phase, or a row; carried: the record of integrals; e: record of angles
+    s         in (s, b): record of `Scalars`; in (e, s, z, b): sin(theta), and z: cos(theta)
+    omega     angular velocity; spin: its vertical part; v: velocity of the contact point
 """
 
 from collections import namedtuple
@@ -17,9 +27,9 @@ from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, ti
 from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
-from .body import FRAME, VELOCITY, Moving, Turning, filled, state
+from .body import FRAME, Moving, Turning, filled
 from .body_axes import axes_of_angles
-from .contact_phases import OF_FRAME, PHASES, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, moving, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
 from .response import gains
 
@@ -47,14 +57,16 @@ Begin: Any = namedtuple("Begin", "moving x y")
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the start by the numbers that the user gave; s, z are sin(theta), cos(theta)."""
+    """Return the `Begin` of a start, from the numbers of the user in `data`: `System.start`.
+
+    s, z are sin(theta), cos(theta). The orientation is given by theta, phi and psi, or by tilt,
+    roll and heading; missing numbers are zero.
+    """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
-    along = Vector(cos(given.phi), sin(given.phi), none)
     if any(name in data for name in LYING):
-        heads = Vector(cos(given.heading), sin(given.heading), none)
-        across = Vector(-heads.y, heads.x, none)
-        one = plus(times(cos(given.tilt), heads), Vector(none, none, sin(given.tilt)))
+        across = Vector(-sin(given.heading), cos(given.heading), none)
+        one = times(cos(given.tilt), Vector(across.y, -across.x, none))._replace(z=sin(given.tilt))
         two = plus(times(cos(given.roll), across), times(sin(given.roll), cross(one, across)))
         third = cross(one, two)
         first = minus(times(b.outline.cos, one), times(b.outline.sin, two))
@@ -63,10 +75,11 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     u = Frame(*third, *first)
     if "psi_dot" in data:
         given.omega3 = given.psi_dot + given.phi_dot * u.z
-    node = Vector(-along.y, along.x, none)
+    node = Vector(-sin(given.phi), cos(given.phi), none)
     swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)  # zhat - z 3hat
     omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
-    omega = plus(plus(omega, times(given.omega3, third)), Vector(none, none, given.spin))
+    omega = plus(omega, times(given.omega3, third))
+    omega = omega._replace(z=omega.z + given.spin)
     x = Turning(u, frame.momentum(omega, u, b))
     vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
     velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)
@@ -77,7 +90,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
 
 
 def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of a start, or of angles."""
+    """Return the common state of e: of a `Begin`, or of a record of angles."""
     return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
 
 
@@ -94,29 +107,16 @@ LONG_NAMES = gliding.LONG_NAMES | {
     "psi": "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
 }
 
-NUMBERS = ("height", "Fx", "Fy", "force", "drilled", "phase", "ball")
-ROW_UNITS = state(FRAME, **VELOCITY, **{name: rows.NUMBERS[name] for name in NUMBERS})
-Row = type(ROW_UNITS)
-
-
-def row(phase: Phase, q: Any, carried: Any, b: Asymmetric) -> tuple[Any, Asymmetric]:
-    """Return the row of a state of a phase, and the body."""
-    x = phase.leave(q, b)
-    by = phase.reaction(q, b)
-    numbers = x.height, *by.force, by.drilled, PHASES.index(phase.label), phase.ball
-    return Row(*x.u, *x.L, *x.velocity, *numbers), b
-
-
 OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
-Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *NUMBERS, *OWN))))
-"""As of other rows; v_A, how the body lies, zhat along its axes, omega x zhat along them, omega_z,
+Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *rows.OF_FRAME, *OWN))))
+"""As of other rows; v_A, how the body lies, zhat and omega x zhat along the half axes, omega_z,
 energy of rotation.
 """
 
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
-    """Return the scalars of a row."""
-    x = rows.moving(q, ())
+    """Return the `Scalars` of a row q."""
+    x = moving(q)
     u = x.u
     up = frame.up(u)
     omega = frame.turns(x, b)
@@ -124,12 +124,12 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
     power = 0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled
     return Scalars(
         *rows.motion(x, v, power, contact.gap(x, b), b),
-        *(getattr(q, name) for name in NUMBERS),
+        *(getattr(q, name) for name in rows.OF_FRAME),
         q.Fx * q.Fx + q.Fy * q.Fy,
         v,
         u,
-        up,
-        cross(omega, up),
+        b.outline.half_axes(up),
+        b.outline.half_axes(cross(omega, up)),
         dot(up, omega),
         dot(omega, frame.along_axes(x.L, u)) / 2,
     )
@@ -137,13 +137,12 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
     """Return the row of a start, its reaction not yet known."""
-    x = begun(e, s, z, b)
-    return Row(*x.u, *x.L, *x.velocity, x.height, *(0 * z,) * 6)
+    return rows.filled_row(rows.FRAME_UNITS, begun(e, s, z, b))
 
 
 OF_ROW = replace(
     rows.ROW,
-    units=ROW_UNITS,
+    units=rows.FRAME_UNITS,
     scalars=row_scalars,
     of_angles=row_of_angles,
     to_angles=gliding.angles_by(ROW_ANGLES, row_scalars),
@@ -164,7 +163,8 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:
-        return row_scalars(row(phase, q, (), b)[0], b)
+        """Return the `Scalars` of a state of the phase."""
+        return row_scalars(rows.row(phase, q, (), b)[0], b)
 
     return replace(
         phase.form,
@@ -176,7 +176,10 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
 
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg]."""
+    """Return the upward acceleration of the contact point per normal force [1/kg].
+
+    It must be positive.
+    """
     force, torque = smooth_friction(s.v, s.v, s.z, b)
     return gains(s.u, force, torque, b)[0].z
 
@@ -193,28 +196,10 @@ ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
 
 
 def heading(s: Any, b: Asymmetric) -> Any:
-    """Return the azimuth of half axis a."""
+    """Return the azimuth of half axis a [rad]."""
     one, two, _ = s.u.axes
     along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
     return atan2(along.y, along.x)
-
-
-def tilt(s: Any, b: Asymmetric) -> Any:
-    """Return the elevation of half axis a."""
-    rises = b.outline.half_axes(s.up)
-    return atan2(rises.x, sqrt(rises.y * rises.y + rises.z * rises.z))
-
-
-def roll(s: Any, b: Asymmetric) -> Any:
-    """Return the turn about half axis a, zero where half axis b is horizontal."""
-    rises = b.outline.half_axes(s.up)
-    return atan2(rises.y, rises.z)
-
-
-def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return the rate of `roll` times a negative number."""
-    turns = b.outline.half_axes(s.turns)
-    return turns.y * s.up.z - b.outline.half_axes(s.up).y * turns.z
 
 
 SPIN = "angular velocity about the vertical"
@@ -223,16 +208,25 @@ COMMON = (
     rows.NORMAL_FORCE,
     Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, lambda s, b: s.spin),
     Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
-    Quantity("tilt", "", RADIAN, "elevation of half axis a", tilt),
-    Quantity("roll", "", RADIAN, "turn about half axis a, in (-pi, pi]", roll),
+    Quantity(
+        "tilt",
+        "",
+        RADIAN,
+        "elevation of half axis a",
+        lambda s, b: atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z)),
+    ),
+    Quantity(
+        "roll",
+        "",
+        RADIAN,
+        "turn about half axis a, in (-pi, pi]",
+        lambda s, b: atan2(s.up.y, s.up.z),
+    ),
 )
 QUANTITIES = (*COMMON, rows.FRICTION_POWER)
 _, HORIZONTAL, NEEDED = rolling.REACTION
-ROLLING_QUANTITIES = (
-    *COMMON,
-    HORIZONTAL,
-    replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force),
-)
+FRICTION_NEEDED = replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force)
+ROLLING_QUANTITIES = (*COMMON, HORIZONTAL, FRICTION_NEEDED)
 
 OF_AXES = (
     Event(
@@ -248,9 +242,13 @@ OF_AXES = (
     Event(
         "tilt_peak",
         "the tilt (pitch) of half axis a is greatest or least",
-        lambda s, b: b.outline.half_axes(s.turns).x,
+        lambda s, b: s.turns.x,
     ),
-    Event("roll_peak", "the roll about half axis a is greatest or least", roll_rate),
+    Event(
+        "roll_peak",
+        "the roll about half axis a is greatest or least",
+        lambda s, b: s.turns.y * s.up.z - s.up.y * s.turns.z,
+    ),
     gliding.EQUATOR,
     gliding.INVERTED,
 )

@@ -1,5 +1,16 @@
-"""Systems whose contact may open and close: the phases of their body, and the exits that lead from
-one to another."""
+"""Systems whose contact may open and close: their phases, and the exits that lead between them.
+
+`opened(system, law, balls, around)` is the entrance: it returns the system of a gliding body with
+phases of slip, rolling, flight and contact of both balls. `phases_of` joins equations and events
+(`contact_phases`) with jumps (`exits`); rows and columns come from `rows` or `framed`.
+`scenario.contact` calls it where a scenario has [contact] or [stem], or a law that can stick.
+
+Symbols
+    opening   the record `Opening` of a system: `planar`, `outlined`, `framed` tell its kind apart
+    law       a friction law, as the type of its record
+    around    the names of the groups of surroundings, () without any
+    x, world  the arguments of a jump; q: the state of a phase; b: the body, a `Touch`
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -18,10 +29,10 @@ from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import AXIS, BALLS, FRAME, Touch, seen_from_balls
-from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
+from .contact_phases import CONE, PHASES, RESTS, STICK, moving, phase_name, phases_under
 from .exits import IMPACT, JUMPS, REASONS, begin, go_on, slide_on
 from .integrals import NAMED, integral
-from .outlined import outlined_jump, outlined_phase
+from .present_body import added_integrals, jump_by_states, phase_by_states
 from .rows import (
     ANGLES,
     DISC_ANGLES,
@@ -31,19 +42,10 @@ from .rows import (
     PLANAR_ROW,
     ROW,
     columns,
-    moving,
     planar_theta_dot,
     row,
 )
-from .surrounded import (
-    LOSSES,
-    added_integrals,
-    disturbed,
-    in_surroundings,
-    joined_jump,
-    joined_phase,
-)
-from .surroundings import joined_names
+from .surrounded import LOSSES, disturbed, in_surroundings
 
 
 ABOVE = {
@@ -96,15 +98,16 @@ TABLES = {
 
 
 def kind_of(law: Any) -> tuple:
-    """Return the attributes of a law that determine the phases of a contact."""
+    """Return the attributes of a law that decide about phases: others may be exchanged."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
 def in_plane(form: Form) -> Form:
-    """Return the form of a motion in a plane: theta is integrated too, and beta' = 0."""
+    """Return a form for a motion in a plane: theta is an integral too, and beta' = 0."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
 
     def rates(q: Any, b: Any) -> Any:
+        """Return the rates of a state, with beta' = 0."""
         return form.rates(q, b)._replace(**{one: 0 * q.w for one in q._fields if one == "beta"})
 
     integrals = theta, *form.integrals
@@ -133,11 +136,8 @@ def phases_of(
         The groups of surroundings.
     """
     known = phases_under(law, FRAME if opening.framed else AXIS, bool(around))
-    jumped = jumping(opening, around)
-    if joined_names(around):
-        known = {key: joined_phase(phase, around) for key, phase in known.items()}
     kinds = {
-        phase_name(label, ball, *regions): (phase, label, ball, regions)
+        phase_name(label, ball, *regions): (phase_by_states(phase, around), label, ball, regions)
         for (label, *regions), phase in known.items()
         for ball in range(balls - (label == "both"))
     }
@@ -153,35 +153,20 @@ def phases_of(
         if label == "slip" and law.set_valued:
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
-        if opening.outlined:
-            phase = outlined_phase(phase)
         gaps = ("land",) if opening.framed or opening.outlined else ()
         form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(
             phase,
             forms=in_plane(form) if opening.planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(n, tuple(kinds), jumped(jumps[n]), smooth=n in ways) for n in names),
+            exits=tuple(
+                Exit(n, tuple(kinds), jump_by_states(jumps[n]), smooth=n in ways) for n in names
+            ),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,
         )
     return phases
-
-
-def jumping(opening: Any, around: tuple[str, ...]) -> Callable:
-    """Return a function that adapts the jumps of `exits` to the body and its surroundings.
-
-    These jumps are written for balls on a plane at rest. For an outline they first choose the ball
-    that touches; in surroundings that move, gravity and place of that time.
-    """
-
-    def jumped(jump: Callable) -> Callable:
-        if opening.outlined:
-            jump = outlined_jump(jump)
-        return joined_jump(jump) if joined_names(around) else jump
-
-    return jumped
 
 
 def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
@@ -227,7 +212,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         rows = PLANAR_ANGLES, PLANAR_ROW
     elif law.torque or around:
         rows = DISC_ANGLES, DISC_ROW
-    angles, form, read = opening.framed or (*rows, row)
+    angles, form = opening.framed or rows
     form = replace(
         form, domains=opening.domains, integrals=(*form.integrals, *added_integrals(around))
     )
@@ -243,6 +228,10 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     phases = phases_of(opening, law, balls, () if apart else of_axis, around)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+        """Return the record of angles of a start, with gap and nu_z.
+
+        s, z are sin(theta), cos(theta).
+        """
         e = system.start(data, s, z, b)
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
@@ -267,8 +256,8 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         phases=phases,
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
-        begin=jumping(opening, around)(begin),
-        read=read,
+        begin=jump_by_states(begin),
+        read=row,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,

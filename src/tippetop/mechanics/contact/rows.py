@@ -1,7 +1,17 @@
 """The rows of a run in any phase, and the columns that are functions of their `Scalars`.
 
-A row is the common state with the reaction of the plane, the ball in contact, or last in contact,
-and the phase. User-defined events are functions of the scalars too.
+`row` converts the state of a phase to a `Row`, which is the same record in all phases: the common
+state with the force of the plane, the ball in contact (or last in contact) and the phase. Columns,
+and events of the user, are functions of the `Scalars` of a row, so that a column has one formula.
+ROW, DISC_ROW and PLANAR_ROW are the forms of rows; `opening` chooses one.
+
+Symbols
+    q         a `Row`, or the state of a phase in `row`; carried: the record of integrals
+    b         the body, a `body.Touch` seen from its first ball, the sphere
+    x         the common state, a `body.Moving`: axis u, momentum L, velocity, height
+    s         in (s, b): record of `Scalars`; in (e, s, z, b): sin(theta), and z: cos(theta)
+    e         record of angles, ANGLES
+    v, v_A    velocity of the contact point, or of the lowest point in flight
 """
 
 from collections.abc import Callable
@@ -21,10 +31,21 @@ from ..units import (
 )
 from . import body as contact
 from . import gliding
-from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
+from .body import (
+    BALLS,
+    FRAME,
+    VELOCITY,
+    Moving,
+    filled,
+    kinematics,
+    of_azimuth,
+    slip_scalars,
+    state,
+)
 from .body_axes import by_angles, carried_along
-from .contact_phases import PHASES
-from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate, turning
+from .contact_phases import PHASES, moving
+from .frame import Asymmetric
+from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate
 from .integrals import integral
 from .rolling import spin
 
@@ -46,15 +67,20 @@ ROW_UNITS = state(**VELOCITY, **NUMBERS)
 Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
-
-def moving(row: Any, carried: Any) -> Moving:
-    """Return the common state of a row."""
-    velocity = Vector(row.rx_dot, row.ry_dot, row.rz_dot)
-    x = turning(row)
-    return Moving(x.u, x.L, velocity, row.height, carried)
+OF_BALL = ("radius", "offset", "stem_gap", "jellett_taken")
+OF_FRAME = {name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
+FRAME_UNITS = state(FRAME, **VELOCITY, **OF_FRAME)
+"""Of a body without an axis of symmetry."""
 
 
-def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
+def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
+    """Return a common state as a row with these units; numbers that are not given are 0."""
+    values = [*x.u, *x.L, *x.velocity, x.height]
+    names = units._fields[len(values) :]
+    return type(units)(*values, *(numbers.get(name, 0 * x.height) for name in names))
+
+
+def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
     """Return a state of a phase as a `Row`, the record that all phases share, and the body.
 
     Parameters
@@ -68,6 +94,13 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     """
     x = phase.leave(q, b)
     by = phase.reaction(q, b)
+    numbers = dict(zip(("Fx", "Fy", "force"), by.force, strict=True)) | {
+        "drilled": by.drilled,
+        "phase": PHASES.index(phase.label),
+        "ball": phase.ball,
+    }
+    if isinstance(b, Asymmetric):
+        return filled_row(FRAME_UNITS, x, **numbers), b
     b = contact.by_axis(x.u, b)
     reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
@@ -78,8 +111,8 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
         gap = gap + b.clearance + b.lever * x.u.z
     else:
         first = contact.seen_from_other(b)
-    numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
-    return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers), first
+    numbers |= {"radius": b.R, "offset": b.c, "stem_gap": gap, "jellett_taken": reference}
+    return filled_row(ROW_UNITS, x, **numbers), first
 
 
 # --- scalars ------------------------------------------------------------------------------------
@@ -100,23 +133,26 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 
 def ball_of(q, b):
-    """Return the body as the ball that touches, with its R and c from a row or its scalars."""
+    """Return the body as a `Touch` of the ball that touches, by R and c of a row."""
     return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
-    """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
+    """Return v_A of a row, (3,) [m/s]: the velocity of the lowest point of its ball."""
     return contact.contact_velocity(moving(q, ()), ball_of(q, b))
 
 
 def motion(x, v, power, gap, b):
-    """Return the scalars `MOTION` of a common state x; v is v_A, `power` what friction takes."""
+    """Return the scalars MOTION, in order, of a common state x; v is v_A, (3,).
+
+    power: that friction takes [W]; gap: of the ball in contact [m].
+    """
     moves = kinematics(x, contact.axis_rate(x, b), b)
     return *moves, *slip_scalars(x.u, v), v.z, dot(x.velocity, x.velocity), power, gap
 
 
 def row_scalars(q, b):
-    """Return the scalars of a row."""
+    """Return the `Scalars` of a row q."""
     v = lowest_velocity(q, b)
     power = q.drilled - (q.Fx * v.x + q.Fy * v.y)
     gap = q.height - q.radius + q.offset * q.uz
@@ -138,7 +174,7 @@ PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n n
 
 
 def row_of_angles(e, s, z, b):
-    """Return the row of the angles, its reaction not yet known.
+    """Return the row of angles e; the force of the plane in it is zero, not yet known.
 
     s, z are sin(theta), cos(theta), exact at the poles.
     """
@@ -148,16 +184,18 @@ def row_of_angles(e, s, z, b):
     x = axis_and_momentum(e, s, z, b.I1, b.I3)
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
-    velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
-    height = e.gap + b.R - b.c * z
-    jellett = contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
-    zeros = (none,) * 3
-    ball = b.R + none, b.c + none
-    return Row(*x.u, *x.L, *velocity, height, *zeros, *ball, *zeros, jellett, none)
+    velocity = Vector(along_x - v.x, along_y - v.y, e.nu_z - v.z)
+    return filled_row(
+        ROW_UNITS,
+        Moving(x.u, x.L, velocity, e.gap + b.R - b.c * z),
+        radius=b.R + none,
+        offset=b.c + none,
+        jellett_taken=contact.jellett_of(x.L.z, b.I3 * e.omega3, b),
+    )
 
 
 def planar_angles_of_row(q, carried, b):
-    """Return the angles of a row of a motion in a plane."""
+    """Return the record PLANAR_ANGLES of a row of a motion in a plane."""
     v = lowest_velocity(q, b)
     c = planar_scalars(q, b)
     theta, *others = carried[:4]
@@ -165,7 +203,7 @@ def planar_angles_of_row(q, carried, b):
 
 
 def planar_theta_dot(q, b):
-    """Return theta' [rad/s] of an axis in the x-z plane."""
+    """Return theta' = L_y/I1 [rad/s] of an axis in the x-z plane."""
     return q.Ly / b.I1
 
 
@@ -217,7 +255,7 @@ PLANAR_ROW = replace(
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for rows, which have R and c of the ball in contact."""
+    """Return a formula(s, b) of a gliding body as one for rows: b becomes the ball in contact."""
     return lambda s, b: function(s, ball_of(s, b))
 
 

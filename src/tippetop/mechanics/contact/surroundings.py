@@ -1,7 +1,15 @@
 """Surroundings of a body: air that brakes its rotation; a plane that is tilted, vibrates or turns.
 
-Everything is seen from the plane: z is its normal, and x and y turn with it. A body has the gravity
-across the plane as `g`, and the rest in its record of surroundings.
+Numbers of the tables [air] and [plane] go in; out come the record b.around of a body, and from it
+the torque, acceleration and gravity by which `response` changes forces and equations. Everything is
+seen from the plane: z is its normal, and x and y turn with it. A body has the gravity across the
+plane as `g`, and the rest in its record of surroundings.
+
+Symbols
+    b         the body; b.g: gravity across the plane; b.around: a `Surroundings`
+    groups    names in GROUPS: the sets of numbers that are given together
+    omega, L  angular velocity and momentum, (3,), seen from the plane; Omega: that of a turntable
+    carried   the record of integrals of the run, with the phase of the vibration and the place x, y
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -14,7 +22,6 @@ from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
     METRE,
-    METRE_PER_SECOND2,
     PER_SECOND,
     RADIAN,
     RADIAN_PER_SECOND,
@@ -199,69 +206,51 @@ def surrounded_body(body: Callable) -> Callable:
         Each is () if the parameters do not have it; g becomes the part along the plane's normal.
         """
         b = body(parameters, friction)
-        given: Any = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
+        given = {
+            name: [parameters[key] for key in rules]
+            for name, rules in GROUPS.items()
+            if rules.keys() <= parameters.keys()
+        }
         g = b.g
-        air: Any = ()
-        slope: Any = ()
-        shake: Any = ()
-        table: Any = ()
-        if "air.c1" in parameters:
-            air = Air(*given["air"])
-        if "plane.tilt" in parameters:
+        around: dict[str, Any] = {}
+        if "air" in given:
+            around["air"] = Air(*given["air"])
+        if "tilt" in given:
             tilt, azimuth = given["tilt"]
             along = g * sin(tilt)
-            slope = Slope(along * cos(azimuth), along * sin(azimuth))
+            around["slope"] = Slope(along * cos(azimuth), along * sin(azimuth))
             g = g * cos(tilt)
-        if "plane.amplitude" in parameters:
+        if "vibration" in given:
             amplitude, frequency, phase = given["vibration"]
             rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency  # 2 pi f
             push = amplitude * rate**2
-            shake = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
-        if "plane.omega" in parameters:
-            table = Table(*given["turntable"])
-        return b._replace(g=g, around=Surroundings(air, slope, shake, table))
+            around["shake"] = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
+        if "turntable" in given:
+            around["table"] = Table(*given["turntable"])
+        return b._replace(g=g, around=Surroundings(**around))
 
     return surrounded
-
-
-UNITS = {
-    "air": Air(ANGULAR_MOMENTUM, INERTIA),
-    "tilt": Slope(METRE_PER_SECOND2, METRE_PER_SECOND2),
-    "vibration": Shake(*(METRE_PER_SECOND2,) * 3, PER_SECOND),
-    "turntable": Table(RADIAN_PER_SECOND, METRE, METRE),
-}
-
-
-def surrounded_units(body_units: Callable, groups: tuple[str, ...]) -> Callable:
-    """Return body_units(law) of a body in surroundings of these groups."""
-    around = Surroundings(*(units if name in groups else () for name, units in UNITS.items()))
-    return lambda law: body_units(law)._replace(around=around)
 
 
 COPY = "at_"
 """Begins the names of variables of a state that are copies of integrals."""
 
-JOINED = {"vibration": ("clock_cos", "clock_sin"), "turntable": ("x", "y")}
-"""Integrals of a run that the equations of motion read, by group."""
-
-
-def joined_names(groups: Iterable[str]) -> tuple[str, ...]:
-    """Return the integrals of a run that the equations of motion read."""
-    return tuple(name for group in groups for name in JOINED.get(group, ()))
-
 
 def at_present(b: Any, known: Any) -> Any:
-    """Return the body with the gravity on a shaker and the place on a turntable at one time.
+    """Return the body at one time: g of a vibrating plane, and its place on a turntable, filled in.
 
-    `known` has the integrals `joined_names` at that time as attributes.
+    `known` is a record of integrals at that time, or a state with copies of them.
     """
     around = b.around
+    if not around or not (around.shake or around.table):
+        return b
+    now = {name.removeprefix(COPY): value for name, value in known._asdict().items()}
     if around.shake:
         g, c, s, _ = around.shake
-        b = b._replace(g=g + c * known.clock_cos + s * known.clock_sin)
+        b = b._replace(g=g + c * now["clock_cos"] + s * now["clock_sin"])
     if around.table:
         table = around.table
-        at = Vector(known.x - table.x, known.y - table.y, 0 * known.x)
+        at = Vector(now["x"] - table.x, now["y"] - table.y, 0 * now["x"])
         b = b._replace(around=around._replace(table=table._replace(at=at)))
     return b
 

@@ -1,20 +1,24 @@
-"""Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry."""
+"""Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry.
+
+`Ellipsoid` takes the numbers of the user; ELLIPSOID and ROLLING_ELLIPSOID are the `System`s, whose
+formulas are those of `contact.framed`. `friction` is the record of a law.
+"""
 
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 from ..contact import body as contact
-from ..contact import framed, rolling
+from ..contact import framed, gliding, rolling
 from ..contact.body import Top
 from ..contact.frame import Asymmetric
 from ..contact.frame import Ellipsoid as Outline
 from ..number import Number, number, reuse
 from ..operand import Vector, cos, sin
 from ..system import Opening
-from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, Unit
+from ..units import INERTIA, METRE, RADIAN
 from . import outlook
-from .revolution import both
+from .revolution import pair
 from .tippe_top import TippeTop
 
 
@@ -73,7 +77,7 @@ class Ellipsoid(Top):
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Asymmetric:
-        """Return the body that formulas take."""
+        """Return the body as the `b` of formulas, an `Asymmetric`, with the record of a law."""
         k, s = cos(self.delta), sin(self.delta)
         a2, b2 = self.a**2, self.b**2
         squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2, self.c**2
@@ -93,42 +97,33 @@ class Ellipsoid(Top):
         return faults + contact.inertia_faults(parameters)
 
 
-METRE2 = Unit("m2")
-
-
-def body_units(friction: Any) -> Asymmetric:
-    """Return the units of the body."""
-    shape = Outline(*[METRE] * 3, *[ONE] * 2, *[METRE] * 3, *[METRE2] * 4)
-    return Asymmetric(KILOGRAM, INERTIA, INERTIA, INERTIA, METRE_PER_SECOND2, friction, shape)
-
-
-ELLIPSOID, ROLLING_ELLIPSOID = both(
+GLIDING = gliding.OF_SYSTEM | {
+    "initial": framed.INITIAL,
+    "alternatives": framed.ALTERNATIVES,
+    "start": framed.start,
+    "undefined_at_poles": framed.UNDEFINED_AT_POLES,
+    "long_names": framed.LONG_NAMES,
+}
+ELLIPSOID, ROLLING_ELLIPSOID = pair(
     Ellipsoid,
     "ellipsoid",
-    {
-        "initial": framed.INITIAL,
-        "alternatives": framed.ALTERNATIVES,
+    GLIDING
+    | {
         "angles": framed.ANGLES,
         "forms": {"vector": framed.SLIDES},
         "quantities": framed.QUANTITIES,
         "events": framed.EVENTS,
-        "undefined_at_poles": framed.UNDEFINED_AT_POLES,
-        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW, framed.row)),
+        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW)),
         "outlook": outlook.without_axis,
     },
-    {
-        "initial": {n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
-        "alternatives": tuple(one for one in framed.ALTERNATIVES if not one.flag),
+    rolling.of_system_at_rest(GLIDING)
+    | {
         "angles": framed.ROLLING_ANGLES,
         "forms": {"vector": framed.ROLLS},
         "quantities": framed.ROLLING_QUANTITIES,
         "events": framed.ROLLING_EVENTS,
-        "undefined_at_poles": (*rolling.UNDEFINED_AT_POLES, "psi"),
         "outlook": partial(outlook.without_axis, rolls=True),
     },
-    body_units=body_units,
-    start=framed.start,
-    long_names=framed.LONG_NAMES,
     source="Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
     "Int. J. Non-Linear Mechanics 17, 175 (1982)",
 )

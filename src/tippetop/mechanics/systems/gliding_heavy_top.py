@@ -8,14 +8,12 @@ from ..contact import gliding
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase
 from . import heavy_top, outlook
-from .tippe_top import GLIDING, SOURCE
+from .tippe_top import SOURCE
 
 
 @formula
 def Lz_rate(push_n, b):
-    """Return L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding.
-
-    push_n is (zhat x 3hat).(dv_A/dt).
+    """Return Lz' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] about the tip; push_n: see `body.push_n`.
 
     [T 5.19]
     """
@@ -24,7 +22,7 @@ def Lz_rate(push_n, b):
 
 @formula
 def own_Lz_rate(s, b):
-    """Return L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
+    """Return Lz' about the tip [kg m^2/s^2] of a gliding state with the scalars s. [T 5.19]"""
     return Lz_rate(contact.push_n(s, b), b)
 
 
@@ -39,10 +37,9 @@ GLIDING_HEAVY_TOP = of_one_phase(
         gliding.MODIFIED_ENERGY_RATE,
     ),
     integrals=("L3",),
-    events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
-    long_names=gliding.LONG_NAMES,
     outlook=outlook.gliding_heavy_top,
     opening=Opening(without=("L3", "Lz")),
-    **GLIDING,
+    **gliding.OF_SYSTEM
+    | {"events": (gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED)},
     **heavy_top.COMMON,
 )

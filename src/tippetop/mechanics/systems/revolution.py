@@ -1,4 +1,9 @@
-"""Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim."""
+"""Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim.
+
+`Spheroid` and `Disc` take the numbers of the user. `systems` makes the gliding and the rolling
+`System` of such a body of those of a ball (`contact.gliding`, `contact.rolling`): its formulas get
+the ball by which the body touches (`contact.outlined`). `both` serves `ellipsoid` too.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,9 +13,8 @@ from typing import Any, ClassVar
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
 from ..contact.body import Bent, Top
-from ..contact.outlined import in_scalars, outlined_form
+from ..contact.present_body import form_by_states, in_scalars
 from ..event import Event
-from ..friction import LAWS
 from ..number import Number, number, reuse
 from ..system import Domain, Opening, System, of_one_phase
 from ..units import METRE
@@ -25,7 +29,10 @@ class Outlined(Top, abstract=True):
     faults = staticmethod(contact.inertia_faults)
 
     def seen(self: Any, friction: Any) -> Bent:
-        """Return the body that formulas take."""
+        """Return the body as the `b` of formulas, a `Bent` with its outline.
+
+        `friction` is the record of a law.
+        """
         shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
         return Bent(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 
@@ -121,109 +128,82 @@ NOT_FLAT = Domain(
 JELLETT = replace(gliding.JELLETT_QUANTITY, long_name="-L.a, which is constant for a sphere only")
 
 
-def both(
+def pair(
     body: type[Top],
     title: str,
     slides: Mapping[str, Any],
     rolls: Mapping[str, Any],
+    domains: tuple[Domain, ...] = (),
     **more: Any,
 ) -> tuple[System, System]:
     """Return the gliding and the rolling system of a body, with fields of each and `more` of both.
 
-    The unit of length is the size of its outline.
+    The unit of length is the size of its outline. Formulas may be those of a ball.
     """
-    shared: dict[str, Any] = {
-        "parameters": body.parameters,
-        "body": body.body_of,
-        "checks": body.faults,
-        "scales": lambda b: (b.m, b.outline.size),
-        "normalised_to": {"m": 1.0},
-        "vectors": gliding.VECTORS,
-        **more,
-    }
+
+    def system(phase: str, name: str, fields: Mapping[str, Any], words: str) -> System:
+        """Return the system of one phase, "slip" or "roll", whose title ends with these words."""
+        records = {
+            key: tuple(map(in_scalars, fields.get(key, ())))
+            for key in ("quantities", "events", "on_request")
+        }
+        forms = {
+            key: form_by_states(replace(form, domains=(*domains, *form.domains)))
+            for key, form in fields["forms"].items()
+        }
+        return of_one_phase(
+            phase,
+            name=name,
+            title=f"{title} {words}",
+            parameters=body.parameters,
+            body=body.body_of,
+            checks=body.faults,
+            scales=lambda b: (b.m, b.outline.size),
+            normalised_to={"m": 1.0},
+            **{**fields, **records, "forms": forms, **more},
+        )
+
     return (
-        of_one_phase(
-            "slip",
-            name=body.gliding,
-            title=f"{title} that glides",
-            laws=LAWS,
-            **shared,
-            **slides,
-        ),
-        of_one_phase(
-            "roll",
-            name=body.resting,
-            title=f"{title} in pure rolling",
-            integrals=("energy",),
-            **shared,
-            **rolls,
-        ),
+        system("slip", body.gliding, slides, "that glides"),
+        system("roll", body.resting, rolls, "in pure rolling"),
     )
 
 
 def systems(
     body: type[Outlined],
     title: str,
-    source: str,
     *,
     events: tuple[Event, ...] = (),
     domains: tuple[Domain, ...] = (),
-    classes: tuple[str, ...] = (),
+    **more: Any,
 ) -> tuple[System, System]:
     """Return the gliding and the rolling system of a body with an outline."""
-    units = body.shape._make(body.parameters[name].unit for name in body.shape._fields)
-
-    def fields(of_ball: Any, *quantities: Any) -> dict[str, Any]:
-        """Return the fields of a System of an outlined body, from the system of a ball."""
-        return {
-            "forms": {
-                name: outlined_form(replace(form, domains=(*domains, *form.domains)))
-                for name, form in of_ball.FORMS.items()
-            },
-            "initial": of_ball.INITIAL,
-            "start": gliding.start_of(of_ball.ANGLES),
-            "angles": of_ball.ANGLES,
-            "quantities": tuple(map(in_scalars, (JELLETT, *quantities))),
-            "events": tuple(map(in_scalars, (*of_ball.EVENTS, *events))),
-            "undefined_at_poles": of_ball.UNDEFINED_AT_POLES,
-        }
-
-    slides = {
-        **fields(gliding, *gliding.QUANTITIES),
-        "alternatives": gliding.ALTERNATIVES,
-        "on_request": (in_scalars(gliding.MODIFIED_ENERGY_RATE),),
+    slides = gliding.OF_SYSTEM | {
+        "quantities": (JELLETT, *gliding.QUANTITIES),
+        "on_request": (gliding.MODIFIED_ENERGY_RATE,),
         "opening": Opening(outlined=True, domains=domains, outlook=outlook.revolution),
         "outlook": outlook.revolution,
     }
-    rolls = {
-        **fields(rolling, *gliding.ENERGIES, *rolling.REACTION),
-        "alternatives": (gliding.BY_PSI_DOT,),
+    rolls = rolling.OF_SYSTEM | {
+        "quantities": (JELLETT, *gliding.ENERGIES, *rolling.REACTION),
         "outlook": partial(outlook.revolution, rolls=True),
     }
-    return both(
-        body,
-        title,
-        slides,
-        rolls,
-        body_units=lambda law: Bent._make(
-            contact.body_units(law)._replace(R=(), c=(), outline=units)
-        ),
-        long_names=gliding.LONG_NAMES,
-        source=source,
-        classes=classes,
-    )
+    for fields in (slides, rolls):
+        fields["events"] += events
+    return pair(body, title, slides, rolls, domains, **more)
 
 
 SPHEROID, ROLLING_SPHEROID = systems(
     Spheroid,
     "spheroid",
-    "Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. Nature 416, 385 (2002)",
+    source="Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. "
+    "Nature 416, 385 (2002)",
     classes=("tumbling", "upright", "inverted"),
 )
 DISC, ROLLING_DISC = systems(
     Disc,
     "disc with a rounded rim",
-    "Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
+    source="Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
     events=(FLAT,),
     domains=(NOT_FLAT,),
     classes=("tumbling",),

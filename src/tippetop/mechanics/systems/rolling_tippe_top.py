@@ -15,24 +15,21 @@ ROLLING_TIPPE_TOP = of_one_phase(
     name="rolling-tippe-top",
     title="tippe top in pure rolling",
     source=tippe_top.SOURCE + "4",
-    initial=rolling.INITIAL,
-    alternatives=(gliding.BY_PSI_DOT,),
-    start=gliding.start_of(rolling.ANGLES),
-    angles=rolling.ANGLES,
-    forms={
-        "contact": CONTACT,
-        "vector": rolling.VECTOR,
-        "reduced": REDUCED,
-        "euler": rolling.EULER,
-    },
     quantities=(
         *tippe_top.MOMENTA,
         *gliding.ENERGIES,
         *rolling.REACTION,
     ),
-    integrals=("jellett", "routh", "energy"),
-    events=rolling.EVENTS,
-    undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     outlook=outlook.rolling_tippe_top,
+    **rolling.OF_SYSTEM
+    | {
+        "forms": {
+            "contact": CONTACT,
+            "vector": rolling.VECTOR,
+            "reduced": REDUCED,
+            "euler": rolling.EULER,
+        },
+        "integrals": ("jellett", "routh", "energy"),
+    },
     **tippe_top.COMMON,
 )

@@ -1,42 +1,26 @@
 """Rest, spins at the poles and steady rolling of a body of revolution with an outline.
 
-At a pole it moves as the ball by which it touches there.
+A body in SI units goes in; out come limits by name, as `Threshold`s with their meaning, which
+`systems.outlook` reports. At a pole the body moves as the ball by which it touches there.
+
+Symbols
+    b         the body, a `contact.body.Bent`; z: cos(theta), 1 or -1 at the poles
+    high      height of the centre of mass on the plane [m]
+    rolls     whether the contact is at rest, or slides under friction
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
-from ..contact.body import Touch, height, shape_of, touching_ball
+from ..contact import rolling
+from ..contact.body import Touch, shape_of, touching_ball
 from ..contact.outline import at
 from ..contact.uniqueness import THETA, painleve_bound
 from ..units import METRE, ONE, RADIAN_PER_SECOND
+from .modes import stability
 from .thresholds import SPINS, Threshold
-
-
-ROUNDED = 1e-12  # of a length or a moment of inertia
-
-
-def spin_limit(z: float, b: Touch, *, rolls: bool = False) -> tuple[str, float]:
-    """Return how a spin at the pole z = 1 or -1 must be to be stable.
-
-    "above" or "below" a limit [rad/s]; otherwise "stable", "neutral" or "unstable", and NaN. The
-    contact slides under friction, or rolls.
-    """
-    ball = touching_ball(z, 0.0, b)
-    high = height(z, ball)
-    rise = (high - ball.R) * (abs(high - ball.R) > ROUNDED * high)
-    needed = b.m * b.g * rise
-    if rolls:  # stable where lever*omega_3^2 > needed
-        lever = (b.I3 + b.m * high * ball.R) ** 2 * (rise != 0)
-        needed *= 4 * (b.I1 + b.m * high**2)
-    else:
-        lever = b.I3 * high - b.I1 * ball.R
-        lever *= abs(lever) > ROUNDED * b.I3 * high
-        needed *= high**2 / ball.R
-    if lever * needed > 0:
-        return "above" if needed > 0 else "below", math.sqrt(needed / lever)
-    return ("neutral", "stable", "unstable")[int(np.sign(lever - needed))], math.nan
 
 
 @np.errstate(all="ignore")  # a disc has no ball at its poles
@@ -47,8 +31,11 @@ def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Thresh
     for name, z in SPINS.items():
         if not np.isfinite(touching_ball(z, 0.0, b).R):
             continue
-        how, limit = spin_limit(z, b, rolls=rolls)
-        if limit > 0:
+        steadies, topples = stability(z, b, rolls=rolls)
+        how = ("neutral", "stable", "unstable")[int(np.sign(steadies - topples))]
+        if steadies * topples > 0:
+            limit = math.sqrt(topples / steadies)
+            how = "above" if topples > 0 else "below"
             text = f"{name} spin stable {how}"
             found[f"spin_{name}"] = Threshold(limit, RADIAN_PER_SECOND, text)
             how = f"stable {how} {limit:.6g} rad/s"
@@ -63,6 +50,7 @@ def limits(b: Touch) -> dict[str, Threshold]:
     found = {}
 
     def rest(name: str, theta: float, more: str = "") -> None:
+        """Add the height of the centre of mass at rest at theta, if the body can rest there."""
         high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
         words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
         if high > 0:  # a thick disc touches with its other edge there
@@ -86,14 +74,15 @@ def limits(b: Touch) -> dict[str, Threshold]:
 
 def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshold]:
     """Return omega_3 of steady rolling at theta and phi', and the friction that it needs."""
-    s = math.sin(theta)
-    z = math.cos(theta)
-    ball = touching_ball(z, s * s, b)
-    high = height(z, ball)
-    q = ball.c - ball.R * z
-    drive = b.I1 * z * phi_dot**2 - b.m * (ball.c * b.g + high * q * phi_dot**2)
-    omega3 = drive / ((b.I3 + b.m * high * ball.R) * phi_dot)
-    mu = abs(phi_dot * s * (ball.R * omega3 + q * phi_dot)) / b.g
+    ball = touching_ball(math.cos(theta), math.sin(theta) ** 2, b)
+
+    def at_spin(omega3: float) -> Any:
+        state = rolling.EulerState(theta, 0.0, phi_dot, omega3)
+        return rolling.euler_scalars(state, ball)
+
+    still, turning = (rolling.z_dot2(at_spin(omega3), ball) for omega3 in (0.0, 1.0))
+    omega3 = still / (still - turning)  # where z'' = 0, which is linear in it
+    mu = rolling.friction_needed(at_spin(omega3), ball)
     words = "steady rolling at theta and phi_dot of the start"
     return {
         "spin_steady": Threshold(omega3, RADIAN_PER_SECOND, f"omega3 of {words}"),

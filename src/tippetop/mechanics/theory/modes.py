@@ -1,4 +1,11 @@
-"""Linear modes near a spinning state."""
+"""Linear modes near a spinning state: how fast a small lean grows, and whether the spin is stable.
+
+Symbols
+    b         the body in SI units, a `contact.body.Touch`; h: its height at the pole
+    omega3    spin about the axis [rad/s]; up: cos(theta) of the pole, 1 or -1
+    p         rate of a mode, u_x + i u_y ~ exp(p t) [1/s]; u: the axis
+    slip      the coefficient k of friction at rest [s/m]
+"""
 
 import math
 from typing import Any
@@ -32,28 +39,19 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
     """
     up = -1 if inverted else 1
     b = touching_ball(up, 0.0, b)
-    with np.errstate(all="ignore"):
-        matrix = _gliding(omega3, b, up, _slip(omega3, up, b.friction))
-    if not np.isfinite(matrix).all():
-        return np.full(3, complex(np.nan, np.nan))
-    modes = np.linalg.eigvals(matrix)
-    return _fastest_first(modes)
-
-
-def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
-    """Return the matrix (..., 3, 3) of the motion near the pole z = up.
-
-    Of one body or of many, with slip coefficients.
-    """
     Lz = up * b.I3 * omega3
     h = b.R - up * b.c
-    n = 1j * Lz / b.I1, -1j * up / b.I1, 0
-    momentum = -1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g
-    twist = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c
-    lever = 1j * h / b.I1
-    v0, v1, v2 = (lever * M + 1j * twist * N for M, N in zip(momentum, n, strict=True))
-    entries = np.broadcast_arrays(*n, *momentum, v0, v1, v2 - slip * b.g)
-    return np.stack(entries, -1).reshape(*entries[0].shape, 3, 3)
+    with np.errstate(all="ignore"):
+        slip = _slip(omega3, up, b.friction)
+        n = 1j * Lz / b.I1, -1j * up / b.I1, 0
+        momentum = -1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g
+        twist = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c
+        lever = 1j * h / b.I1
+        v0, v1, v2 = (lever * M + 1j * twist * N for M, N in zip(momentum, n, strict=True))
+        matrix = np.array([n, momentum, (v0, v1, v2 - slip * b.g)])
+    if not np.isfinite(matrix).all():
+        return np.full(3, complex(np.nan, np.nan))
+    return _fastest_first(np.linalg.eigvals(matrix))
 
 
 def _slip(omega3: Any, up: int, law: Any) -> Any:
@@ -94,10 +92,7 @@ def shows_sliding(b: Touch, z: Any) -> Any:
     return np.asarray(strength) * SLIDES**2 > 1e-12
 
 
-ROUNDED = 1e-12  # of the fastest rate: a growth that is slower is zero to rounding
-# of the fastest angle's rate: where friction turns a spin into another more slowly, its sign alone
-# counts
-WEAK = 1e-3
+ROUNDED = 1e-12  # of a rate, a length or a moment of inertia: zero to rounding
 LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
@@ -127,25 +122,32 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
 
     Notes
     -----
-    Any friction decides as strong friction does, however weak: it takes energy, whose least value
-    at this Jellett's integral does not depend on it. A growth that is lost in rounding is therefore
-    asked of stronger friction, and so is that of friction which vanishes at the pole: near by it
-    takes energy.
+    A contact that a law without a slope at rest may hold is not said to be unstable.
     """
     up = -1 if inverted else 1
     with np.errstate(all="ignore"):  # a disc has no ball at its poles
-        b = touching_ball(up, 0.0, b)
-    if gliding:
-        with np.errstate(all="ignore"):
-            slip = _slip(omega3, up, b.friction)
-            least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
-            acts = (slip > 0) | np.logical_not(takes_nothing(b.friction))
-            matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
-        finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
-        modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # which refuses NaN
-        return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
-    h = b.R - up * b.c  # of the roots of `rolling_modes`: a discriminant
-    return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)
+        free = takes_nothing(b.friction) if gliding else False
+        steadies, topples = stability(up, b, rolls=not gliding, free=free)
+        glides = np.isfinite(_slip(omega3, up, b.friction)) if gliding else True
+        return (omega3**2 * steadies < topples) & glides
+
+
+def stability(z: int, b: Touch, *, rolls: bool, free: Any = False) -> tuple[Any, Any]:
+    """Return p and q of a spin at the pole z: it is stable if p omega_3^2 > q, unstable if less.
+
+    The contact rolls, or glides: `free` of friction, or under friction, which decides however weak
+    it is. It takes energy, whose least value at this Jellett's integral does not depend on it.
+    """
+    b = touching_ball(z, 0.0, b)
+    h = b.R - z * b.c
+    rise = -z * b.c  # of the centre of mass above that of the ball
+    weight = b.m * b.g * rise * (np.abs(rise) > ROUNDED * h)
+    if rolls:
+        return (b.I3 + b.m * h * b.R) ** 2 * (weight != 0), 4 * weight * (b.I1 + b.m * h**2)
+    lever = b.I3 * h - b.I1 * b.R
+    lever = lever * (np.abs(lever) > ROUNDED * b.I3 * h)
+    steadies = np.where(free, b.I3**2, lever * b.R)
+    return steadies, weight * np.where(free, 4 * b.I1, h**2)
 
 
 def _fastest_first(p: np.ndarray) -> np.ndarray:

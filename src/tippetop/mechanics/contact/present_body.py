@@ -1,0 +1,130 @@
+"""Formulas of a ball on a plane at rest as formulas of any body in any surroundings.
+
+The body that they take depends on the state: an outline touches with a ball that changes with the
+axis; a plane that vibrates changes gravity, and a turntable turns about a place. Equations of
+motion cannot read integrals: their state ends with copies of those that determine the body.
+
+Forms, phases and jumps of a ball go in; `opening`, `surrounded` and `systems.revolution` take what
+comes out. `around` names groups of surroundings, such as "vibration" and "turntable".
+
+Symbols
+    q         the state of a form: a record, in SI
+    carried   its integrals
+    x         the common state of all phases, a `body.Moving`
+    e, s, z   angles and their rates; sin(theta); cos(theta)
+    b         the body, a record of parameters in SI
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from ..form import Domain, Form, Integral, Phase
+from ..operand import cos, sin
+from ..units import ONE
+from .body import Moving, axis, by_axis, by_scalars, filled, touching_ball
+from .surroundings import COPY, at_present, joined_values
+
+
+def clock(rate_of: Callable, name: str, first: int) -> Integral:
+    """Return the integral for the cosine or the sine of the phase of the vibration.
+
+    Its rate is rate_of(state, 2 pi f), its value at the start `first`.
+    """
+    rate = lambda q, carried, b: rate_of(q, b.around.shake.rate)  # noqa: E731
+    return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
+
+
+CLOCK = (
+    clock(lambda q, rate: -(rate * q.at_clock_sin), "clock_cos", 1),
+    clock(lambda q, rate: rate * q.at_clock_cos, "clock_sin", 0),
+)
+
+
+def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
+    """Return the integrals that surroundings of these groups add: the phase of a vibration."""
+    return CLOCK if "vibration" in around else ()
+
+
+def in_motion(x: Moving, b: Any) -> Any:
+    """Return the body as it is in a common state."""
+    return by_axis(x.u, at_present(b, x.carried))
+
+
+def in_state(q: Any, b: Any) -> Any:
+    """Return the body as it is in a state of a form, by its axis or by theta."""
+    b = at_present(b, q)
+    if hasattr(q, "uz"):
+        return by_axis(axis(q), b)
+    s = sin(q.theta)
+    return touching_ball(cos(q.theta), s * s, b)
+
+
+def by_states(function: Callable) -> Callable:
+    """Return a function (q, .., b) of states whose body is that in the state."""
+    return lambda q, *more: function(q, *more[:-1], in_state(q, more[-1]))
+
+
+def in_scalars(record: Any) -> Any:
+    """Return a record with a formula(s, b), such as an event, for bodies with an outline."""
+    formula = record.formula
+    changed = record._replace if isinstance(record, Domain) else partial(replace, record)
+    return changed(formula=lambda s, b: formula(s, by_scalars(s, b)))
+
+
+def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
+    """Return a form whose body is that in its state, in surroundings of these groups."""
+    clock = added_integrals(around)
+    place = [one for one in form.integrals if one.name in ("x", "y") and "turntable" in around]
+    copied = (*clock, *place)
+    units = filled(**form.units._asdict(), **{COPY + one.name: one.unit for one in copied})
+
+    def rates(q: Any, b: Any) -> Any:
+        """Return d state/dt, that of the copies of integrals included."""
+        moves = (one.rate(q, (), b) for one in copied)
+        return type(units)(*form.rates(q, b), *moves)
+
+    def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
+        """Return the state at angles, with the copies of integrals at their start."""
+        starts = (one.start({}, s, z) if one.start else getattr(e, one.name) for one in copied)
+        return type(units)(*form.of_angles(e, s, z, touching_ball(z, s * s, b)), *starts)
+
+    return replace(
+        form,
+        units=units,
+        rates=by_states(rates),
+        scalars=by_states(form.scalars),
+        of_angles=of_angles,
+        to_angles=by_states(form.to_angles),
+        integrals=tuple(
+            replace(one, rate=by_states(one.rate)) for one in (*form.integrals, *clock)
+        ),
+        domains=tuple(map(in_scalars, form.domains)),
+    )
+
+
+def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
+    """Return a phase of the contact whose body is that in its state."""
+    form = form_by_states(phase.form, around)
+
+    def enter(x: Any, b: Any) -> Any:
+        """Return the state of the phase that begins in the common state x."""
+        copies = joined_values(form.units, x.carried)
+        return type(form.units)(*phase.enter(x, in_motion(x, b)), *copies)
+
+    return replace(
+        phase,
+        forms=form,
+        events=tuple(map(in_scalars, phase.events)),
+        enter=enter,
+        leave=by_states(phase.leave),
+        reaction=by_states(phase.reaction),
+    )
+
+
+def jump_by_states(jump: Callable) -> Callable:
+    """Return a jump that is made with the body in its state; the axis stays in it, or moves within
+    a phase.
+    """
+    return lambda x, world: jump(x, world._replace(body=tuple(in_motion(x, b) for b in world.body)))
