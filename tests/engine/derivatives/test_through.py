@@ -126,7 +126,7 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
                 for k, one in runs.items()
             }
             slope = sum(c * (whole[k] - whole[-k]) for k, c in STENCIL.items()) / h
-            bound = 1e-9 * np.abs(slope).max()
+            bound = 1e-9 * np.abs(slope).max() + 1e-16  # nu_z of a ball at rest is a difference
             np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
 
 

@@ -73,7 +73,7 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
+def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
     """Return numbers as rows: values and derivatives, (n, 1 + order, directions)."""
     rows = np.empty((len(numbers), 1 + order, directions))
     for row, one in zip(rows, numbers, strict=True):
@@ -354,7 +354,7 @@ class Pass:
         )
         rest = [np.zeros(self.directions)] * (self.order - 1)
         changes = self.sizes[:, None] * ways
-        numbers = {
+        numbers: Any = {
             name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
         }
         tops = Problems(problem, numbers)
@@ -661,7 +661,7 @@ class Pass:
             moving = [*map(Dual, values, motion.rates(values))]
             in_time = motion.functions(moving, plain(motion.body))
             for name, (_, by) in motion.functions(duals_of(some), motion.body).items():
-                happens = [names[k] == name for k in mine]
+                happens = np.array(names)[mine] == name
                 shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
         for k in np.flatnonzero(is_known):
