@@ -84,7 +84,13 @@ COMPILED = (
 """Test files that drive whole runs; of the others numba compiles nothing, which would be most of
 their time.
 """
-UNREAD = ("mechanics.rotation", "mechanics.theory.spinning")
+UNREAD = (
+    "mechanics.rotation",
+    "mechanics.theory.spinning",
+    "mechanics.theory.least_energy",
+    "mechanics.disc_friction",
+    "mechanics.doubledouble",
+)
 """Formulas of mechanics that the laws do not read."""
 # z is +1 or -1 of a spinning top, and so is its own reciprocal
 EQUAL: dict[str, tuple[str, ...]] = {

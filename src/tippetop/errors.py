@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import warnings
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 
@@ -46,6 +46,11 @@ def sentence(key: str, must: str, given: Any) -> str:
     """Return the sentence on a value that is wrong: the condition and the value found."""
     words = "a table" if isinstance(given, dict) else repr(given)
     return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
+
+
+def true_sentences(wrong: Mapping[str, Any]) -> list[str]:
+    """Return the sentences whose condition is true."""
+    return [words for words, is_wrong in wrong.items() if is_wrong]
 
 
 def refuse_unknown(

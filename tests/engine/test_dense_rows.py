@@ -32,7 +32,7 @@ def test_the_rows_of_a_step_have_the_bits_of_each_alone(fuses: bool, preset: str
     times = np.linspace(0.0, 0.5, 501)
     problem = starting.load(preset, ["run.output_step=1e-3"], 0.5)
     driver = taylor.driver_of(problem)
-    assert driver.compiled.machine.fused == fuses
+    assert driver.workspace.compiled.machine.fused == fuses
     many = solve(problem)
     np.testing.assert_array_equal(many.times, times)
     for first in range(9):

@@ -67,7 +67,7 @@ class Rows:
 
 def heyokas(driver: Driver) -> Any:
     """heyoka's integrator at the start of a driver, with its parameters."""
-    made = copy.deepcopy(driver.compiled.integrator)
+    made = copy.deepcopy(driver.workspace.compiled.integrator)
     made.pars[:] = driver.motion.pars[:, 0]  # type: ignore[attr-defined]
     made.state[:] = driver.state
     return made

@@ -71,7 +71,7 @@ from tippetop.engine import taylor
 from tippetop.runs import starting
 
 driver = taylor.driver_of(starting.load("inverting", until=0.1))
-code = driver.compiled.integrator.llvm_state.object_code
+code = driver.workspace.compiled.integrator.llvm_state.object_code
 libc = ctypes.CDLL(None)
 place, number = [ctypes.c_void_p, ctypes.c_size_t], ctypes.c_int
 libc.mmap.restype = ctypes.c_void_p

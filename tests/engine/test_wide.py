@@ -78,8 +78,8 @@ def test_the_highest_orders_are_followed() -> None:
         done(load("quad", "run.tolerance=2e-39", until=0.05)),
         done(load("quad", until=0.05)),
     )
-    order = tight[0].compiled.integrator.order
-    assert order > usual[0].compiled.integrator.order > 32
+    order = tight[0].workspace.compiled.integrator.order
+    assert order > usual[0].workspace.compiled.integrator.order > 32
     assert isinstance(tight[0], WideDriver)
     np.testing.assert_array_equal(tight[1].passages.events, usual[1].passages.events)
     assert len(usual[1].passages.events) > 0

@@ -128,6 +128,16 @@ def test_no_top_is_left_to_run_alone(monkeypatch, case: str) -> None:
     assert not left
 
 
+def test_only_the_first_tops_start_by_python(monkeypatch) -> None:
+    """The others start by the program of their first jump."""
+    starts = []
+    start = pools.HybridPools._start
+    monkeypatch.setattr(pools.HybridPools, "_start", lambda *a: starts.append(a) or start(*a))
+    for _ in range(3):
+        ensemble.measure(some("hops", 24), threads=1)
+    assert 0 < len(starts) < 12
+
+
 def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
     """Here one without friction, one beyond Painleve's bound, and one whose impact has no
     solution.
@@ -158,9 +168,9 @@ def test_a_stop_ends_the_pools_soon() -> None:
     worker = lanes.Lanes(Outcomes(tops), np.ones((64, 1)), lambda: None)
     thread = threading.Thread(target=worker.run, args=(iter(range(64)),))
     thread.start()
-    while thread.is_alive() and not worker.under_way:
+    while thread.is_alive() and (worker.top_in < 0).all():
         time.sleep(0.001)
     worker.stop.set()
     thread.join(0.5)
     assert not thread.is_alive()
-    assert worker.under_way
+    assert (worker.outcomes.status == 0).any()  # it has not followed all tops

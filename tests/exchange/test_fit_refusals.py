@@ -11,7 +11,7 @@ from nightly import at_night
 
 import tippetop as tt
 from tippetop.errors import InputError
-from tippetop.exchange import measurements
+from tippetop.exchange.observation import Observation, observed
 
 
 def film(folder: Path, *rows: str) -> Path:
@@ -73,14 +73,14 @@ def test_noise_explains_angles_beyond_the_poles(
 ) -> None:
     path = film(tmp_path, "0,179", "0.1,-0.6", "0.2,182.14", "0.3,180.5")
 
-    def observed() -> measurements.Observation:
-        return measurements.observed(path, tt.load("inverting"), ["friction.mu"], noise=noise)
+    def read() -> Observation:
+        return observed(path, tt.load("inverting"), ["friction.mu"], noise=noise)
 
     if words:
         with pytest.raises(InputError, match=words):
-            observed()
+            read()
     else:
-        assert np.rad2deg(observed().groups["theta"][2, 0]) == pytest.approx(182.14)
+        assert np.rad2deg(read().groups["theta"][2, 0]) == pytest.approx(182.14)
 
 
 @pytest.mark.parametrize(("first", "offset"), [(-1.0, 1.0), (12.3, -12.3), (0.02, 0.0)])
@@ -89,7 +89,7 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
 ) -> None:
     path = film(tmp_path, *(f"{first + k},5" for k in range(3)))
     free = ["time.offset"]
-    observation = measurements.observed(path, tt.load("inverting"), free)
+    observation = observed(path, tt.load("inverting"), free)
     assert observation.start() == {"time.offset": offset}
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import examples
@@ -13,6 +13,7 @@ import pytest
 
 from tippetop.landscape import formulas
 from tippetop.landscape import landscape_body as bodies
+from tippetop.mechanics.theory import spinning
 
 
 class At(NamedTuple):
@@ -131,3 +132,83 @@ def test_slopes_are_the_derivatives(name: str) -> None:
         for found, wanted in zip(formulas.slopes(at.q, at.p, at.c), exact, strict=True):
             assert abs(found / common - wanted) <= 4e-15 * size, at
         assert abs(formulas.curvature(at.q, at.p, at.c) - exact[1]) <= 4e-15 * size, at
+
+
+def minimum(at: At) -> Any:
+    """Return ln(q) of the minimum of V next to the guess."""
+    x, y = map(mp.mpf, at.momenta)
+    near = mp.log(at.q)
+    slope = partial(mp.diff, lambda s: at.V(mp.e**s, x, y))
+    return mp.findroot(slope, (near - 1e-3, near + 1e-3))
+
+
+def gradient(at: At, s: Any) -> tuple[Any, Any]:
+    """The derivatives of V by the momenta where ln(q) = s."""
+    x, y = map(mp.mpf, at.momenta)
+    by_first = mp.diff(lambda share: at.V(mp.e**s, share * x, y), 1) / x
+    return by_first, mp.diff(lambda share: at.V(mp.e**s, x, share * y), 1) / y
+
+
+@every_body
+def test_the_gradient_of_the_surface_is_that_of_the_potential_at_its_minimum(name: str) -> None:
+    """Also from a q next to the minimum, to second order in the distance."""
+    for at in cases(name)[::3]:
+        s = minimum(at)
+        exact = gradient(at, s)
+        for away, allowed in ((0.0, 8e-16), (1e-9, 2e-12), (-1e-9, 2e-12)):
+            found = formulas.surface_gradient(float(mp.e ** (s + away)), at.p, at.c)
+            for mine, theirs in zip(found, exact, strict=True):
+                assert abs(mine - theirs) <= allowed * abs(theirs), at
+
+
+@pytest.mark.parametrize(("name", "allowed"), [("tippe-top", 0.005), ("heavy-top", 0.0005)])
+def test_the_guess_is_near_the_minimum(name: str, allowed: float) -> None:
+    for at in cases(name)[::3]:
+        assert abs(mp.log(at.q) - minimum(at)) < allowed, at
+
+
+@pytest.mark.parametrize(("name", "allowed"), [("tippe-top", 0.01), ("two minima", 0.4)])
+def test_values_at_the_poles_include_the_part_of_psi(name: str, allowed: float) -> None:
+    """k psi is that where a and b q balance, to first order in K, and is split as a : b."""
+    for at in cases(name)[::3]:
+        a, b = abs(at.p.a.head), abs(at.p.b.head)
+        part = at.p.k.head * formulas.psi(a / b, at.p, at.c).head / (a + b)
+        found = formulas.pole_values(at.p, at.c)
+        for mine, pole, more in zip(found, at.p, (part * a, part * b * b / a), strict=False):
+            error = min(abs(sign * mine - pole.head - more) for sign in (1, -1))
+            assert error <= allowed * abs(more) + 1e-15 * abs(pole.head), at
+
+
+@every_body
+def test_the_steps_of_the_guess_solve_their_equations(name: str) -> None:
+    """A step of Halley leaves a part of the third power of the error."""
+    for at in cases(name)[::3]:
+        start, g = formulas.rough(at.p, at.c), at.c.root_gamma_gain
+        assert start.q * (start.b + g / (1 + start.q)) == pytest.approx(start.a, rel=4e-15)
+        root = mp.findroot(partial(balance, start.a, start.b, g), mp.log(at.q))
+        for error in (1e-3, -1e-3):
+            better = formulas.sharper(start._replace(q=float(mp.e ** (root + error))), at.c)
+            assert abs(mp.log(better.q) - root) < 1e-9, at
+
+
+def balance(a: float, b: float, g: float, s: Any) -> Any:
+    """What vanishes at the minimum for K = 0, with q = e^s."""
+    q = mp.e**s
+    return (b * q) ** 2 + (g * q / (1 + q)) ** 2 - mp.mpf(a) ** 2
+
+
+@pytest.mark.parametrize("parameters", [oracle.FIGURE, TWO_MINIMA])
+def test_a_pole_is_reached_where_the_potential_falls_towards_it(parameters: dict) -> None:
+    """On a marked line, within rounding errors; beyond q = 1 only where V falls."""
+    b, c = oracle.body(parameters), bodies.top(parameters).coefficients
+    V, falls = of_tippe_top(parameters), []
+    for lam in (share * spinning.lambda_pi(b) for share in (0.5, 0.98, 1.02, 2.0)):
+        for pole in (1, -1):
+            D = spinning.slope(pole, b) * lam
+            far = mp.mpf(10) ** (-12 * pole)
+            falls.append(V(far**2, D, lam) < V(far, D, lam))
+            for off, near in ((0, True), (1e-13, False), (-1e-13, False)):
+                momenta = float(D * (1 + mp.mpf(off))), float(lam)
+                found = formulas.reaches_pole(*momenta, formulas.at_momenta(*momenta, c), c)
+                assert found == (near and falls[-1] and pole > 0, near and falls[-1] and pole < 0)
+    assert falls == [True, False, True, False, True, True, True, True]

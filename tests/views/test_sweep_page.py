@@ -96,7 +96,7 @@ def test_a_page_tells_the_classes_apart_as_the_figure_does(
     (column,) = (c for c in json.loads(data[1])["columns"] if c["name"] == "class")
     values = np.frombuffer(base64.b64decode(column["values"]), "<f4")
     shown = {column["names"][int(value)] for value in values}
-    assert shown == {maps.SHOWN[i] for i in maps.shown_classes(store, tt.open(store))}
+    assert shown == {maps.SHOWN[i] for i in maps.values_of(store, tt.open(store), "class")}
     assert "near-upright" in shown
     labels = [axis["label"] for axis in json.loads(data[1])["axes"]]
     assert "friction coefficient μ" in labels[1]
@@ -109,7 +109,7 @@ def test_a_cell_has_its_line_and_its_motion(store: Path, open_page: Any) -> None
     table = tt.open(store)
     tab = open_page(page_of_sweep(store))
     legend = tab.locator("[data-part=legend]").inner_text()
-    assert legend.count("(") == len(set(maps.shown_classes(store, table)[1::2]))
+    assert legend.count("(") == len(set(maps.values_of(store, table, "class")[1::2]))
     assert "-" not in legend
     drawn = tab.evaluate(LINES)
     words = tab.locator("[data-part=borders] .border").all_inner_texts()

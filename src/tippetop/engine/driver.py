@@ -129,7 +129,7 @@ class Workspace:
         self.rows = rows
         self.stepper: Any = run.stepper_of(compiled)
         self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, run.lanes)
-        found = run.findings(rows)
+        found = run.findings()
         self.loop = Loop(self.motion, rows, *found, run.rules, self.stepper)
 
 
@@ -212,7 +212,7 @@ class Driver:
             view(tallies.lane[name]) for name in names
         )
 
-    def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
+    def findings(self) -> tuple[Tallies, PassageLog, Samples]:
         """Return the arrays into which the loop of a phase writes: tallies, log and samples."""
         return self.tallies, self.log, self.samples
 
@@ -225,7 +225,6 @@ class Driver:
     def set_workspace(self, workspace: Workspace) -> None:
         """Make the next steps with the integrator and arrays of this phase."""
         self.workspace = workspace
-        self.compiled = workspace.compiled
         self.motion = workspace.motion
         self.loop = workspace.loop
         self.stepper = workspace.stepper
@@ -376,7 +375,7 @@ class Driver:
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, whose equations identify the run in a store."""
-        return (self.compiled,)
+        return (self.workspace.compiled,)
 
     def extremes(self) -> Extremes:
         """Return the extremes of the normal force so far, internal units; NaN times if unknown."""

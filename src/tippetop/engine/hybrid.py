@@ -361,10 +361,20 @@ class PhaseSolver:
                 new["first"], new["last"] = whole["first"], whole["last"]
         return records
 
-    def value(self, number: int, state: Any) -> Any:
-        """Return the event function of this number in a state."""
-        functions = self.formulas.functions(*self.variables.split(state), self.b)
+    def value(self, number: int, state: Any, b: Any) -> Any:
+        """Return the event function of this number in a state, with these parameters."""
+        functions = self.formulas.functions(*self.variables.split(state), b)
         return functions[[*self.events].index(number)]
+
+    def notes(self, number: int, before: Any, state: Any, b: Any) -> bool:
+        """Return whether an event is noted that happens in the jump from the phase `before`.
+
+        `state` and `b` are those where that phase ended.
+        """
+        event = self.events[number]
+        if event.lasting or not event.sense:
+            return event.lasting
+        return bool(abs(before.value(number, state, b)) > ON_ZERO)
 
     def begins(self, n: Next, values: Sequence, signs: Sequence) -> tuple[list, list, list[int]]:
         """Return on which side of their zeros the event functions begin in this phase.
@@ -407,6 +417,31 @@ class PhaseSolver:
         return sides, zeros, passed
 
 
+def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[Any, Any]:
+    """Return bodies as jumps take them, in internal units, and the phases of their system.
+
+    Parameters
+    ----------
+    base
+        The run, or the base of several.
+    tops
+        The run again, or the `Problems`, whose numbers are arrays.
+    rules
+        Their contact.
+    number
+        Converts numbers or arrays to the working precision.
+    """
+    system = base.system
+
+    def internal(value: Any, unit: Any) -> Any:
+        """Return SI values in internal units."""
+        return number(np.asarray(value, base.exact) / tops.scales.of(unit))
+
+    if system.assembled is None:
+        return tops.internal_body, system.phases
+    return system.assembled(tops.internal_body, rules, internal)
+
+
 class HybridDriver(Driver):
     """Integrate one run through its phases, in doubles: a `Driver` for systems with phases.
 
@@ -427,6 +462,7 @@ class HybridDriver(Driver):
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
     changes = 0  # of phase, in a slice
+    learns_start = False  # whether the jump to the first phase gets programs
     series: Any = None  # of the jump to the present phase, if it takes time
 
     @QUIET
@@ -439,7 +475,8 @@ class HybridDriver(Driver):
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = self.assembled(problem)
+        body, phases = assembled(problem, problem, problem.contact, number)
+        body = refill(body, map(number, leaves(body)))
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
         self.variables = len(problem.variables.names)
@@ -478,23 +515,6 @@ class HybridDriver(Driver):
         self.jump_programs: Any = JumpPrograms(self) if struck and number is float else None
         self.begin_run()
 
-    def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body as `World.body`, in internal units, and the phases of a problem by name.
-
-        Of a body with a stem these are the body seen from both balls.
-        """
-        system = problem.system
-
-        def internal(value: float, unit: Any) -> Any:
-            """Return an SI value in internal units."""
-            return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
-
-        body = problem.internal_body
-        phases = system.phases
-        if system.assembled is not None:
-            body, phases = system.assembled(body, problem.contact, internal)
-        return refill(body, map(self.number, leaves(body))), phases
-
     def begin_run(self) -> None:
         """Enter the first phase from the start of the problem."""
         self._start(tuple(self.problem.start().tolist()))
@@ -519,26 +539,29 @@ class HybridDriver(Driver):
                 self.sentence = n.message
             if n.phase:
                 break
-        self.learn_start(jump, state, world)
+        if self.learns_start:
+            self.jump_programs.learn(jump, state, world)
         self._enter(begun, self.number(0), None)
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
             self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
         begin_lasting(self.tallies, self.all_events)
 
-    def learn_start(self, jump: Jump, *given: Any) -> None:
-        """Do nothing here; `HybridPools` records the jump to the first phase as a program."""
-
     # --- phases ----------------------------------------------------------------------------------
 
     def solver_of(self, name: str) -> PhaseSolver:
         """Return the `PhaseSolver` of a phase by name, compiled when it is first entered."""
         if name not in self.solvers:
-            solver = self.solvers[name] = PhaseSolver(self, name)
-            if self.jump_programs:
-                for jump in solver.exits.values():
-                    self.jump_programs.register(solver, jump)
+            self.add_solver(PhaseSolver(self, name))
         return self.solvers[name]
+
+    def add_solver(self, solver: PhaseSolver) -> None:
+        """Add a phase, and the programs of its exits."""
+        self.solvers[solver.name] = solver
+        if self.jump_programs:
+            self.jump_programs.add_loop(solver.at, solver.workspace.loop)
+            for jump in solver.exits.values():
+                self.jump_programs.register(solver, jump)
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, compiled."""
@@ -607,16 +630,17 @@ class HybridDriver(Driver):
             status = None if code == RUNNING else STATUSES[code]
             endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: -1}
             ending: Any = endings.get(status)
-            if self.upto[0] < 1.0:
+            within = self.upto[0] < 1.0
+            if within:
                 ending = self.motion.ended_by[0]
             jump = self.solver.exits.get(ending)
-            if jump and self.upto[0] < 1.0:
+            if jump and within:
                 self.logged[0] -= 1  # the jump logs it, or the next part of the run
             if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
                 jump = None
                 when = self.end
                 status = Status.FINISHED
-                if self.upto[0] < 1.0:
+                if within:
                     self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)
@@ -758,13 +782,13 @@ class HybridDriver(Driver):
         solver = self.solver
         during = self.series
         if during:
-            now = zero_of(lambda t: -sign * solver.value(number, during(t)[0]), now, self.began)
+            now = zero_of(
+                lambda t: -sign * solver.value(number, during(t)[0], solver.b), now, self.began
+            )
             self._note(number, now, sign, solver, during(now)[0])
             return
-        event = solver.events[number]
-        state = self.last
-        if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
-            self._note(number, now, sign, before, state)
+        if solver.notes(number, before, self.last, before.b):
+            self._note(number, now, sign, before, self.last)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
         """Return states of phases, by number (k,), as rows in the variables of the run.

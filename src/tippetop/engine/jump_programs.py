@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..mechanics.event import ON_ZERO
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
@@ -144,6 +143,10 @@ class JumpPrograms:
         self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
         self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
+    def add_loop(self, place: int, loop: Any) -> None:
+        """Let programs use the loop of a phase, or of a motion."""
+        self.loops[place] = ctypes.addressof(loop.structure)
+
     def learn(self, jump: Any, *given: Any) -> None:
         """Count a jump that Python has made with these arguments (state, world).
 
@@ -171,7 +174,7 @@ class JumpPrograms:
         for program in jump.programs[len(taken) :]:
             run.solver_of(program.phase)  # compiles it, so that the loop can enter it
             for place, region in program.motions:
-                self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
+                self.add_loop(place, run.impacts.driver(region).loop)
             registers = program.code.registers.copy()
             change = program.code._replace(registers=registers, number=len(self.known))
             self.known.append(program._replace(code=change))
@@ -212,14 +215,8 @@ class JumpPrograms:
                     return None
                 ranged, ranges = _ranged(n, to, now, body)
             if passed:
-                q, carried = solver.variables.split(state)
-                before = solver.formulas.functions(q, carried, solver.phase.parameters(body))
-                known = dict(zip(solver.events, before, strict=True))
-                passed = [
-                    k
-                    for k in passed
-                    if to.events[k].lasting or (to.events[k].sense and abs(known[k]) > ON_ZERO)
-                ]
+                b = solver.phase.parameters(body)
+                passed = [k for k in passed if to.notes(k, solver, state, b)]
         except Exception:  # whatever a jump does that is no line
             return None
         numbers = leaves(tuple(n.rows.values()))
@@ -257,10 +254,9 @@ class JumpPrograms:
         record = self.record
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
-            self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
         until = run.motion.end[0]
-        state = 0.0, 0.0, run.end, until, until, run.began, run.ending, run.solver.at
-        self.top[0] = *state, 0, 0, 0, run.short_phases
+        ends = run.end, until, until, run.began
+        self.top[0] = 0.0, 0.0, *ends, run.ending, run.solver.at, 0, 0, 0, run.short_phases
         record.jumps.length = 0
         record.most = changes
         steps = library().loop_run(ctypes.byref(record), steps)

@@ -29,7 +29,7 @@ from ..errors import InputError
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
 from .driver import ENDLESS, STATUSES
-from .hybrid import QUIET, HybridDriver, PhaseSolver
+from .hybrid import QUIET, HybridDriver, PhaseSolver, assembled
 from .jump_programs import TOP_RECORD, Jumps
 from .loop import (
     Loop,
@@ -241,17 +241,10 @@ class Pools:
 
 def bodies_of(tops: Problems) -> np.ndarray:
     """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
-    base = tops.base
-    assert base.contact is not None
-    assert base.system.assembled is not None
+    base: Any = tops.base
     tables = [tops.given(name) for name in ("contact", "stem") if name in base.tables]
     rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
-
-    def internal(value: Any, unit: Any) -> np.ndarray:
-        """Return SI values in internal units."""
-        return (np.asarray(value, base.exact) / tops.scales.of(unit)).astype(float)
-
-    body, _ = base.system.assembled(tops.internal_body, rules, internal)
+    body, _ = assembled(base, tops, rules, lambda value: value.astype(float))
     return np.array([np.broadcast_to(v, tops.n) for v in (*leaves(body), rules.e_n)], float)
 
 
@@ -271,6 +264,8 @@ class HybridPools(Pools, HybridDriver):
         Set it to give up while equations are being compiled.
     """
 
+    learns_start = True
+
     def __init__(
         self, problem: Problem, room: int, row_count: int, stop: threading.Event | None = None
     ):
@@ -288,37 +283,28 @@ class HybridPools(Pools, HybridDriver):
         phases = len(self.phases)
         self.allocate_tops(room, phases, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
-        rows = self.all_events._replace(axis=np.zeros(0, int))
-        found = self.findings(rows)
-        self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
+        found = self.findings()
+        none = Loaded(None, 0, 0, False, 0)
+        self.notes = Loop(motion, self.all_events, *found, self.rules, none)
         workspace = SimpleNamespace(motion=motion)
-        none = SimpleNamespace(names=())
+        variables = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
-            at=phases, workspace=workspace, variables=none, sampled={}, exits={}
+            at=phases, workspace=workspace, variables=variables, sampled={}
         )
 
     # --- lanes of phases -------------------------------------------------------------------------
 
-    def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
+    def findings(self) -> tuple[Tallies, PassageLog, Samples]:
         """Return the tallies of all tops, an unused log, and the common samples."""
         return self.of_tops, new_log(0, self.width), self.samples
 
-    def solver_of(self, name: str) -> PhaseSolver:
-        """Return the phase of this name; when it is first entered, it gets a pool."""
-        is_new = name not in self.solvers
-        solver = super().solver_of(name)
-        if is_new:
-            body = self.world.body
-            order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
-            mine = leaves(order)[: len(solver.workspace.motion.pars)]
-            self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
-            self.jump_programs.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
-        return solver
-
-    def set_workspace(self, workspace: Any) -> None:
-        """Select the phase of the top that the driver holds; its loop only logs events."""
-        self.workspace = workspace
-        self.loop = self.notes
+    def add_solver(self, solver: PhaseSolver) -> None:
+        """Add a phase, which gets a pool."""
+        super().add_solver(solver)
+        body = self.world.body
+        order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
+        mine = leaves(order)[: len(solver.workspace.motion.pars)]
+        self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
 
     @property
     def clock(self) -> tuple[Any, Any]:
@@ -392,10 +378,6 @@ class HybridPools(Pools, HybridDriver):
     def _set_end(self, slot: int) -> None:
         """Set where the next steps of the top that the driver holds end."""
         self.tops["stop"][slot], self.tops["stops_by"][slot] = self.next_end()
-
-    def learn_start(self, *given: Any) -> None:
-        """Record the jump to the first phase."""
-        self.jump_programs.learn(*given)
 
     def attend(self, slot: int) -> int:
         """Start a top, make its jump, or set the end of its next step in a sampled phase."""

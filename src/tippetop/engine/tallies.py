@@ -141,18 +141,14 @@ def looked_for(
     return rows._replace(events=records)
 
 
-def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the signs of event functions at a start, and which of them are on their zero."""
-    return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO
-
-
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     """Return the tallies of runs that start with these event functions, (events, lanes)."""
     lanes = functions.shape[1]
     lane = np.empty(lanes, LANE_RECORD)
     known = np.zeros(functions.shape, FUNCTION_RECORD)
     lane[:] = tuple(_LANE.values())
-    known["sign"], known["on_zero"] = signs_of(functions)
+    known["sign"] = np.where(functions > 0, 1.0, -1.0)
+    known["on_zero"] = np.abs(functions) < ON_ZERO
     known["extremes"], known["times"] = (np.inf, -np.inf), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
     tallies = Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))

@@ -95,8 +95,8 @@ def measure(
             for _ in range(n)
         ]
         _run_all(workers, iter(numbers.tolist()))
-        possible = sum(worker.possible for worker in workers)
-        measured.occupancy = sum(worker.steps for worker in workers) / max(1, possible)
+        possible = sum(worker.pools.record.possible for worker in workers if worker.pools)
+        measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)
     if measured.passages:
         log_events(measured)
     run_each(measured, np.flatnonzero(tops.valid & alone).tolist(), ended, events=events)

@@ -65,6 +65,15 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.clashes(), *contact_faults(problem)]
 
 
+def checked(outcomes: Outcomes, top: int) -> Problem | None:
+    """Return the problem of a top; mark a top that cannot be integrated as invalid."""
+    problem = problem_of(outcomes.tops, top)
+    if faults := faults_of(problem):
+        outcomes.refuse(top, faults[0])
+        return None
+    return problem
+
+
 def run_each(
     outcomes: Outcomes, numbers: list[int], ended: Callable[[], None], *, events: bool = False
 ) -> None:
@@ -82,11 +91,10 @@ def run_each(
         Whether events are logged.
     """
     for top in numbers:
-        problem = problem_of(outcomes.tops, top)
+        problem = checked(outcomes, top)
         try:
-            if faults := faults_of(problem):
-                raise InputError(faults)
-            _run(outcomes, top, problem, events)
+            if problem:
+                _run(outcomes, top, problem, events)
         except InputError as error:
             outcomes.refuse(top, error.sentences[0])
         ended()

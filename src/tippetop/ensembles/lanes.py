@@ -22,7 +22,7 @@ from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
 from ..scenario.contact import touches
-from .hybrid_tops import faults_of, problem_of
+from .hybrid_tops import checked, problem_of
 from .outcomes import SWINGS, Outcomes
 
 
@@ -79,9 +79,9 @@ class PoolOfOne(Pools):
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         self.allocate_tops(room, 1, width, numbers, row_count)
         found = self.of_tops, self.log, self.samples
-        self.motion = new_motion(width, numbers, made.order + 1, self.lanes)
+        motion = new_motion(width, numbers, made.order + 1, self.lanes)
         rules = Rules(settled_for, most, EVERY, 0)
-        self.loop = Loop(self.motion, rows, *found, rules, code.machine)
+        self.loop = Loop(motion, rows, *found, rules, code.machine)
         self.add_pool(0, self.loop, range(numbers))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
@@ -126,14 +126,11 @@ class Lanes:
         self.outcomes = outcomes
         self.functions = functions
         self.ended = ended
-        self.logs = events
         self.tops = outcomes.tops
         self.stop = threading.Event()
         row_count = outcomes.times.shape[1]
         self.room = min(room, ROOM, max(ROOM // 8, ROWS // max(1, row_count)))
         self.top_in = np.full(self.room, -1)
-        self.under_way = 0
-        self.steps = self.possible = 0  # of lanes: made, and possible
         self.is_hybrid = self.tops.base.system.is_hybrid
         self.pools: Any = None
         if not self.is_hybrid:
@@ -147,7 +144,8 @@ class Lanes:
         done = list[int]()  # slots of tops that have ended
         is_more = True
         while not self.stop.is_set():
-            if not self.under_way or (is_more and len(free) + len(done) >= self.room / 4):
+            idle = len(free) + len(done)
+            if idle == self.room or (is_more and idle >= self.room / 4):
                 if done:
                     self._look()
                     self._write(np.array(done))
@@ -155,7 +153,7 @@ class Lanes:
                 done = []
                 while is_more and free and not self.stop.is_set():
                     is_more = self._begin(queue, free)
-            if not self.under_way:
+            if len(free) == self.room:
                 return
             pools = self.pools
             ended, looks = pools.step(MOST_DRIVEN)
@@ -169,9 +167,7 @@ class Lanes:
                 pools.push(slot)
             for _ in ended:
                 self.ended()
-            self.under_way -= len(ended)
             done += ended
-            self.possible = pools.record.possible
             logged = pools.log.filled[0] / max(1, len(pools.log.rows))
             if max(logged, pools.samples.filled[0] / max(1, len(pools.samples.top))) > 0.5:
                 self._look()
@@ -201,7 +197,6 @@ class Lanes:
         self.pools.begin_tops(slots, begun)
         if self.is_hybrid:  # the gap of the start may follow theta
             self.outcomes.begin(self.pools.rows_in(slots).T, which)
-        self.under_way += len(slots)
         return is_more
 
     def _checked(self, tops: list[int]) -> dict[int, Problem]:
@@ -213,12 +208,10 @@ class Lanes:
         for top in tops:
             if self.stop.is_set():
                 break
-            problem = problem_of(self.tops, top)
-            if faults := faults_of(problem):
-                self.outcomes.refuse(top, faults[0])
-                self.ended()
-            else:
+            if problem := checked(self.outcomes, top):
                 found[top] = problem
+            else:
+                self.ended()
         return found
 
     def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
@@ -254,7 +247,7 @@ class Lanes:
             rows = pools.rows_of(phases, pools.samples.states[:count], slots)
             self.outcomes.look(rows.T, self.top_in[slots])
             pools.samples.filled[0] = 0
-        if self.logs and (count := int(pools.log.filled[0])):
+        if count := int(pools.log.filled[0]):
             found = pools.log.rows[:count].copy()
             found["phase"] = self.top_in[found["phase"]]
             self.outcomes.passages.append((found, pools.log.states[:count].copy()))
@@ -285,12 +278,10 @@ class Lanes:
         tallies["turnings"] += counts
         for name, nearer in ("theta_min", np.fmin), ("theta_max", np.fmax):
             tallies[name][counts] = nearer(tallies[name], at)[counts]
-        steps = pools.tops["steps"][slots] + tallies["steps"]
         columns["t_end"][tops] = tallies["t"]
-        columns["steps"][tops] = steps
+        columns["steps"][tops] = pools.tops["steps"][slots] + tallies["steps"]
         for name in SWINGS:
             columns[name][tops] = tallies[name]
-        self.steps += int(steps.sum())
 
         functions = pools.of_tops.functions[:, slots]
         kept = iter(pools.of_tops.kept[:, slots])

@@ -2,20 +2,27 @@
 
 A measured motion and a problem go in; `predictions` returns residuals by group at any values of the
 free numbers. A group is a kind of measurement, such as `theta`, `axis` or `accelerometer`.
+`observed` reads a file of them, for `fitting` and `likelihood`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ..arguments import dotted_keys, measured, path_of, takes
 from ..columns import Arrays
 from ..errors import InputError, suggestion
 from ..mechanics.number import Number
-from ..mechanics.units import ONE, SECOND
+from ..mechanics.units import ONE, RADIAN, SECOND
 from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
-from .motion import angle_in_picture, theta_of, turned
+from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
+from .motion_table import read as read_table
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
@@ -33,6 +40,8 @@ DRAWN = 4001
 REACH = 1 / 8
 # Internal units of time of the longest motion of a fit: half an hour of computing
 LONGEST = 3e4
+# Rows of a table at most
+MOST_ROWS = 100_000
 NAMES = {
     "place": ("x", "y"),
     "marker": ("x", "y", "z", "orientation"),
@@ -44,7 +53,7 @@ NAMES = {
 class Observation:
     """Measurements, and their predictions by a problem.
 
-    `measurements.observation_of` makes it.
+    `observed` makes it.
 
     Parameters
     ----------
@@ -259,3 +268,49 @@ def _groups(problem: Problem, seen: Arrays) -> Arrays:
 def _names(group: str) -> tuple[str, ...]:
     """Return the columns of a motion for a kind of measurement."""
     return ("axis",) if CAMERA.fullmatch(group) else NAMES.get(group, (group,))
+
+
+@takes(convention_of)
+def observed(
+    data: str | Path,
+    problem: Problem,
+    free: Sequence[str],
+    *,
+    marker: Sequence[float] | str | None = None,
+    noise: float | str | None = None,
+    **frames: Any,
+) -> Observation:
+    """Return measurements and the prediction of a scenario for them.
+
+    `noise`: the standard deviation of measured angles [rad], or a text such as "1 deg".
+
+    Raises
+    ------
+    InputError
+        If the table, the names or the conventions are wrong.
+    """
+    data = path_of("data", data)
+    convention = convention_of(**frames)
+    at = place_of("marker", marker)
+    noise = None if noise is None else measured("noise", noise, RADIAN)
+    if noise is not None and not 0 < noise < np.pi:
+        raise InputError(f"`noise` must be an angle between 0 and pi, but is {noise} rad.")
+    table = read_table(
+        data,
+        wrapped=bool(problem.system.vectors),
+        noise=noise or 0.0,
+        track=convention.track,
+    )
+    if len(table.t) > MOST_ROWS:
+        raise InputError(
+            f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."
+        )
+    columns = [f"marker_{c}" for c in "xyz"]
+    if len({at is not None, *map(table.has, columns)}) > 1:
+        raise InputError(
+            f"a marker must have the columns {', '.join(columns)} in `{data}` and a place on "
+            "the body (--marker x,y,z, metres in body axes), but one of them is missing."
+        )
+    names = dotted_keys(free, problem.rules)
+    seen = motion(table, convention)
+    return Observation(problem, names, seen, at, noise, convention.chip)

@@ -207,7 +207,7 @@ class Model:
         pointed = not touching.half.any()
         tip = TIP * abs(touching.centre[2])
         self.frame = touching.centre
-        self.surfaces = {}
+        self.surfaces = dict[str, Surface]()
         if not fixed:
             name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
             self.surfaces[name] = touching._replace(half=np.full(3, tip)) if pointed else touching
@@ -215,7 +215,7 @@ class Model:
             centre = touching.centre + np.array([0.0, 0.0, opens.h])
             self.surfaces["stem"] = Surface(centre, np.full(3, opens.r))
         mu = float(getattr(law, "mu", 0.0))
-        self.differences = sentences = []
+        self.differences = sentences = list[str]()
         if not fixed:
             sentences.append(
                 "contacts in simulators are soft, or solved once a step: refine step and stiffness"

@@ -22,11 +22,11 @@ from ..arguments import (
 )
 from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, law_choice
-from ..exchange.measurements import observed
+from ..exchange.comparison import Verdict
 from ..exchange.motion import convention_of
 from ..exchange.motion_table import read
+from ..exchange.observation import observed
 from ..exchange.scales import FAR
-from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..progress import reporting
 from ..runs.starting import load_any

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import dotted_keys, instance, names_of, positive_integer, takes
 from ..errors import InputError, refuse_without
 from ..exchange.likelihood import LogLikelihood, drawn
-from ..exchange.measurements import observed
+from ..exchange.observation import observed
 from .exchanging import Fitted, _reference, fit
 from .plots import saved
 

@@ -102,6 +102,6 @@ def outline(numbers: Mapping[str, Number], height: Callable) -> type[Top]:
     """
     body = user_outline.body_by_height(numbers, height)
     title = body.gliding.replace("-", " ")
-    for system in revolution.systems(body, title, "", classes=revolution.SPHEROID.classes):
+    for system in revolution.systems(body, title, classes=revolution.SPHEROID.classes):
         register(system)
     return body

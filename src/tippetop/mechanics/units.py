@@ -57,12 +57,15 @@ class Unit(metaclass=Described):
         return mass, length, time
 
     def __mul__(self, other: Any) -> "Unit":
+        """Return the unit of a product with a unit or a number."""
         return Unit(f"{self.symbol} {getattr(other, 'symbol', 1)}")
 
     def __pow__(self, power: int) -> "Unit":
+        """Return the unit of a power, in kg, m and s."""
         return Unit("kg{} m{} s{}".format(*(power * n for n in self.powers)))
 
     def _same(self, *others: Any) -> "Unit":
+        """Return this unit: sums, the negative, the cosine and the sine of a unit have the same."""
         return self
 
     __rmul__ = __mul__

@@ -5,8 +5,7 @@ numbers of a single run are computed there, as the case n = 1.
 """
 
 from .batch import Problems
-from .derivability import refuse
-from .faults import key_faults
+from .faults import key_faults, refuse
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 from .problem import AUTO, PRECISIONS, Problem, numbers_of
 from .row_columns import PSI, TURN, column_faults, column_names

@@ -1,9 +1,10 @@
 """Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas.
 
 `Problems.checked` and `scenario.build` call these functions; they return sentences for InputError.
+`refuse` raises it for what has no derivatives.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -66,6 +67,24 @@ def key_faults(base: "Problem", keys: Collection[str], known: Collection[str]) -
     return faults + base.system.clashes(start, "varies")
 
 
+def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
+    """Raise InputError for a run that has no derivatives, and for wrong names."""
+    if problem.precision != "double":
+        raise InputError(
+            f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".'
+        )
+    if problem.origin is not None:
+        raise InputError(
+            "`initial.from` must not be given for derivatives: the end of another run has none "
+            "here."
+        )
+    added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
+    known = [key for key in problem.rules if not key.startswith("run.")]
+    faults = key_faults(problem, wrt, known)
+    if faults := faults or problem.system.clashes({**problem.initial, **added}):
+        raise InputError(faults)
+
+
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
     """Return sentences on the keys and the shapes of columns.
 
@@ -122,11 +141,11 @@ def start_faults(problems: "Problems") -> list[Fault]:
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = _law_faults(problems)
-    own = [one.formula for one in (*base.system.quantities, *base.system.events)]
+    own: list[Any] = [*base.system.quantities, *base.system.events]
     if base.system.contact is not None:  # they may read the reaction, which is not known yet
         own = []
     limits = [domain.formula for domain in domains]
-    for formula in filter(owner, limits + own):
+    for formula in filter(owner, [*limits, *(one.formula for one in own)]):
         (found,) = values([formula])
         if (bad := finite & ~np.isfinite(found)).any():
             words = f"must be finite at the start, but is {found[bad][0]}."

@@ -1,9 +1,10 @@
 """The event log as a table: one row per event.
 
-`event_log` makes an `EventTable`; `event_columns` converts it to columns of a store.
+`event_log` makes an `EventTable` by `event_table`; its columns are those of a store.
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,7 @@ class EventTable(dict[str, Column]):
 
 
 def event_table(
-    kinds: Sequence[str], state: Mapping[str, Column], rows: Sequence[Sequence] = ((),) * 6
+    kinds: Sequence[str], state: Mapping[str, Column], rows: Sequence[Any] = ((),) * 6
 ) -> EventTable:
     """Return the columns of the store's group `events`.
 

@@ -169,7 +169,7 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Put a run at its last keyframe before `start` [s], or leave it at its start."""
     table = root.open_group(path, "keyframes")
     before = start * (1 - 2**-50)  # the exact time is not that of the column to the last bit
-    at = int(np.searchsorted(root.loaded(table[["time"]], path)["time"].values, before)) - 1
+    at = int(np.searchsorted(root.column(path, table, "time"), before)) - 1
     if at < 0:
         return
     if table["state"].attrs.get("equations") != fingerprint(integration.driver):

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..arguments import PlainData
-from ..errors import InputError
+from ..errors import InputError, true_sentences
 from ..mechanics.contact.body import size
 from ..mechanics.contact.contact_phases import LEAST_PATCH
 from ..mechanics.contact.frame import Asymmetric
@@ -128,47 +128,33 @@ def contact_faults(problem: Problem) -> list[str]:
         if patch < R
         else ""
     )
-    faults = [
-        sentence
-        for broken, sentence in (
-            (
-                problem.stop_when == "settled" and problem.surroundings,
-                '`run.stop_when` must be "until" in air or on a tilted plane, but is "settled".',
+    faults = true_sentences(
+        {
+            '`run.stop_when` must be "until" in air or on a tilted plane, but is "settled".': (
+                problem.stop_when == "settled" and problem.surroundings
             ),
-            (
-                "axis" not in problem.system.vectors and problem.surroundings.get("plane.azimuth"),
-                "`plane.azimuth` must be 0 for a cylinder, which moves along x.",
+            "`plane.azimuth` must be 0 for a cylinder, which moves along x.": (
+                "axis" not in problem.system.vectors and problem.surroundings.get("plane.azimuth")
             ),
-            (
-                problem.stop_when == "settled" and has_parts(friction),
-                f'`run.stop_when` must be "until" with {parts}, but is "settled".',
+            f'`run.stop_when` must be "until" with {parts}, but is "settled".': (
+                problem.stop_when == "settled" and has_parts(friction)
             ),
-            (
-                problem.precision == "quad" and law.torque,
-                f'`run.precision` must be "double" or "longdouble" {under}, but is "quad".',
+            f'`run.precision` must be "double" or "longdouble" {under}, but is "quad".': (
+                problem.precision == "quad" and law.torque
             ),
-            (
-                problem.on_liftoff == "continue",
-                '`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.',
+            '`run.on_liftoff` must be "fly" or "stop" where the contact may change its phase.': (
+                problem.on_liftoff == "continue"
             ),
-            (
-                gap > HIGHEST * R,
-                f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, "
-                f"but is {gap:g}.",
+            f"`initial.gap` must be at most {HIGHEST:g} times the body = {HIGHEST * R:.6g}, "
+            f"but is {gap:g}.": (gap > HIGHEST * R),
+            f"`initial.nu_z` must be within {fastest:.6g} m/s, that of a fall from "
+            f"{HIGHEST:g} times the body, but is {nu_z:g}.": (not abs(nu_z) <= fastest),
+            f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to the size of the body = "
+            f"{R:.6g}, but is {patch:.9g}.{smaller}": (
+                disc and not (1 - 1e-12) * LEAST_PATCH * R <= patch <= R  # the least is allowed
             ),
-            (
-                not abs(nu_z) <= fastest,
-                f"`initial.nu_z` must be within {fastest:.6g} m/s, that of a fall from "
-                f"{HIGHEST:g} times the body, but is {nu_z:g}.",
-            ),
-            (
-                disc and not (1 - 1e-12) * LEAST_PATCH * R <= patch <= R,  # the least is allowed
-                f"`friction.patch` must be from {LEAST_PATCH * R:.3g} to the size of the body = "
-                f"{R:.6g}, but is {patch:.9g}.{smaller}",
-            ),
-        )
-        if broken
-    ]
+        }
+    )
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
         return faults  # which are found already
     coefficients = {getattr(friction, name): name for name in law.bounded_by}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..sampling import extremes
-from .root import groups_of, loaded, open_group
+from .root import column, groups_of, loaded, open_group
 
 
 BLOCK = 1 << 18  # rows that are read at a time
@@ -56,7 +56,7 @@ def digest(
     first = 0
     last = table.sizes[dim]
     if window != (None, None):
-        times = loaded(table[["time"]], path)["time"].values
+        times = column(path, table, "time")
         low, high = window
         first = 0 if low is None else int(np.searchsorted(times, low))
         last = last if high is None else int(np.searchsorted(times, high, side="right"))

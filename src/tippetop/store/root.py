@@ -32,6 +32,7 @@ def finite(value: Any) -> Any:
     """Return a value as JSON can contain it: numbers that are not finite become None."""
 
     def of_numpy(number: Any) -> Any:
+        """Return a scalar of numpy as one of Python."""
         return float(number) if isinstance(number, np.floating) else number.item()
 
     return json.loads(json.dumps(value, default=of_numpy), parse_constant=lambda _: None)
@@ -152,6 +153,11 @@ def loaded(table: Any, path: str | Path) -> Any:
                 f"`{path}` must hold a readable column `{name}`, but: {what}."
             ) from None
     return table
+
+
+def column(path: str | Path, table: Any, name: str) -> np.ndarray:
+    """Return a column of a table of a store. Raises StoreError if it is damaged."""
+    return loaded(table[[name]], path)[name].values
 
 
 @contextlib.contextmanager

@@ -50,10 +50,11 @@ number: sigma, gamma, lambda"""
     @cached_property
     def numbers(self) -> tuple[float, ...]:
         """The numbers of an axis of a grid; none where they are drawn."""
+        values: Any = self.values or ()
         if ends := self.linspace or self.geomspace:
             spread: Any = np.linspace if self.linspace else np.geomspace
-            return tuple(spread(*ends, self.n).tolist())
-        return tuple(self.values or ())
+            values = spread(*ends, self.n).tolist()
+        return tuple(values)
 
     @property
     def is_log(self) -> bool:
@@ -87,9 +88,8 @@ class Sample(Table, use_attribute_docstrings=True):
             return np.random.default_rng(self.seed).random((self.n, dimensions))
         from scipy.stats import qmc
 
-        if self.method == "sobol":
-            return qmc.Sobol(dimensions, rng=self.seed).random_base2(self.n.bit_length() - 1)
-        return qmc.LatinHypercube(dimensions, rng=self.seed).random(self.n)
+        kinds = {"sobol": qmc.Sobol, "latin-hypercube": qmc.LatinHypercube}
+        return kinds[self.method](dimensions, rng=self.seed).random(self.n)
 
 
 @dataclass(frozen=True)

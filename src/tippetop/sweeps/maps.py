@@ -16,10 +16,11 @@ from ..engine.settling import NEAR
 from ..engine.status import Status
 from ..ensembles.outcomes import CLASSES
 from ..errors import InputError
+from ..store.root import column
 from . import derived_axes
 from .design import Axis
 from .plan import Plan
-from .sweep_summary import column, open_sweep, plan_of
+from .sweep_summary import open_sweep, plan_of
 
 
 POINTS = 121  # of a border, along each axis
@@ -171,18 +172,13 @@ def borders_of(
 
 
 def values_of(path: Path, table: Any, name: str) -> np.ndarray:
-    """Return a column of all tops; `class` has the classes that a map shows. Raises StoreError."""
-    return shown_classes(path, table) if name == "class" else column(path, table, name)
-
-
-def shown_classes(path: Path, table: Any) -> np.ndarray:
-    """Return the class of each top as an index of SHOWN. Raises StoreError."""
-    classes = np.asarray(column(path, table, "class"), dtype=int)
-    if "theta_end" not in table:
-        return classes
+    """Return a column of all tops; `class` as indices of SHOWN. Raises StoreError."""
+    values = column(path, table, name)
+    if name != "class" or "theta_end" not in table:
+        return values
     near = np.abs(column(path, table, "theta_end")) < NEAR
-    waits = (classes == CLASSES.index("under-way")) & near
-    return np.where(waits, SHOWN.index("near-upright"), classes)
+    waits = (values == CLASSES.index("under-way")) & near
+    return np.where(waits, SHOWN.index("near-upright"), values)
 
 
 def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:

@@ -17,7 +17,7 @@ from pydantic import Field, ValidationError
 
 from ..arguments import PlainData, path_of
 from ..ensembles import ensemble
-from ..errors import InputError
+from ..errors import InputError, true_sentences
 from ..mechanics.caching import cached_property
 from ..mechanics.quantity import number_of
 from ..mechanics.units import ONE, Unit
@@ -259,7 +259,7 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
     most = max(numbers)
     found = " and ".join(given) or "none"
     ascend = "ascend from above 0" if axis.log else "ascend"
-    return _sentences(
+    return true_sentences(
         {
             f"`{name}` must have one of {', '.join(WAYS)}, but has {found}.": len(given) != 1,
             f"`{name}.n` must be given with linspace or geomspace, and with nothing else.": (
@@ -280,11 +280,6 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
     )
 
 
-def _sentences(wrong: dict[str, Any]) -> list[str]:
-    """Return the keys of `wrong`, sentences, whose value is true: faults by their conditions."""
-    return [sentence for sentence, holds in wrong.items() if holds]
-
-
 def _design_faults(shape: PlanTable, keys: list[str]) -> list[str]:
     """Return the faults of the axes together, before any number or top is made."""
     sample = shape.sample
@@ -295,7 +290,7 @@ def _design_faults(shape: PlanTable, keys: list[str]) -> list[str]:
     wrong: dict[str, Any] = {
         f"`{key}` must be one axis only, but is several.": keys.count(key) > 1 for key in keys
     }
-    return _sentences(
+    return true_sentences(
         wrong
         | {
             "`sample` must give method, n and seed where an axis has `between`, but is missing.": (

@@ -14,6 +14,7 @@ from ..columns import counted
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
 from ..store import root
+from ..store.root import column
 from .plan import Plan
 from .store import GROUP, RUNS, chunk_counts
 
@@ -135,11 +136,6 @@ def _text(counts: dict[str, int]) -> str:
 def _plain(value: Any) -> str:
     """Return a value as text; a list without brackets."""
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def column(path: str | Path, table: Any, name: str) -> np.ndarray:
-    """Return a column of a sweep. Raises StoreError if it is damaged."""
-    return root.loaded(table[[name]], path)[name].values
 
 
 def faults_of(plan: Plan, invalid: np.ndarray) -> list[str]:

@@ -18,12 +18,13 @@ from ..mechanics.contact.body import Touch, arm, axis_rate, kinematics, velociti
 from ..mechanics.contact.contact_phases import (
     FLIGHT,
     disc_friction,
+    moving,
     patch_speed2,
     smooth_friction,
 )
 from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
 from ..mechanics.contact.response import mobility_inverse_times, resting, sliding
-from ..mechanics.contact.rows import moving, row_of_angles
+from ..mechanics.contact.rows import row_of_angles
 from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
@@ -135,7 +136,7 @@ def _of_law(law: Any) -> str:
             height=angles.height + data["gap"], rz_dot=angles.rz_dot + data["nu_z"]
         )
         carried = [i.start(data, s, z) if i.start else 0 * z for i in VARIABLES.integrals]
-        return [*FLIGHT.enter(moving(lifted, ()), b), *carried]
+        return [*FLIGHT.enter(moving(lifted), b), *carried]
 
     def rates(y: Any, b: Any) -> list:
         """Return the rates of a flight y = (q, carried)."""

@@ -196,6 +196,15 @@ def test_second_derivatives_do_not_change_the_first_ones_of_times_of_events() ->
     np.testing.assert_allclose(second, first, rtol=1e-12)
 
 
+def test_a_number_alone_has_the_derivatives_that_it_has_among_others() -> None:
+    problem = short("inverting", 0.12)
+    alone, both = (
+        tt.derivatives.sensitivities(problem, wrt).trajectory.theta.sel(parameter="friction.mu")
+        for wrt in (["friction.mu"], ["friction.mu", "initial.omega3"])
+    )
+    np.testing.assert_allclose(alone, both, rtol=0, atol=1e-12 * np.abs(both).max())
+
+
 def test_a_flag_and_a_number_that_is_not_given() -> None:
     """centre_at_rest makes the slip depend on omega3; phi_dot, not given, is zero and still has a
     derivative.

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ...columns import Column, column, flag_attributes
-from ...mechanics.dual import parts_of
 from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..observables import sources
@@ -77,7 +76,6 @@ def differentiate(
     passed = followed(problem, wrt, every, ways, order, driver)
     sizes = passed.sizes[:, None]
     values = passed.read()
-    shape = len(i), len(every)
 
     rows = np.searchsorted(every, times)
     time = column(times, SECOND, "time")
@@ -87,11 +85,8 @@ def differentiate(
         if source.flags:
             continue
         scale = passed.scales.of(source.unit)
-        parts = [parts_of(values[part] * scale, order) for part in source.parts]
-        first, *others = (
-            np.array([np.broadcast_to(part[k], shape) for part in parts])[..., rows]
-            for k in range(1, order + 1)
-        )
+        each = [(values[part] * scale).parts for part in source.parts]
+        _, first, *others = (np.array(parts)[..., rows] for parts in zip(*each, strict=True))
         symbol = source.unit.symbol
         by = "time", PARAMETER
         trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)
@@ -107,9 +102,8 @@ def differentiate(
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
-    pace = parts_of(values["theta_dot"], 0)[0] + np.zeros(len(every))
-    theta = np.broadcast_to(parts_of(values["theta"], 1)[1], shape)
-    by_theta = theta[own][:, at] / sizes + pace[at] / unit * by_time
+    pace = values["theta_dot"].value[at] / unit
+    by_theta = values["theta"].first[own][:, at] / sizes + pace * by_time
     by = "event", PARAMETER
     tables = {
         "trajectory": trajectory,

@@ -47,7 +47,7 @@ from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, compiled_columns, compiled_flow, in_motion
+from ..variational import EXACT, Moving, compiled_columns, compiled_flow, in_motion
 from .tape import Tape
 
 
@@ -141,23 +141,19 @@ class Motion(NamedTuple):
         return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
 
     def slopes(self, event: Any, state: np.ndarray, order: int = 1) -> tuple:
-        """Return the rates of a state; and an event function and its time derivatives up to an
-        order, as rows. Without an event, there are the rates alone.
+        """Return the rates of a state; and a function of an event, or the time without one, and its
+        time derivatives up to an order, as rows.
         """
         count = len(self.pars)
         size = len(self.variables.names)
 
         def function(_: Any, numbers: tuple) -> tuple:
-            """Return the rates, then the event function and its time derivatives."""
+            """Return the rates, then the function and its time derivatives."""
             b = self.formulas.body(iter(numbers))
             moving = in_motion(self.variables, numbers[count:], b, order)
-            q, carried = self.variables.split(moving)
-            events = self.formulas.events
-            if event in events:
-                h = self.formulas.functions(q, carried, b)[events.index(event)]
-            else:
-                h = event.formula(self.formulas.form.scalars(q, b), b) if event else 0.0
-            return [*(parts_of(one, 1)[1] for one in moving), *parts_of(h, order)], None
+            q, _ = self.variables.split(moving)
+            h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
+            return [*(one.first for one in moving), *parts_of(h, order)], None
 
         numbers = np.concatenate([self.pars, state[:size]])
         key = self.formulas, self.variables, event, order
@@ -165,7 +161,7 @@ class Motion(NamedTuple):
         return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
-        """Return the state as it moves with an event.
+        """Return the state as it moves with an event, or with a time.
 
         `known`: the derivatives of its function, where they are known better than from the state.
         """
@@ -537,12 +533,11 @@ class Pass:
         is_whole = end == interval.ended
         last = np.append(interval.last, interval.ended)
         exit: Any = interval.jump.exit if interval.jump and is_whole else None
-        events = [one for one in interval.solver.phase.events if exit and one.name == exit.event]
-        event = next(iter(events), None)
+        events = {one.name: one for one in interval.solver.phase.events}
+        event = exit and events.get(exit.event)
         stops = []
         if event and event.name == STICK.name:
-            at_end = rows_of(last, self.directions)
-            _, (_, pace) = motion.slopes(event, at_end)
+            _, (_, pace) = motion.slopes(event, rows_of(last, self.directions))
             stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
@@ -559,18 +554,17 @@ class Pass:
                 state = motion.happens(event, state)
         if is_whole:
             state[:, 0] = last[:, None]
-        if event:
-            known = None
-            if event.name in zeros and end - interval.began < BRIEF_PHASE:
-                three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
-                known = (end - interval.began) * (SIMPSON @ paces)
-            if not exit.smooth:
-                self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
+        known = None
+        if event and event.name in zeros and end - interval.began < BRIEF_PHASE:
+            three = start, inside[..., PER_INTERVAL // 2], state
+            paces = [motion.slopes(event, one)[1][1, 1] for one in three]
+            known = (end - interval.began) * (SIMPSON @ paces)
+        elif not event:  # by the clock
+            known = state[-1, 1] - start[-1, 1] - lasts
+        if event and not exit.smooth:
+            self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
+        if exit:
             state = motion.happens(event, state, known)
-        elif exit:  # by the clock
-            rates, _ = motion.slopes(None, state)
-            state[:, 1] += np.outer(rates, start[-1, 1] + lasts - state[-1, 1])
         self.between.append(Samples(motion, np.array([number]), state[..., None]))
         return state
 
@@ -638,9 +632,10 @@ class Pass:
         states = self.rows()
         lanes = states.shape[2:]
         pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
-        columns = function(states.reshape(-1, math.prod(lanes)), pars=pars[: function.nparams])
-        columns = columns.reshape(len(names), order + 1, *lanes)
-        values = dict(zip(names, duals_of(columns), strict=True))
+        inputs = np.ascontiguousarray(states.reshape(-1, math.prod(lanes)))
+        columns = function(inputs, pars=pars[: function.nparams])
+        rows = columns.reshape(len(names), order + 1, *lanes)
+        values = dict(zip(names, duals_of(rows), strict=True))
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
@@ -655,8 +650,12 @@ class Pass:
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         at = np.searchsorted(self.times, times)
+        is_known = np.isin(times, [*self.shifts])
+        at[is_known] = -1
         for motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
+            if not len(mine):
+                continue
             some = states[:, :2, :, np.searchsorted(which, at[mine])]
             values = some[:, 0, 0]
             moving = [*map(Dual, values, motion.rates(values))]
@@ -665,9 +664,8 @@ class Pass:
                 happens = [names[k] == name for k in mine]
                 shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
-        for k, time in enumerate(times.tolist()):
-            if time in self.shifts:
-                shifts[:, k] = self.shifts[time]
+        for k in np.flatnonzero(is_known):
+            shifts[:, k] = self.shifts[times[k]]
         return shifts
 
     @QUIET
@@ -718,6 +716,8 @@ def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
 
     `which` has the number of the phase of each sample, (k,).
     """
-    falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
-    rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)
+    joint = np.diff(which) != 0
+    change = np.diff(size)
+    falls = np.append(False, ~joint & (change <= 0))
+    rises = np.append(joint | (change > 0), True)
     return np.flatnonzero(falls & rises)

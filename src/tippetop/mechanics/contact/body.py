@@ -143,9 +143,8 @@ def as_ball(b: Any) -> Any:
 
     A body with an outline becomes the ball by which it touches.
     """
-    if isinstance(b, Asymmetric):
-        return b._replace(clearance=(), lever=(), around=())
-    return Touch(b.m, b.R, b.c, b.I1, b.I3, b.g, b.friction)
+    b = b._replace(clearance=(), lever=(), around=())
+    return b if isinstance(b, Asymmetric) else as_sphere(b, outline=Ball())
 
 
 def size(b: Any) -> Any:

@@ -21,7 +21,6 @@ Symbols
 from collections import namedtuple
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -137,13 +136,13 @@ def on_ball(
         changes(q, G) -> the rates of these, G being the acceleration of the contact point.
     """
 
-    def moving(q, b):
+    def in_place(q, b):
         """Return the motion that `forces` take: a `Moving` on a turntable, or a `Turning`."""
         return leave(q, b) if b.around and b.around.table else turning(q)
 
     def acts(q, b):
         """Return the action of the plane, an `Acts`: the `reaction` of the phase."""
-        x = moving(q, b)
+        x = in_place(q, b)
         force, torque, *sides = forces(x, q, b)
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
@@ -153,7 +152,7 @@ def on_ball(
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
             turn = plus(turn, around_torque(turning(q), b))
-        G = contact_acceleration(moving(q, b), by.force, by.torque, b)
+        G = contact_acceleration(in_place(q, b), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
@@ -226,6 +225,12 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 Free: Any = namedtuple("Free", "z z_dot gap")
 
 
+def moving(q: Any, carried: Any = ()) -> Moving:
+    """Return the common state of a body in flight, or of a row."""
+    x = turning(q)
+    return Moving(x.u, x.L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height, carried)
+
+
 def free_rates(q, b):
     """Return the rates of a flight: 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat.
 
@@ -234,46 +239,31 @@ def free_rates(q, b):
     still = 0 * q.uz
     torque = push = Vector(still, still, still)
     if b.around:
-        push = pushing(free_velocity(q), still, b)
+        push = pushing(moving(q).velocity, still, b)
         torque = around_torque(turning(q), b)
     return *axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot
 
 
-def free_leave(q, b):
-    """Return the common state of a state q of a flight."""
-    return Moving(axis(q), turning(q).L, free_velocity(q), q.height)
-
-
-def free_velocity(q):
-    """Return the velocity of the centre of mass in a state q of a flight, (3,) [m/s]."""
-    return Vector(q.rx_dot, q.ry_dot, q.rz_dot)
-
-
-def free_power(q, carried, b):
-    """Return the power that air and turntable take in flight [W], the rate of `work`."""
-    return surroundings_power(free_leave(q, b), b)
-
-
-def free_jellett_loss(q, carried, b):
-    """Return the rate at which the air takes Jellett's integral in flight [kg m^3/s^2]."""
-    return dot(around_torque(turning(q), b), arm(axis(q), b))
-
-
-@cache
 def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     """Return the phase of free flight; `lies` are the names of the variables of the orientation.
 
     `surrounded`: whether air or plane take energy in flight.
     """
     units = state(lies, **VELOCITY, height=METRE)
-    losses = integral("work", free_power), integral("jellett_lost", free_jellett_loss)
+    losses = (
+        integral("work", lambda q, carried, b: surroundings_power(moving(q), b)),
+        integral(
+            "jellett_lost",
+            lambda q, carried, b: dot(around_torque(turning(q), b), arm(axis(q), b)),
+        ),
+    )
     form = Form(
         "vector",
         units,
         lambda q, b: type(units)(*free_rates(q, b)),
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height - height_of(axis(q), b)),
         integrals=(
-            *place(lambda q, carried, b: free_velocity(q)),
+            *place(lambda q, carried, b: moving(q).velocity),
             *(losses if surrounded else ()),
         ),
         orientation=orientation_of(units),
@@ -287,7 +277,8 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
         """Return the state of a flight from the common state x."""
         return type(units)(*x.u, *x.L, *x.velocity, x.height)
 
-    return Phase(form, (), events, (), enter, free_leave, lambda q, b: Reaction(zero_vector(q)))
+    leave = lambda q, b: moving(q)  # noqa: E731
+    return Phase(form, (), events, (), enter, leave, lambda q, b: Reaction(zero_vector(q)))
 
 
 FLIGHT = flight()
@@ -365,16 +356,13 @@ STICK = ending(
 )
 
 
-@cache
-def under_coulomb(
-    lies: tuple[str, ...] = AXIS, surrounded: bool = False
-) -> dict[tuple[str, ...], Phase]:
-    """Return the phases under Coulomb's law itself.
+def coulomb_slip(lies: tuple[str, ...]) -> Phase:
+    """Return the phase of sliding under Coulomb's law itself.
 
-    Where it slides, v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and
-    its direction its length, where sliding stops.
+    v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
+    length, where sliding stops.
     """
-    slip = on_ball(
+    return on_ball(
         state(lies, beta=RADIAN, w=METRE_PER_SECOND),
         (LIFTOFF, TOUCH, STICK),
         lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
@@ -382,8 +370,6 @@ def under_coulomb(
         lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
         directed_changes,
     )
-    roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
-    return {("slip",): slip, ("roll",): roll, ("flight",): flight(lies, surrounded)}
 
 
 # --- sliding of a disc, under a law with regions ------------------------------------------------
@@ -704,9 +690,10 @@ def phases_under(
     surrounded
         Whether air or plane act in flight too.
     """
-    if law.set_valued:
-        return under_coulomb(lies, surrounded)
     flies = flight(lies, surrounded)
+    if law.set_valued:
+        roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
+        return {("slip",): coulomb_slip(lies), ("roll",): roll, ("flight",): flies}
     if not law.regions:
         general = law.torque or surrounded or lies is not AXIS
         slip = slip_under(law, lies=lies) if general else SLIP

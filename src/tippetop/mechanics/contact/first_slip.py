@@ -20,7 +20,7 @@ NODES, STEP = 16, 1e-5  # of beta, for a slope
 STEPS = np.repeat([0, -STEP, STEP], NODES)
 SWEEPS = 40
 
-NEAR = 1e-2
+NEAR = 0.1
 """Change of a correction, of beta and relative of w, after which the next ones keep its slopes."""
 
 HALVINGS = 40

@@ -29,7 +29,7 @@ from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, Moving, Turning, filled
 from .body_axes import axes_of_angles
-from .contact_phases import OF_FRAME, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, moving, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
 from .response import gains
 
@@ -64,11 +64,9 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
-    along = Vector(cos(given.phi), sin(given.phi), none)
     if any(name in data for name in LYING):
-        heads = Vector(cos(given.heading), sin(given.heading), none)
-        across = Vector(-heads.y, heads.x, none)
-        one = plus(times(cos(given.tilt), heads), Vector(none, none, sin(given.tilt)))
+        across = Vector(-sin(given.heading), cos(given.heading), none)
+        one = times(cos(given.tilt), Vector(across.y, -across.x, none))._replace(z=sin(given.tilt))
         two = plus(times(cos(given.roll), across), times(sin(given.roll), cross(one, across)))
         third = cross(one, two)
         first = minus(times(b.outline.cos, one), times(b.outline.sin, two))
@@ -77,10 +75,11 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     u = Frame(*third, *first)
     if "psi_dot" in data:
         given.omega3 = given.psi_dot + given.phi_dot * u.z
-    node = Vector(-along.y, along.x, none)
+    node = Vector(-sin(given.phi), cos(given.phi), none)
     swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)  # zhat - z 3hat
     omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
-    omega = plus(plus(omega, times(given.omega3, third)), Vector(none, none, given.spin))
+    omega = plus(omega, times(given.omega3, third))
+    omega = omega._replace(z=omega.z + given.spin)
     x = Turning(u, frame.momentum(omega, u, b))
     vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
     velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)
@@ -117,7 +116,7 @@ energy of rotation.
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
     """Return the `Scalars` of a row q."""
-    x = rows.moving(q, ())
+    x = moving(q)
     u = x.u
     up = frame.up(u)
     omega = frame.turns(x, b)
@@ -203,37 +202,31 @@ def heading(s: Any, b: Asymmetric) -> Any:
     return atan2(along.y, along.x)
 
 
-def tilt(s: Any, b: Asymmetric) -> Any:
-    """Return the elevation of half axis a [rad]."""
-    return atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z))
-
-
-def roll(s: Any, b: Asymmetric) -> Any:
-    """Return the turn about half axis a [rad], zero where half axis b is horizontal."""
-    return atan2(s.up.y, s.up.z)
-
-
-def roll_rate(s: Any, b: Asymmetric) -> Any:
-    """Return a number with the opposite sign of roll': the function of the event `roll_peak`."""
-    return s.turns.y * s.up.z - s.up.y * s.turns.z
-
-
 SPIN = "angular velocity about the vertical"
 COMMON = (
     rows.ENERGY,
     rows.NORMAL_FORCE,
     Quantity("spin", "omega_z", RADIAN_PER_SECOND, SPIN, lambda s, b: s.spin),
     Quantity("heading", "", RADIAN, "azimuth of half axis a, in (-pi, pi]", heading),
-    Quantity("tilt", "", RADIAN, "elevation of half axis a", tilt),
-    Quantity("roll", "", RADIAN, "turn about half axis a, in (-pi, pi]", roll),
+    Quantity(
+        "tilt",
+        "",
+        RADIAN,
+        "elevation of half axis a",
+        lambda s, b: atan2(s.up.x, sqrt(s.up.y * s.up.y + s.up.z * s.up.z)),
+    ),
+    Quantity(
+        "roll",
+        "",
+        RADIAN,
+        "turn about half axis a, in (-pi, pi]",
+        lambda s, b: atan2(s.up.y, s.up.z),
+    ),
 )
 QUANTITIES = (*COMMON, rows.FRICTION_POWER)
 _, HORIZONTAL, NEEDED = rolling.REACTION
-ROLLING_QUANTITIES = (
-    *COMMON,
-    HORIZONTAL,
-    replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force),
-)
+FRICTION_NEEDED = replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force)
+ROLLING_QUANTITIES = (*COMMON, HORIZONTAL, FRICTION_NEEDED)
 
 OF_AXES = (
     Event(
@@ -251,7 +244,11 @@ OF_AXES = (
         "the tilt (pitch) of half axis a is greatest or least",
         lambda s, b: s.turns.x,
     ),
-    Event("roll_peak", "the roll about half axis a is greatest or least", roll_rate),
+    Event(
+        "roll_peak",
+        "the roll about half axis a is greatest or least",
+        lambda s, b: s.turns.y * s.up.z - s.up.y * s.turns.z,
+    ),
     gliding.EQUATOR,
     gliding.INVERTED,
 )

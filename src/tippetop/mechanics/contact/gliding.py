@@ -372,8 +372,10 @@ INITIAL = {
     "psi_dot": Number(RADIAN_PER_SECOND, "psi', instead of omega3", symbol=r"\psi'"),
     "psi": Number(RADIAN, "turn psi of the body about its axis", symbol=r"\psi"),
 }
-BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
-ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
+ALTERNATIVES = (
+    Alternative("psi_dot", ("omega3",)),
+    Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True),
+)
 
 
 def start_of(angles: Any) -> Callable:

@@ -29,7 +29,7 @@ from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import AXIS, BALLS, FRAME, Touch, seen_from_balls
-from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
+from .contact_phases import CONE, PHASES, RESTS, STICK, moving, phase_name, phases_under
 from .exits import IMPACT, JUMPS, REASONS, begin, go_on, slide_on
 from .integrals import NAMED, integral
 from .present_body import added_integrals, jump_by_states, phase_by_states
@@ -42,7 +42,6 @@ from .rows import (
     PLANAR_ROW,
     ROW,
     columns,
-    moving,
     planar_theta_dot,
     row,
 )

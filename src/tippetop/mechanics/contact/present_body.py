@@ -3,6 +3,16 @@
 The body that they take depends on the state: an outline touches with a ball that changes with the
 axis; a plane that vibrates changes gravity, and a turntable turns about a place. Equations of
 motion cannot read integrals: their state ends with copies of those that determine the body.
+
+Forms, phases and jumps of a ball go in; `opening`, `surrounded` and `systems.revolution` take what
+comes out. `around` names groups of surroundings, such as "vibration" and "turntable".
+
+Symbols
+    q         the state of a form: a record, in SI
+    carried   its integrals
+    x         the common state of all phases, a `body.Moving`
+    e, s, z   angles and their rates; sin(theta); cos(theta)
+    b         the body, a record of parameters in SI
 """
 
 from collections.abc import Callable
@@ -71,10 +81,12 @@ def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
     units = filled(**form.units._asdict(), **{COPY + one.name: one.unit for one in copied})
 
     def rates(q: Any, b: Any) -> Any:
+        """Return d state/dt, that of the copies of integrals included."""
         moves = (one.rate(q, (), b) for one in copied)
         return type(units)(*form.rates(q, b), *moves)
 
     def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
+        """Return the state at angles, with the copies of integrals at their start."""
         starts = (one.start({}, s, z) if one.start else getattr(e, one.name) for one in copied)
         return type(units)(*form.of_angles(e, s, z, touching_ball(z, s * s, b)), *starts)
 
@@ -97,6 +109,7 @@ def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
     form = form_by_states(phase.form, around)
 
     def enter(x: Any, b: Any) -> Any:
+        """Return the state of the phase that begins in the common state x."""
         copies = joined_values(form.units, x.carried)
         return type(form.units)(*phase.enter(x, in_motion(x, b)), *copies)
 

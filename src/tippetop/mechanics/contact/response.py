@@ -238,13 +238,6 @@ def stopping(x, b):
     return impulses(x.u, times(-1, v), -omega.z, b)
 
 
-@by_body(of_frame=frame.resting)
-def own_resting(x, b):
-    """Return `resting` on a level plane in still air."""
-    free = own_turn(x, b)
-    return held(x.u, own_bias(x, b), free, angular_velocity(x, b), b)
-
-
 def own_turn(x, b):
     """Return Omega_z' [rad/s^2] of a body with an axis of symmetry on which no torque acts."""
     return (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z
@@ -255,11 +248,14 @@ def resting(x, b):
 
     The caller compares them with `margin` or `cone`: friction may not be able to give them.
     """
-    if not b.around:
-        return own_resting(x, b)
+    framed = isinstance(b, Asymmetric)
+    if framed and not b.around:
+        return frame.resting(x, b)
+    free = 0 if framed else own_turn(x, b)
     bias = bias_vector(x, b)
-    _, turns = gains(x.u, times(0, bias), around_torque(x, b), b)
-    free = turns.z if isinstance(b, Asymmetric) else own_turn(x, b) + turns.z
+    if b.around:
+        _, turns = gains(x.u, times(0, bias), around_torque(x, b), b)
+        free = free + turns.z
     return held(x.u, bias, free, angular_velocity(x, b), b)
 
 

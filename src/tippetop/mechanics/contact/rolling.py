@@ -17,6 +17,7 @@ Symbols
 """
 
 from dataclasses import replace
+from typing import Any
 
 from ..operand import cos, dot, formula, sin, sqrt, times
 from ..system import Form, Quantity
@@ -212,9 +213,6 @@ angles_of_vector = angles_by(ANGLES, vector_scalars)
 # --- the catalogue --------------------------------------------------------------------------------
 
 
-INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
-
-
 VECTOR = Form(
     "vector",
     VECTOR_UNITS,
@@ -235,23 +233,32 @@ EULER = in_euler_angles(
     euler_scalars,
     (*place_of_angles(contact.rolling_velocity), integral("impulse", vertical_force)),
 )
-UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 LIFTOFF = replace(
     gliding.LIFTOFF,
     long_name="normal force falls to zero: beyond it the model is not valid",
     formula=normal_force,
 )
-OF_SYSTEM = gliding.OF_SYSTEM | {
-    "initial": INITIAL,
-    "alternatives": (gliding.BY_PSI_DOT,),
+
+
+def of_system_at_rest(of_system: dict[str, Any]) -> dict[str, Any]:
+    """Return fields of a System whose contact is at rest, from those of one that glides."""
+    initial = of_system["initial"]
+    undefined = of_system["undefined_at_poles"]
+    return of_system | {
+        "initial": {name: rule for name, rule in initial.items() if not name.startswith("nu_")},
+        "alternatives": tuple(one for one in of_system["alternatives"] if not one.flag),
+        "undefined_at_poles": tuple(name for name in undefined if not name.startswith("nu_")),
+        "integrals": ("energy",),
+        "laws": {},
+    }
+
+
+OF_SYSTEM = of_system_at_rest(gliding.OF_SYSTEM) | {
     "start": gliding.start_of(ANGLES),
     "angles": ANGLES,
     "forms": FORMS,
     "events": (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED),
-    "undefined_at_poles": UNDEFINED_AT_POLES,
-    "integrals": ("energy",),
-    "laws": {},
 }
 """Fields of a System."""
 

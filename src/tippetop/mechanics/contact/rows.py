@@ -43,9 +43,9 @@ from .body import (
     state,
 )
 from .body_axes import by_angles, carried_along
-from .contact_phases import PHASES
+from .contact_phases import PHASES, moving
 from .frame import Asymmetric
-from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate, turning
+from .gliding import EULER_UNITS, angles_by, axis_and_momentum, axis_rate
 from .integrals import integral
 from .rolling import spin
 
@@ -71,13 +71,6 @@ OF_BALL = ("radius", "offset", "stem_gap", "jellett_taken")
 OF_FRAME = {name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
 FRAME_UNITS = state(FRAME, **VELOCITY, **OF_FRAME)
 """Of a body without an axis of symmetry."""
-
-
-def moving(row: Any, carried: Any) -> Moving:
-    """Return the common state of a `Row`; its integrals are `carried`."""
-    velocity = Vector(row.rx_dot, row.ry_dot, row.rz_dot)
-    x = turning(row)
-    return Moving(x.u, x.L, velocity, row.height, carried)
 
 
 def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
@@ -194,7 +187,7 @@ def row_of_angles(e, s, z, b):
     velocity = Vector(along_x - v.x, along_y - v.y, e.nu_z - v.z)
     return filled_row(
         ROW_UNITS,
-        Moving(*x, velocity, e.gap + b.R - b.c * z),
+        Moving(x.u, x.L, velocity, e.gap + b.R - b.c * z),
         radius=b.R + none,
         offset=b.c + none,
         jellett_taken=contact.jellett_of(x.L.z, b.I3 * e.omega3, b),

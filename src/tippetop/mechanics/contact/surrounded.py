@@ -12,7 +12,6 @@ Symbols
     s         in (s, b): record of scalars; in (e, s, z, b): sin(theta), and z: cos(theta)
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -23,9 +22,10 @@ from ..units import JELLETT, JOULE
 from . import rolling
 from .body import FRAME, axis_rate, filled, kinematics
 from .contact_phases import without_slip
-from .framed import form_of
-from .gliding import angles_by
+from .framed import FRICTION_NEEDED, LIFTOFF, form_of
+from .gliding import angles_by, start_of
 from .present_body import form_by_states
+from .rows import NORMAL_FORCE
 from .surroundings import rules_of, surrounded_body
 
 
@@ -89,11 +89,7 @@ def rolling_form(angles: Any) -> Form:
     )
 
 
-NEEDED: dict[str, Callable] = {
-    "normal_force": lambda s, b: s.force,
-    "friction_needed": lambda s, b: rolling.horizontal_force(s, b) / s.force,
-    "liftoff": lambda s, b: s.force,
-}
+NEEDED = {one.name: one.formula for one in (NORMAL_FORCE, FRICTION_NEEDED, LIFTOFF)}
 """Formulas that differ from those on a level plane in still air, by name."""
 
 
@@ -102,11 +98,13 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
     """Return a system in pure rolling, in surroundings of these tables."""
     form = system.forms["vector"]
     angles = filled(**system.angles._asdict(), work=JOULE)
+    start = system.start
     if "ix" in form.units._fields:
         known = form_of(without_slip((), lies=FRAME), "roll", angles)
     else:
         angles = filled(**angles._asdict(), jellett_lost=JELLETT)
         known = rolling_form(angles)
+        start = start_of(angles)
 
     def changed(records: Any) -> Any:
         """Return records of quantities or events with the formulas NEEDED in surroundings."""
@@ -114,22 +112,12 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
             replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
         )
 
-    (phase,) = system.phases.values()
-    form = replace(form_by_states(known, around), domains=form.domains)
-    phase = replace(phase, forms={"vector": form})
-    phase = replace(phase, quantities=changed(phase.quantities), events=changed(phase.events))
-    start = system.start
-
-    def started(data: dict[str, Any], s: Any, z: Any, b: Any) -> Any:
-        """Return the record of angles of a start, whose further integrals are zero."""
-        e: Any = start(data, s, z, b)
-        return angles._make((*e, *(0 * z,) * (len(angles) - len(e)))) if hasattr(e, "phi") else e
-
-    return replace(
-        in_surroundings(system, around),
-        phases={"roll": phase},
+    return in_surroundings(system, around).replace(
+        forms={"vector": replace(form_by_states(known, around), domains=form.domains)},
+        quantities=changed(system.quantities),
+        events=changed(system.events),
         angles=angles,
-        start=started,
+        start=start,
         long_names=system.long_names | LOSSES,
         integrals=tuple(name for name in system.integrals if name == "jellett"),
     )

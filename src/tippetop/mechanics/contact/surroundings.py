@@ -206,27 +206,28 @@ def surrounded_body(body: Callable) -> Callable:
         Each is () if the parameters do not have it; g becomes the part along the plane's normal.
         """
         b = body(parameters, friction)
-        given: Any = {name: [*map(parameters.get, rules)] for name, rules in GROUPS.items()}
+        given = {
+            name: [parameters[key] for key in rules]
+            for name, rules in GROUPS.items()
+            if rules.keys() <= parameters.keys()
+        }
         g = b.g
-        air: Any = ()
-        slope: Any = ()
-        shake: Any = ()
-        table: Any = ()
-        if "air.c1" in parameters:
-            air = Air(*given["air"])
-        if "plane.tilt" in parameters:
+        around: dict[str, Any] = {}
+        if "air" in given:
+            around["air"] = Air(*given["air"])
+        if "tilt" in given:
             tilt, azimuth = given["tilt"]
             along = g * sin(tilt)
-            slope = Slope(along * cos(azimuth), along * sin(azimuth))
+            around["slope"] = Slope(along * cos(azimuth), along * sin(azimuth))
             g = g * cos(tilt)
-        if "plane.amplitude" in parameters:
+        if "vibration" in given:
             amplitude, frequency, phase = given["vibration"]
             rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency  # 2 pi f
             push = amplitude * rate**2
-            shake = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
-        if "plane.omega" in parameters:
-            table = Table(*given["turntable"])
-        return b._replace(g=g, around=Surroundings(air, slope, shake, table))
+            around["shake"] = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
+        if "turntable" in given:
+            around["table"] = Table(*given["turntable"])
+        return b._replace(g=g, around=Surroundings(**around))
 
     return surrounded
 

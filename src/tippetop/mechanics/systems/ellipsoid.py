@@ -97,34 +97,33 @@ class Ellipsoid(Top):
         return faults + contact.inertia_faults(parameters)
 
 
+GLIDING = gliding.OF_SYSTEM | {
+    "initial": framed.INITIAL,
+    "alternatives": framed.ALTERNATIVES,
+    "start": framed.start,
+    "undefined_at_poles": framed.UNDEFINED_AT_POLES,
+    "long_names": framed.LONG_NAMES,
+}
 ELLIPSOID, ROLLING_ELLIPSOID = pair(
     Ellipsoid,
     "ellipsoid",
-    gliding.OF_SYSTEM
+    GLIDING
     | {
-        "initial": framed.INITIAL,
-        "alternatives": framed.ALTERNATIVES,
         "angles": framed.ANGLES,
         "forms": {"vector": framed.SLIDES},
         "quantities": framed.QUANTITIES,
         "events": framed.EVENTS,
-        "undefined_at_poles": framed.UNDEFINED_AT_POLES,
         "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW)),
         "outlook": outlook.without_axis,
     },
-    rolling.OF_SYSTEM
+    rolling.of_system_at_rest(GLIDING)
     | {
-        "initial": {n: rule for n, rule in framed.INITIAL.items() if not n.startswith("nu_")},
-        "alternatives": tuple(one for one in framed.ALTERNATIVES if not one.flag),
         "angles": framed.ROLLING_ANGLES,
         "forms": {"vector": framed.ROLLS},
         "quantities": framed.ROLLING_QUANTITIES,
         "events": framed.ROLLING_EVENTS,
-        "undefined_at_poles": (*rolling.UNDEFINED_AT_POLES, "psi"),
         "outlook": partial(outlook.without_axis, rolls=True),
     },
-    start=framed.start,
-    long_names=framed.LONG_NAMES,
     source="Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
     "Int. J. Non-Linear Mechanics 17, 175 (1982)",
 )

@@ -255,7 +255,11 @@ HEAVY_TOP = of_one_phase(
     motion=outlook.heavy_top_motion,
     **rolling.OF_SYSTEM
     | {
-        "initial": {name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
+        "initial": {
+            name: rule
+            for name, rule in rolling.OF_SYSTEM["initial"].items()
+            if name not in ("x", "y")
+        },
         "start": gliding.start_of(ANGLES),
         "angles": ANGLES,
         "forms": {"vector": FIXED_VECTOR, "euler": FIXED_EULER},

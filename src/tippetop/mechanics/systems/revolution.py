@@ -142,6 +142,7 @@ def pair(
     """
 
     def system(phase: str, name: str, fields: Mapping[str, Any], words: str) -> System:
+        """Return the system of one phase, "slip" or "roll", whose title ends with these words."""
         records = {
             key: tuple(map(in_scalars, fields.get(key, ())))
             for key in ("quantities", "events", "on_request")
@@ -171,11 +172,10 @@ def pair(
 def systems(
     body: type[Outlined],
     title: str,
-    source: str,
     *,
     events: tuple[Event, ...] = (),
     domains: tuple[Domain, ...] = (),
-    classes: tuple[str, ...] = (),
+    **more: Any,
 ) -> tuple[System, System]:
     """Return the gliding and the rolling system of a body with an outline."""
     slides = gliding.OF_SYSTEM | {
@@ -190,27 +190,20 @@ def systems(
     }
     for fields in (slides, rolls):
         fields["events"] += events
-    return pair(
-        body,
-        title,
-        slides,
-        rolls,
-        domains,
-        source=source,
-        classes=classes,
-    )
+    return pair(body, title, slides, rolls, domains, **more)
 
 
 SPHEROID, ROLLING_SPHEROID = systems(
     Spheroid,
     "spheroid",
-    "Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. Nature 416, 385 (2002)",
+    source="Moffatt, H. K., Shimomura, Y.: Spinning eggs - a paradox resolved. "
+    "Nature 416, 385 (2002)",
     classes=("tumbling", "upright", "inverted"),
 )
 DISC, ROLLING_DISC = systems(
     Disc,
     "disc with a rounded rim",
-    "Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
+    source="Moffatt, H. K.: Euler's disk and its finite-time singularity. Nature 404, 833 (2000)",
     events=(FLAT,),
     domains=(NOT_FLAT,),
     classes=("tumbling",),

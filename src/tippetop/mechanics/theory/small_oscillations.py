@@ -20,12 +20,11 @@ def oscillations(spin: float, up: int, b: Asymmetric) -> tuple[np.ndarray, np.nd
     Fewer than two where it does not oscillate. `spin` is about the vertical [rad/s]; axis 3, on
     which the centre of the ellipsoid lies, points along `up` = 1 or -1.
     """
-    columns = []
-    for x, y, Lx, Ly in 1j * STEP * np.eye(4):
-        q = framed.ROLLS.units._make((x, y, up, 1.0, 0.0, -up * x, Lx, Ly, b.I3 * spin))
-        q_dot = framed.ROLLS.rates(q, b)
-        columns.append(np.imag([q_dot.ux, q_dot.uy, q_dot.Lx, q_dot.Ly]) / STEP)
+    x, y, Lx, Ly = 1j * STEP * np.eye(4)
+    q = framed.ROLLS.units._make((x, y, up, 1.0, 0.0, -up * x, Lx, Ly, b.I3 * spin))
+    q_dot = framed.ROLLS.rates(q, b)
+    matrix = np.imag([q_dot.ux, q_dot.uy, q_dot.Lx, q_dot.Ly]) / STEP
     turning = spin * np.kron(np.eye(2), [[0, 1], [-1, 0]])  # of the body against space
-    rates, shapes = np.linalg.eig(np.array(columns).T + turning)
+    rates, shapes = np.linalg.eig(matrix + turning)
     order = np.argsort(-rates.imag)[: np.count_nonzero(rates.imag > 0)]
     return rates[order], shapes[:, order]
