@@ -3,10 +3,10 @@
 `followed(problem, wrt, times)` is the entrance; it returns a `Pass`, from which `sensitivities`
 takes columns, times of events, and how far they are valid. A plain run decides which phases follow
 each other. They are then followed once more: the flow of each by its variational equations, one
-number in each lane; the start, times of events, jumps and columns by dual numbers, which the
-formulas take like any numbers. The end of a phase so moves with the numbers, which is the saltation
-matrix of the textbooks, and no jump needs written derivatives. Whole steps in dual numbers would
-need step control and events a second time.
+number in each lane; the start, times of events and jumps by dual numbers, which the formulas take
+like any numbers. Columns are functions of the rows, compiled with derivatives. The end of a phase
+so moves with the numbers, which is the saltation matrix of the textbooks, and no jump needs written
+derivatives. Whole steps in dual numbers would need step control and events a second time.
 
 Symbols
     rows      numbers with derivatives as an array (n, 1 + order, directions, ...): the value, again
