@@ -12,16 +12,11 @@ from tippetop.figures.style import LIGHT
 
 LOOKS = {  # colour, marker, line
     "tippetop, motion alone": (LIGHT.run, "D", "-"),
-    "tippetop, motion, turnings, liftoff": (LIGHT.run, "D", "--"),
     "tippetop, equations only": (LIGHT.run, "o", "-"),
     "tippetop, lanes": (LIGHT.run, "o", "-"),
-    "tippetop, lanes, motion alone": (LIGHT.run, "s", "--"),
     "tippetop, events on": (LIGHT.run, "s", "--"),
-    "tippetop, whole run without rows": (LIGHT.run, "v", ":"),
-    "tippetop, whole run with rows": (LIGHT.run, "^", ":"),
     "tippetop, whole run with rows and orientation": (LIGHT.run, "P", ":"),
     "heyoka by hand": (LIGHT.lower, "o", "-"),
-    "heyoka by hand, events on": (LIGHT.lower, "s", "--"),
     "DOP853, C++": (LIGHT.upper, "o", "-"),
     "DOP853, numbalsoda": (LIGHT.upper, "s", "--"),
     "Dopri8, diffrax": (LIGHT.upper, "^", ":"),

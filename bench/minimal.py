@@ -92,19 +92,15 @@ class Minimal:
     @cached_property
     def jitted(self) -> Any:
         """slope(y, d) for numba, of the same formulas."""
-        return _jitted(self)
+        from numba import njit
 
-
-def _jitted(minimal: Minimal) -> Any:
-    from numba import njit
-
-    form, n = minimal.problem.form, len(minimal.names)
-    rates, state, body = njit(error_model="numpy")(form.rates), type(form.units), minimal.body
-    arguments = ", ".join(f"y[{i}]" for i in range(n))
-    sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(n))
-    space = {"rates": rates, "State": state, "body": body}
-    exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
-    return njit(error_model="numpy", nogil=True)(space["slope"])
+        form = self.problem.form
+        rates = njit(error_model="numpy")(form.rates)
+        arguments = ", ".join(f"y[{i}]" for i in range(len(self.names)))
+        sets = "\n".join(f"    d[{i}] = found[{i}]" for i in range(len(self.names)))
+        space = {"rates": rates, "State": type(form.units), "body": self.body}
+        exec(f"def slope(y, d):\n    found = rates(State({arguments}), body)\n{sets}", space)
+        return njit(error_model="numpy", nogil=True)(space["slope"])
 
 
 @cache

@@ -4,8 +4,6 @@ the engine.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -13,13 +11,10 @@ import numpy as np
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.taylor import driver_of
-from tippetop.mechanics.event import Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
-from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Sink
 
 from .minimal import Minimal, theta_of
 from .peers import Peer, Solver
@@ -28,12 +23,6 @@ from .peers import Peer, Solver
 OURS, PLAIN = "tippetop", "heyoka"
 TAYLOR = (1e-8, 1e-11, 1e-13, 1e-15, 0.0)  # 0: to rounding
 WHOLE = (1e-8, 1e-13, 0.0)
-EVENT_SCALE = 2.0**-24  # heyoka's events are then too small to control the step
-DIRECTIONS = {
-    -1: hy.event_direction.negative,
-    0: hy.event_direction.any,
-    1: hy.event_direction.positive,
-}
 ENDLESS = 1 << 62  # steps
 
 
@@ -50,14 +39,12 @@ class NoRows:
         """None come."""
 
 
-def at(minimal: Minimal, tolerance: float, orientation: bool = False) -> Problem:
+def at(minimal: Minimal, tolerance: float) -> Problem:
     """The problem at a tolerance, with rows at the samples; without the orientation of the body,
     which no peer has.
     """
     tolerance = tolerance or 2.0**-52
-    return replace(
-        minimal.problem, tolerance=tolerance, times=minimal.samples, orientation=orientation
-    )
+    return replace(minimal.problem, tolerance=tolerance, times=minimal.samples, orientation=False)
 
 
 def end_of(problem: Problem) -> float:
@@ -80,49 +67,22 @@ def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
     )
 
 
-def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's own equations of motion without integrals, as a peer gets them; and events of
-    some kinds.
-    """
+def motion(minimal: Minimal) -> Callable[[float], Solver]:
+    """The engine's own equations of motion without integrals, as a peer gets them."""
     problem = minimal.problem
-    q, _, body, sys = equations_of_motion(
+    sys = equations_of_motion(
         formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
-    )
-    sys = sys[: problem.variables.moving]
-    pars = [float(leaf) for leaf in leaves(problem.internal_body)][
-        : max(_pars_of(sys), default=-1) + 1
-    ]
-    scalars = problem.form.scalars(q, body)
-    wanted = [event for event in problem.system.events if event.name in kinds]
-    hooks = {
-        "nt_events": [_event(hy.nt_event, e, scalars, body, _note) for e in wanted if not e.ends],
-        "t_events": [_event(hy.t_event, e, scalars, body) for e in wanted if e.ends],
-    }
+    ).rates[: problem.variables.moving]
+    used = [int(str(p)[1:]) for p in hy.get_params([rate for _, rate in sys])]
+    pars = [float(leaf) for leaf in leaves(problem.internal_body)][: max(used, default=-1) + 1]
 
     def solver(tolerance: float) -> Solver:
-        options = {"tol": tolerance or 2.0**-52, "high_accuracy": True, **(hooks if wanted else {})}
-        made = hy.taylor_adaptive(sys, minimal.start, pars=pars, **options)
+        made = hy.taylor_adaptive(
+            sys, minimal.start, pars=pars, tol=tolerance or 2.0**-52, high_accuracy=True
+        )
         return _driven(minimal, made, minimal.theta)
 
     return solver
-
-
-def _pars_of(sys: list[tuple]) -> list[int]:
-    return [int(str(p)[1:]) for p in hy.get_params([rate for _, rate in sys])]
-
-
-def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: Callable) -> Any:
-    """An event of heyoka's own detection, which finds it while it steps."""
-    return kind(
-        EVENT_SCALE * event.formula(scalars, body), *log, direction=DIRECTIONS[event.direction]
-    )
-
-
-_noted: list[tuple[float, int]] = []
-
-
-def _note(_: Any, time: float, sign: int) -> None:
-    _noted.append((time, sign))
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
@@ -159,24 +119,12 @@ def to_the_end(driver: Driver) -> None:
         pass
 
 
-def followed(minimal: Minimal) -> Callable[[float], Solver]:
-    """A whole run without rows: events confirmed, drift and extremes of the normal force."""
+def solved(minimal: Minimal) -> Callable[[float], Solver]:
+    """`tippetop.run` with the rows of the preset and their orientation, as a user waits for it."""
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(lambda _: Integration(problem).run(Sink()), lambda: _solved(problem))
-
-    return solver
-
-
-def solved(orientation: bool, minimal: Minimal) -> Callable[[float], Solver]:
-    """`tippetop.run` with the rows of the preset; with the orientation, all that a user waits for
-    in memory.
-    """
-
-    def solver(tolerance: float) -> Solver:
-        problem = at(minimal, tolerance, orientation)
-        asked = replace(problem, times=minimal.problem.times)
+        asked = replace(problem, orientation=True, times=minimal.problem.times)
         return Solver(lambda _: solve(asked), lambda: _solved(problem))
 
     return solver
@@ -191,8 +139,6 @@ def _driven(
     def fresh():
         made.time = 0.0
         made.state[:] = start
-        if made.with_events:
-            made.reset_cooldowns()
         return made
 
     def sampled() -> np.ndarray:
@@ -201,22 +147,16 @@ def _driven(
     return Solver(lambda _: fresh().propagate_until(times[-1]), sampled)
 
 
-def by_hand(events: bool, minimal: Minimal) -> Callable[[float], Solver]:
+def by_hand(minimal: Minimal) -> Callable[[float], Solver]:
     """The tippe top written straight into heyoka, as a competent user would: vectors, SI units,
     numbers for parameters. [T 3.12, 3.16, 3.17]
     """
-    sys, turning, liftoff = tippe_top_by_hand(minimal)
-    found = []
-    hooks = {
-        "nt_events": [hy.nt_event(turning, lambda made, t, sign: found.append(t))],
-        "t_events": [hy.t_event(liftoff, direction=hy.event_direction.negative)],
-    }
+    sys = tippe_top_by_hand(minimal)
     start = start_by_hand(minimal)
+    second = float(minimal.problem.scales.of(SECOND))
 
     def solver(tolerance: float) -> Solver:
-        options = {"tol": tolerance or 2.0**-52, "high_accuracy": True, **(hooks if events else {})}
-        made = hy.taylor_adaptive(sys, start, **options)
-        second = float(minimal.problem.scales.of(SECOND))
+        made = hy.taylor_adaptive(sys, start, tol=tolerance or 2.0**-52, high_accuracy=True)
         return _driven(
             minimal, made, lambda y: np.arctan2(np.hypot(y[:, 0], y[:, 1]), y[:, 2]), second
         )
@@ -235,8 +175,8 @@ def start_by_hand(minimal: Minimal) -> np.ndarray:
     )
 
 
-def tippe_top_by_hand(minimal: Minimal) -> tuple[list, hy.expression, hy.expression]:
-    """Equations of motion, theta' sin(theta), and the normal force."""
+def tippe_top_by_hand(minimal: Minimal) -> list[tuple[hy.expression, hy.expression]]:
+    """Return the equations of motion."""
     p, mu = minimal.problem.parameters, minimal.problem.friction.mu
     m, R, alpha, I1, I3, g = (p[name] for name in ("m", "R", "alpha", "I1", "I3", "g"))
     ux, uy, uz, Lx, Ly, Lz, rx, ry = q = hy.make_vars(
@@ -267,25 +207,13 @@ def tippe_top_by_hand(minimal: Minimal) -> tuple[list, hy.expression, hy.express
         -mu * N * vx / m,
         -mu * N * vy / m,
     )
-    return list(zip(q, rates, strict=True)), uz_t, N
+    return list(zip(q, rates, strict=True))
 
 
 ENGINE = (
-    Peer("tippetop, motion alone", OURS, partial(motion, ()), tolerances=TAYLOR),
-    Peer(
-        "tippetop, motion, turnings, liftoff",
-        OURS,
-        partial(motion, ("turning", "liftoff")),
-        tolerances=TAYLOR,
-    ),
+    Peer("tippetop, motion alone", OURS, motion, tolerances=TAYLOR),
     Peer("tippetop, equations only", OURS, equations, tolerances=TAYLOR),
     Peer("tippetop, events on", OURS, with_events, tolerances=TAYLOR),
-    Peer("tippetop, whole run without rows", OURS, followed, tolerances=WHOLE),
-    Peer("tippetop, whole run with rows", OURS, partial(solved, False), tolerances=WHOLE),
-    Peer(
-        "tippetop, whole run with rows and orientation",
-        OURS,
-        partial(solved, True),
-        tolerances=WHOLE,
-    ),
+    Peer("tippetop, whole run with rows and orientation", OURS, solved, tolerances=WHOLE),
 )
+HAND = Peer("heyoka by hand", PLAIN, by_hand, tolerances=TAYLOR)

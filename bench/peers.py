@@ -6,7 +6,7 @@ missing.
 import ctypes
 import importlib.util
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -17,7 +17,6 @@ from .minimal import COMPILER, Minimal
 
 COMPILED, CALLING = "compiled", "calls back into Python"
 LADDER = (1e-8, 1e-10, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16, 1e-17)
-ADAMS = (1e-8, 1e-10, 1e-12, 1e-13, 4e-14)  # LSODA refuses tighter ones
 FEW = (1e-9, 1e-11, 1e-13, 1e-15, 1e-17)
 MOST_STEPS = 10**8
 
@@ -30,6 +29,7 @@ class Solver(NamedTuple):
     work: Callable[[Any], Any]
     theta: Callable[[], np.ndarray]
     setup: Callable[[], Any] = lambda: None
+    tops: int = 1  # that the work integrates
 
 
 class Peer(NamedTuple):
@@ -50,25 +50,6 @@ class Peer(NamedTuple):
         if self.needs and importlib.util.find_spec(self.needs) is None:
             return f"{self.package or self.needs} is not installed"
         return None
-
-
-def entries(
-    peers: Iterable[Peer], enter: Callable[[dict[str, Any], Peer], None]
-) -> dict[str, dict[str, Any]]:
-    """What each peer enters, by its name; one that is missing, or breaks, says why: that is a
-    result, and not the end of the others.
-    """
-    found: dict[str, dict[str, Any]] = {}
-    for peer in peers:
-        entry = found[peer.name] = {"kind": peer.kind}
-        try:
-            if peer.missing:
-                entry["missing"] = peer.missing
-            else:
-                enter(entry, peer)
-        except Exception as error:
-            entry["missing"] = sentence(error)
-    return found
 
 
 def sentence(error: Exception) -> str:
@@ -142,36 +123,22 @@ def diffrax(minimal: Minimal) -> Callable[[float], Solver]:
     return solver
 
 
-def _jitted(minimal: Minimal) -> tuple[Callable, Callable]:
-    """f(t, y) that gives the rates, and f(t, y, d) that writes them: machine code, called from
-    Python.
-    """
-    from numba import njit
-
-    slope = minimal.jitted
-
-    @njit(error_model="numpy", nogil=True)
-    def given(t, y):
-        d = np.empty_like(y)
-        slope(y, d)
-        return d
-
-    @njit(error_model="numpy", nogil=True)
-    def written(t, y, d):
-        slope(y, d)
-
-    given(0.0, minimal.start)
-    written(0.0, minimal.start, minimal.start.copy())
-    return given, written
-
-
 def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
     """solve_ivp's DOP853; from sample to sample, because its dense output is less exact than its
     steps.
     """
+    from numba import njit
     from scipy.integrate import solve_ivp
 
-    rates, _ = _jitted(minimal)
+    slope = minimal.jitted
+
+    @njit(error_model="numpy", nogil=True)
+    def rates(t, y):
+        d = np.empty_like(y)
+        slope(y, d)
+        return d
+
+    rates(0.0, minimal.start)  # compile
 
     def rows(tolerance: float) -> np.ndarray:
         found, step = [minimal.start], None
@@ -190,31 +157,6 @@ def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
             found.append(made.y[:, -1])
             step = min(made.t[-2] - made.t[-3], span[1] - span[0]) if len(made.t) > 2 else None
         return np.array(found)
-
-    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
-
-
-def scipy_formulas(minimal: Minimal) -> Callable[[float], Solver]:
-    """solve_ivp's DOP853 with the formulas called in Python, as one would first write it; states at
-    0 and the end.
-    """
-    from scipy.integrate import solve_ivp
-
-    form, body = minimal.problem.form, minimal.body
-
-    def rates(_: float, y: np.ndarray) -> tuple[float, ...]:
-        return form.rates(form.units._make(y.tolist()), body)
-
-    def rows(tolerance: float) -> np.ndarray:
-        span = (minimal.times[0], minimal.times[-1])
-        with warnings.catch_warnings(action="ignore"):
-            return (
-                solve_ivp(
-                    rates, span, minimal.start, method="DOP853", rtol=tolerance, atol=tolerance
-                )
-                .y[:, [0, -1]]
-                .T
-            )
 
     return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
 

@@ -12,14 +12,17 @@ Each judge is a fork of this process that imports the package anew with the muta
 import argparse
 import ast
 import copy
+import datetime
 import importlib
 import itertools
+import math
 import multiprocessing
 import os
 import resource
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -90,6 +93,7 @@ EQUAL: dict[str, tuple[str, ...]] = {
 }
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
+FORK = multiprocessing.get_context("fork")
 CACHE = tempfile.mkdtemp()
 PLAIN = ["-x", "--assert=plain", "-o", "addopts=", "-o", f"cache_dir={CACHE}", "--failed-first"]
 """Neighbouring mutants are noticed by the same tests."""
@@ -97,6 +101,9 @@ LIMIT = {True: 120, False: 40}
 """Seconds of the processor that a judge may take with COMPILED files and without; a mutant that
 takes longer is noticed.
 """
+
+NIGHTS = 7
+"""Nights in which all mutants are tried: each night begins this part of them further."""
 
 
 class Mutant(NamedTuple):
@@ -181,18 +188,24 @@ def mutated(tree: ast.Module, index: int) -> ast.Module:
     return ast.fix_missing_locations(changed)
 
 
-def notices(judge: tuple[str, ...], module: str, tree: ast.Module) -> bool:
-    """Return whether a judge fails with a mutant in the package."""
-    process = multiprocessing.get_context("fork").Process(target=run, args=(judge, module, tree))
+def survives(mutant: Mutant, until: float = float("inf")) -> bool | None:
+    """Return whether every judge passes with a mutant in the package; None after a time."""
+    if time.monotonic() > until:
+        return None
+    tree = mutated(tree_of(mutant.module), mutant.index)
+    return not any(notices(judge, mutant.module, tree) for judge in judges(mutant.module))
+
+
+def notices(judge: tuple[str, ...], module: str = "", tree: ast.Module | None = None) -> bool:
+    """Return whether a judge fails, with a mutant in the package if there is one."""
+    process = FORK.Process(target=run, args=(judge, module, tree))
     process.start()
     process.join()
-    if process.exitcode not in (0, 1, 2) and process.exitcode >= 0:  # 2: it cannot be collected
-        raise RuntimeError(f"pytest exits with {process.exitcode} for {module}")
     return process.exitcode != 0  # negative: too long, or compiled code wrote where it must not
 
 
-def run(judge: tuple[str, ...], module: str, tree: ast.Module) -> None:
-    """Run a judge with one module mutated, and end this process with the exit code of pytest."""
+def run(judge: tuple[str, ...], module: str, tree: ast.Module | None) -> None:
+    """Run a judge, with one module mutated, and end this process with the exit code of pytest."""
     ours = {"tippetop", *(path.stem for path in (TESTS / "helpers").glob("*.py"))}
     for name in [name for name in sys.modules if name.partition(".")[0] in ours]:
         del sys.modules[name]
@@ -216,7 +229,7 @@ def run(judge: tuple[str, ...], module: str, tree: ast.Module) -> None:
 
 
 def main() -> int:
-    """Run the check and print survivors; return 1 if there are any, 3 if time was over before."""
+    """Run the check and print survivors; return 1 if there are any."""
     parser = argparse.ArgumentParser(description="Mutation check of the formulas.")
     parser.add_argument("modules", nargs="*", metavar="MODULE")
     parser.add_argument(
@@ -224,34 +237,41 @@ def main() -> int:
     )
     parser.add_argument("--list", action="store_true", help="only count the mutants")
     options = parser.parse_args()
-    chosen = {
+    named = {
         name: [m for m in modules() if f".{m}".endswith(f".{name}")] for name in options.modules
     }
-    if unknown := [name for name in options.modules if not chosen[name]]:
+    if unknown := [name for name in options.modules if not named[name]]:
         parser.error(
             f"no module with a formula is called {unknown[0]}; there are {', '.join(modules())}"
         )
-    clock, survivors, left = time.monotonic(), [], 0
-    for module in [m for m in modules() if not chosen or m in itertools.chain(*chosen.values())]:
-        found = mutants(module)
-        for mutant in [] if options.list else found:
-            if time.monotonic() - clock > options.seconds:
-                left += 1
-                continue
-            if mutant is found[0] and any(
-                notices(judge, module, tree_of(module)) for judge in judges(module)
-            ):
-                raise SystemExit(f"{module}: its judges must pass before a formula is changed.")
-            tree = mutated(tree_of(module), mutant.index)
-            if not any(notices(judge, module, tree) for judge in judges(module)):
-                survivors.append(mutant)
-        words = ", ".join(word for judge in judges(module) for word in judge if ".py" in word)
-        print(
-            f"{module}: {len(found)} mutants, {time.monotonic() - clock:.0f} s, {words}", flush=True
-        )
-    for mutant in survivors:
-        print(f"survives: {mutant.module}:{mutant.line}: {mutant.text}")
-    return 1 if survivors else 3 if left else 0
+    chosen = sorted({*itertools.chain(*named.values())}) if named else modules()
+    if options.list:
+        for module in chosen:
+            words = ", ".join(word for judge in judges(module) for word in judge if ".py" in word)
+            print(f"{module}: {len(mutants(module))} mutants, {words}")
+        return 0
+    found = [mutant for module in chosen for mutant in mutants(module)]
+    first = datetime.date.today().toordinal() * math.ceil(len(found) / NIGHTS) % len(found)
+    began = time.monotonic()
+    with ProcessPoolExecutor(mp_context=FORK) as pool:
+        needed = list(dict.fromkeys(judge for module in chosen for judge in judges(module)))
+        if failing := [
+            j for j, fails in zip(needed, pool.map(notices, needed), strict=True) if fails
+        ]:
+            raise SystemExit(f"{failing[0]} must pass before a formula is changed.")
+        tonight = found[first:] + found[:first]
+        until = began + options.seconds
+        verdicts = []
+        for verdict in pool.map(survives, tonight, itertools.repeat(until)):
+            if verdict:
+                mutant = tonight[len(verdicts)]
+                print(f"survives: {mutant.module}:{mutant.line}: {mutant.text}", flush=True)
+            verdicts.append(verdict)
+    left = verdicts.count(None)
+    print(f"{len(found) - left} of {len(found)} mutants tried in {time.monotonic() - began:.0f} s")
+    if left:
+        print(f"{left} are left for other nights: each begins a {NIGHTS}th of them further")
+    return int(True in verdicts)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measured import AXIS, written
 
 import tippetop as tt
 from tippetop import benchmark
@@ -73,15 +74,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     t = np.arange(1, 61) / 60
     axis = tt.run("inverting", until=1.0, output_times=t.tolist()).trajectory.axis.values
     axis = axis + 0.005 * np.random.default_rng(1).standard_normal(axis.shape)
-    table = np.column_stack([t, axis / np.linalg.norm(axis, axis=1)[:, None]])
+    table = {"t [s]": t, AXIS: axis / np.linalg.norm(axis, axis=1)[:, None]}
     for name in ("MINE", "mine", "FILM", "film", "dt=1e-3", "dt=5e-4", "dt=2.5e-4"):
-        np.savetxt(
-            place / f"{name}.csv",
-            table,
-            delimiter=",",
-            header="t [s],axis_x,axis_y,axis_z",
-            comments="",
-        )
+        written(place / f"{name}.csv", table)
     made = benchmark.export(place / "exported", ["joint"])
     (reference,) = (path for path in made if path.name == "reference.csv")
     for name in ("ENGINE", "OUT"):

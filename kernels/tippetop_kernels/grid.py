@@ -1,5 +1,13 @@
 """Minima over a grid of points, row by row on all threads, with neighbouring points in SIMD lanes.
 
+The functions of a problem go in (see `minimise`); kernels come out that fill arrays of the caller.
+
+Symbols
+    xs, ys    coordinates of the points; prepare(x, y, r): the record p of one; r: record of all
+    q, F      place and value of the minimum; status: a `minimise.Status`; last: size of a step
+    several   whether a function can have two minima
+    b, inertia   a body, and the factor of the square of the speed, for periods
+
 Each step of the iteration is a separate loop over a row of points, because a short chain of
 dependent operations keeps the processor busier than a long one.
 """
@@ -73,6 +81,7 @@ def minima(prepare, guess, slopes, slope, value, reaches_pole):
 
     @entry
     def minima(several, xs, ys, r, F, q, status):
+        """Fill F, q and status (xs, ys) with the minimum at each point of the grid."""
         last = np.empty(ys.size)
         for i in range(xs.size):
             row(several, xs[i], ys, r, F[i], q[i], status[i], last)
@@ -99,6 +108,7 @@ def gradients(prepare, gradient):
 
     @entry
     def gradients(xs, ys, r, q, by_x, by_y):
+        """Fill by_x and by_y (xs, ys) with the derivatives of the minimum at each point."""
         for i in range(xs.size):
             for j in range(ys.size):
                 by_x[i, j], by_y[i, j] = gradient(q[i, j], prepare(xs[i], ys[j], r), r)

@@ -1,4 +1,11 @@
-"""Crossings of a level by a function of q > 0 around its minimum, and the swing between."""
+"""Crossings of a level by a function of q > 0 around its minimum, and the swing between.
+
+Functions and records of a problem go in, as in `minimise`; `grid.turnings` calls the kernels at
+each point.
+
+Symbols
+    q         > 0, the variable; at: (p, level), a point and a level; r, b: records of all points
+"""
 
 from enum import IntEnum
 

@@ -19,7 +19,12 @@
    change it (-ffp-contract=off, no -ffast-math).
 
    Loops over lanes write to local arrays first: the compiler then knows that they do not overlap
-   with what is read, and uses vectors. */
+   with what is read, and uses vectors.
+
+   Names: l, the arrays of one integrator (`Loop`); lane, a place in it, and top, the run there;
+   e, event, the number of an event, f its function; p, n, the ascending coefficients of a polynomial
+   and their number, x its variable, the time since the start of the step over h; t, the internal
+   time where a step of length h starts; j, the jumps of a system; c, a program of one of them. */
 
 #include <math.h>
 #include <stdbool.h>
@@ -80,10 +85,12 @@ typedef struct {
     bool watched, ranged; /* whether its zeros are searched, and its extremes */
 } Event;
 
+/* A number that an event keeps: FIRST, LAST or COUNT, of passages in this direction. */
 typedef struct {
     integer what, direction;
 } Number;
 
+/* The counters of a run, see `engine.tallies`, which has the meaning of each. */
 typedef struct {
     integer status;
     real t;
@@ -102,6 +109,7 @@ typedef struct {
     real sign, on_zero, low, high, extremes[2], times[2];
 } Function;
 
+/* A row of the log: a zero of an event function. */
 typedef struct {
     real time;
     integer event, sign, phase, lane;
@@ -155,6 +163,7 @@ typedef struct {
     integer rows_at_steps, row_count;
 } Loop;
 
+/* Copy n numbers that lie `stride` apart to others that lie `to_stride` apart. */
 static void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
     for (integer i = 0; i < n; i++)
         to[i * to_stride] = from[i * stride];
@@ -162,6 +171,7 @@ static void copy(integer n, const real *from, integer stride, real *to, integer 
 
 /* --- polynomials on [0, 1], ascending coefficients --- */
 
+/* p(x). */
 static real value_at(const real *p, integer n, real x) {
     real sum = 0;
     for (integer k = n - 1; k >= 0; k--)
@@ -312,10 +322,12 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 
 /* --- bounds of the event functions over a step, in all lanes --- */
 
+/* The counters of the top in a lane. */
 static Tally *tally_of(const Loop *l, integer lane) {
     return l->tallies + l->slots[lane];
 }
 
+/* The state of an event function of the top in a lane. */
 static Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->tops + l->slots[lane];
 }
@@ -372,6 +384,7 @@ static integer roots(const Tally *tally, const Function *f) {
     return tally->steps == 0 && f->on_zero < 0 ? -(integer)f->on_zero : 0;
 }
 
+/* Whether the bounds of a function show that it has no zero in the step. */
 static bool keeps_sign(const Tally *tally, const Function *f) {
     return roots(tally, f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
 }
@@ -425,6 +438,7 @@ static integer count_turning(Tally *tally, real noise_floor, integer sign, real 
     return (confirmed ? CONFIRMS : 0) + (waits ? WAITS : 0);
 }
 
+/* theta of an axis (ux, uy, uz) of any length. */
 static real theta_of(const real *axis) {
     return atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]);
 }
@@ -447,18 +461,39 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     return theta_of(u);
 }
 
-/* Keep the numbers `first` to `last` of an event that happens. */
-void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
-    for (integer m = first; m < last; m++) {
+/* Keep the numbers of an event of the top in a slot, and log it. */
+static void keep(const Loop *l, const Event *event, integer slot, const Passage *row) {
+    for (integer m = event->first; m < event->last; m++) {
         const Number *number = l->numbers + m;
-        real *kept = l->kept + m * l->tops + l->slots[lane];
-        if ((real)number->direction * sign < 0)
+        real *kept = l->kept + m * l->tops + slot;
+        if (number->direction * row->sign < 0)
             continue;
         if (number->what == COUNT)
             *kept += 1;
         else if (number->what == LAST || isnan(*kept))
-            *kept = when;
+            *kept = row->time;
     }
+    if (l->logged[0] < l->log_room)
+        l->passages[l->logged[0]++] = *row;
+}
+
+/* Whether turnings are counted here; of a single run the caller counts them in the log. */
+static bool counts_turnings(const Loop *l, const Event *event) {
+    return event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1);
+}
+
+/* Note event number `e` of the top in a slot, which no step has found, in a state. */
+void loop_note(const Loop *l, const Event *event, integer e, integer slot, integer sign,
+               integer phase, real when, const real *state) {
+    Tally *tally = l->tallies + slot;
+    const integer *rows = l->axis_rows;
+    if (event->lasting)
+        tally->lasts_since = when;
+    if (counts_turnings(l, event)) {
+        real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
+        count_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
+    }
+    keep(l, event, slot, &(Passage){when, e, sign, phase, 0, false});
 }
 
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
@@ -475,15 +510,12 @@ static void log_passage(const Loop *l, integer e, integer lane, real t, real h, 
     if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
-        if (l->log_room == 0 || l->lanes > 1) /* of a run the caller counts them in the log */
+        if (counts_turnings(l, event))
             count_turning(tally, l->noise_floor, turn, theta);
     }
-    if ((real)event->direction * sign < 0)
-        return;
-    loop_keep(l, event->first, event->last, lane, when, sign);
-    if (l->logged[0] < l->log_room)
-        l->passages[l->logged[0]++] =
-            (Passage){when, e, (integer)sign, l->in_lane[lane], lane, at_pole};
+    Passage row = {when, e, (integer)sign, l->in_lane[lane], lane, at_pole};
+    if ((real)event->direction * sign >= 0)
+        keep(l, event, l->slots[lane], &row);
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -803,15 +835,15 @@ enum {
 
 /* The program of a jump. Registers begin with the inputs: the numbers of the body, the
    time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time
-   that it lasts, the time that the change takes, event functions in that time, and the numbers of
-   tables. */
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`); from
+   `after` on, the time that it lasts, the time that the change takes, event functions in that time,
+   and the numbers of tables. */
 typedef struct Program {
     const Line *lines;
     real *registers;
     const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
     const struct Program *other; /* to be tried next, if a comparison is not as expected */
-    integer length, result, out, next, number, logged, passed, ranged;
+    integer length, result, out, after, next, number, logged, passed, ranged;
 } Program;
 
 /* Points of time in a change at which event functions are known, its ends included. */
@@ -834,6 +866,7 @@ typedef struct {
     integer stops_by, phase, event, steps, waits, short_phases;
 } Top;
 
+/* A run of several phases, for `loop_run`: see `engine.jump_programs`. */
 typedef struct {
     Jumps jumps;
     Top *top;
@@ -841,29 +874,38 @@ typedef struct {
     integer most;
 } Phases;
 
-/* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
-static void begin_motion(const Loop *l, real when, real end, const real *start) {
-    Tally *tally = l->tallies;
-    for (integer e = 0; e < l->events; e++) {
-        function(l, e, 0)->sign = start[e];
-        function(l, e, 0)->on_zero = start[l->events + e];
+/* Begin a phase or a motion: signs and zeros of its event functions. Its state follows them. */
+static const real *begin_functions(const Loop *l, integer lane, const real *start) {
+    Tally *tally = tally_of(l, lane);
+    integer events = l->events;
+    for (integer e = 0; e < events; e++) {
+        function(l, e, lane)->sign = start[e];
+        function(l, e, lane)->on_zero = start[events + e];
     }
-    copy(l->variables, start + 2 * l->events, 1, l->state, 1);
-    l->high[0] = when;
-    l->low[0] = 0;
-    l->end[0] = end;
-    tally->status = end > when ? RUNNING : FINISHED;
-    tally->t = when;
-    tally->upto = 1;
     tally->steps = tally->tiny = 0;
+    return start + 2 * events;
+}
+
+/* Begin steps in a lane at a time (high + low) in a state. */
+static void begin_lane(const Loop *l, integer lane, real high, real low, real end,
+                       const real *state) {
+    Tally *tally = tally_of(l, lane);
+    copy(l->variables, state, 1, l->state + lane, l->lanes);
+    l->high[lane] = high;
+    l->low[lane] = low;
+    l->end[lane] = end;
+    tally->status = end > high ? RUNNING : FINISHED;
+    tally->upto = 1;
+    tally->t = high;
 }
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and
    zeros of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Tally *tally = l->tallies;
-    begin_motion(l, 0, in[0], in + 2);
-    copy(l->parameters, in + 2 + 2 * l->events + l->variables, 1, l->pars, 1);
+    const real *state = begin_functions(l, 0, in + 2);
+    begin_lane(l, 0, 0, 0, in[0], state);
+    copy(l->parameters, state + l->variables, 1, l->pars, 1);
     l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
@@ -915,62 +957,65 @@ static bool execute(const Program *c, const Loop *const *loops) {
     return true;
 }
 
-/* Where the numbers of a change that follow the state of the next phase begin: the time that this
-   one lasts, and the time that the change takes. */
-static const real *numbers_after_state(const Program *c, const Loop *const *loops) {
-    return c->registers + c->out + 2 * loops[c->next]->events + loops[c->next]->variables;
+/* Execute lines of arithmetic on n columns of 80-bit numbers; `first` is the register of the first
+   line's result. */
+void loop_columns(integer length, integer first, integer n, const Line *line, long double *r) {
+    for (long double *to = r + first * n; length > 0; length--, line++)
+        for (integer i = 0; i < n; i++, to++) {
+            long double a = r[line->a * n + i], b = r[line->b * n + i];
+            switch (line->what) {
+            case ADD: *to = a + b; break;
+            case SUBTRACT: *to = a - b; break;
+            case MULTIPLY: *to = a * b; break;
+            case DIVIDE: *to = a / b; break;
+            case POWER: *to = powl(a, b); break;
+            case NEGATIVE: *to = -a; break;
+            case SQRT: *to = sqrtl(a); break;
+            case ABSOLUTE: *to = fabsl(a); break;
+            case MAXIMUM: *to = MAX(a, b); break;
+            case EXP: *to = expl(a); break;
+            case LOG: *to = logl(a); break;
+            case ARCTAN2: *to = atan2l(a, b); break;
+            case SIN: *to = sinl(a); break;
+            case COS: *to = cosl(a); break;
+            }
+        }
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
                                     const real *body, const real *state) {
-    integer events = l->events, n = l->variables, numbers = j->numbers;
-    integer inputs = numbers + 2 + events + n;
-    const Program *first = j->programs[t->phase * (events + 1) + t->event], *c = first;
-    if (first == NULL)
-        return NULL;
-    real *r = first->registers, finite = 0;
-    memcpy(r, body, numbers * sizeof(real));
-    r[numbers] = t->high;
-    r[numbers + 1] = t->end - t->high;
-    for (integer e = 0; e < events; e++)
-        r[numbers + 2 + e] = function(l, e, lane)->sign;
-    copy(n, state, 1, r + numbers + 2 + events, 1);
-    while (c != NULL && !execute(c, j->loops)) {
-        c = c->other;
-        if (c != NULL)
-            memcpy(c->registers, r, inputs * sizeof(real));
+    integer events = l->events, numbers = j->numbers;
+    const Program *c = j->programs[t->phase * (events + 1) + t->event];
+    for (; c != NULL; c = c->other) {
+        real *r = c->registers;
+        memcpy(r, body, numbers * sizeof(real));
+        r[numbers] = t->high;
+        r[numbers + 1] = t->end - t->high;
+        for (integer e = 0; e < events; e++)
+            r[numbers + 2 + e] = function(l, e, lane)->sign;
+        copy(l->variables, state, 1, r + numbers + 2 + events, 1);
+        if (execute(c, j->loops))
+            break;
     }
     if (c == NULL)
         return NULL;
-    const real *end = numbers_after_state(c, j->loops);
-    for (const real *number = c->registers + c->out; number < end; number++)
-        finite += 0.0 * *number;
-    return finite == 0 && end[1] >= 0 ? c : NULL;
+    real finite = 0;
+    for (integer k = c->out; k < c->after; k++)
+        finite += 0.0 * c->registers[k];
+    return finite == 0 && c->registers[c->after + 1] >= 0 ? c : NULL;
 }
 
-/* Log what a change from a state logs, and what happens in it until `time`. */
+/* Note what a change from a state logs, and what happens in it until `time`. */
 static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
                         real when, real time, const real *state, const real *ranges) {
-    Tally *tally = tally_of(l, lane);
     const real *signs = c->registers + c->out;
-    const integer *rows = l->axis_rows;
     for (integer k = 0; k < c->logged + c->passed; k++) {
         integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
-        const Event *event = events + e;
-        loop_keep(l, event->first, event->last, lane, when, (real)sign);
-        if (event->lasting)
-            tally->lasts_since = when;
-        if (event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1)) {
-            real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
-            count_turning(tally, l->noise_floor, event->sense * sign, theta_of(axis));
-        }
-        if (l->logged[0] < l->log_room) {
-            integer at = l->logged[0]++;
-            l->passages[at] = (Passage){when, e, sign, l->in_lane[lane], lane, false};
-            copy(l->variables, state, 1, l->logged_states + at * l->width, 1);
-        }
+        if (l->log_room > 0)
+            copy(l->variables, state, 1, l->logged_states + l->logged[0] * l->width, 1);
+        loop_note(l, events + e, e, l->slots[lane], sign, l->in_lane[lane], when, state);
     }
     for (integer k = 0; k < c->ranged; k++, ranges += POINTS) {
         integer e = c->events[c->logged + c->passed + k];
@@ -986,8 +1031,8 @@ static void note_change(const Loop *l, integer lane, const Event *events, const 
     }
 }
 
-/* Change the phase of the top in a lane in the state where the phase ended. Return what the next
-   phase begins with (see `begin_motion`); NULL if the caller must change it. */
+/* Change the phase of the top in a lane in the state where the phase ended. Return the state in
+   which the next phase begins; NULL if the caller must change it. */
 static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *body,
                           const real *state) {
     bool lasts = t->until > t->began;
@@ -996,7 +1041,7 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     const Program *c = execute_first(j, t, l, lane, body, state);
     if (c == NULL)
         return NULL;
-    const real *more = numbers_after_state(c, j->loops), *ranges = more + 2;
+    const real *more = c->registers + c->after, *ranges = more + 2;
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
@@ -1014,31 +1059,44 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     t->until = t->stop = MIN(t->end, time + more[0]);
     t->stops_by = l->events;
     t->short_phases = lasts ? 0 : t->short_phases;
-    return c->registers + c->out;
+    return begin_functions(l, lane, c->registers + c->out);
 }
 
 /* A phase ends in this last part of a run only where the run does. */
 static const real AT_END = 0x1p-50;
 
+/* Take the time of a top, and the event by which its phase ends, from its lane. Return whether the
+   phase ends. */
+static bool ends_phase(Top *t, const Loop *l, integer lane) {
+    const Tally *tally = tally_of(l, lane);
+    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
+    bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
+    t->high = goes_on ? l->high[lane] : tally->t;
+    t->low = goes_on ? l->low[lane] : 0;
+    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
+    return within || by_clock;
+}
+
+static bool is_at_end(const Top *t) {
+    return t->end - t->high <= AT_END * t->end;
+}
+
 /* Change the phase of a run where it has ended. Return false if the caller must do it. */
 static bool change_phase(Phases *p) {
     Top *t = p->top;
     const Loop *l = p->jumps.loops[t->phase];
-    const Tally *tally = l->tallies;
-    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->until < t->end;
+    bool within = l->tallies->upto < 1;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
-    t->high = tally->t;
-    if (!(within || by_clock) || full || t->end - t->high <= AT_END * t->end)
+    if (!ends_phase(t, l, 0) || full || is_at_end(t))
         return false;
     integer last = l->logged[0] -= within;
-    t->event = within ? l->passages[last].event : t->stops_by;
     const real *state = within ? l->logged_states + last * l->width : l->state;
-    const real *start = change(&p->jumps, t, l, 0, p->body, state);
-    if (start == NULL) {
+    state = change(&p->jumps, t, l, 0, p->body, state);
+    if (state == NULL) {
         l->logged[0] += within;
         return false;
     }
-    begin_motion(p->jumps.loops[t->phase], t->high, t->until, start);
+    begin_lane(p->jumps.loops[t->phase], 0, t->high, 0, t->until, state);
     return true;
 }
 
@@ -1072,8 +1130,9 @@ typedef struct {
     Top *tops;       /* (room,), as all that follows */
     real *states;    /* (room, width) */
     const real *bodies; /* (room, numbers) */
-    integer *called, *calls; /* tops that wait for the caller, or for nothing; how many */
-    integer phases, room, width, possible;
+    integer *called; /* tops that wait for the caller, or for nothing */
+    integer phases, room, width;
+    integer calls, possible; /* how many these are; steps of lanes that were possible */
 } Pools;
 
 /* Let a top wait for a lane of its phase. */
@@ -1084,62 +1143,47 @@ void loop_push(Pools *p, integer top) {
     p->tops[top].waits = A_LANE;
 }
 
-/* Take the first top out of the queue of a phase. */
-static integer pop(const Pools *p, integer phase) {
-    Pool *pool = p->pools + phase;
-    integer top = p->queues[phase * p->room + pool->first];
-    pool->first = (pool->first + 1) % p->room;
-    pool->count--;
-    return top;
-}
-
 /* Put the next top of a queue into a lane. */
 static void enter_lane(const Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
-    integer top = pop(p, phase), n = l->lanes;
+    integer top = p->queues[phase * p->room + pool->first], n = l->lanes;
     const Top *t = p->tops + top;
     const real *body = p->bodies + top * p->jumps.numbers;
+    pool->first = (pool->first + 1) % p->room;
+    pool->count--;
     pool->occupied++;
     l->slots[lane] = top;
-    copy(l->variables, p->states + top * p->width, 1, l->state + lane, n);
     for (integer k = 0; k < l->parameters; k++)
         l->pars[k * n + lane] = body[pool->parameters[k]];
     l->in_lane[lane] = top * p->phases + phase;
     l->steps_before[lane] = t->steps;
-    l->high[lane] = t->high;
-    l->low[lane] = t->low;
-    l->end[lane] = t->stop;
-    Tally *tally = tally_of(l, lane);
-    tally->status = t->stop > t->high ? RUNNING : FINISHED;
-    tally->upto = 1;
-    tally->t = t->high;
-}
-
-/* Whether tops only begin in a phase: in the last one, if there are several. */
-static bool is_start(const Pools *p, integer phase) {
-    return p->phases > 1 && phase == p->phases - 1;
+    begin_lane(l, lane, t->high, t->low, t->stop, p->states + top * p->width);
 }
 
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
 static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
     Top *t = p->tops + top;
-    integer events = l->events;
-    bool starts = is_start(p, t->phase);
-    real when = t->high, *state = p->states + top * p->width;
+    real *state = p->states + top * p->width;
     const real *body = p->bodies + top * p->jumps.numbers;
-    const real *start = change(&p->jumps, t, l, lane, body, state);
-    if (start == NULL)
+    const real *next = change(&p->jumps, t, l, lane, body, state);
+    if (next == NULL)
         return false;
-    for (integer e = 0; e < events; e++) {
-        Function *f = function(l, e, lane);
+    copy(p->jumps.loops[t->phase]->variables, next, 1, state, 1);
+    return true;
+}
+
+/* Begin the first phase of a top, whose jump is noted by a loop. Return whether a program could. */
+bool loop_start(Pools *p, const Loop *l, integer top) {
+    l->slots[0] = top;
+    if (!change_top(p, l, 0, top))
+        return false;
+    for (integer e = 0; e < l->events; e++) {
         const Event *event = p->jumps.events + e;
-        f->sign = start[e];
-        f->on_zero = start[events + e];
-        if (starts && event->lasting && f->sign == (real)event->direction)
-            tally_of(l, lane)->lasts_since = when;
+        if (event->lasting && function(l, e, 0)->sign == (real)event->direction)
+            tally_of(l, 0)->lasts_since = 0;
     }
-    copy(p->jumps.loops[t->phase]->variables, start + 2 * events, 1, state, 1);
+    loop_push(p, top);
     return true;
 }
 
@@ -1147,44 +1191,39 @@ static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
-    integer top = l->slots[lane], n = l->lanes;
+    integer top = l->slots[lane];
     Top *t = p->tops + top;
     Tally *tally = tally_of(l, lane);
-    real *state = p->states + top * p->width;
-    bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
+    bool within = tally->upto < 1, ends = ends_phase(t, l, lane);
     if (within)
         state_at(l, lane, tally->t, l->out);
-    copy(l->variables, (within ? l->out : l->state) + lane, n, state, 1);
-    bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
-    t->high = goes_on ? l->high[lane] : tally->t;
-    t->low = goes_on ? l->low[lane] : 0;
-    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
+    copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, p->states + top * p->width, 1);
     t->waits = NOTHING;
-    if ((within || by_clock) && t->end - t->high <= AT_END * t->end) {
+    if (ends && is_at_end(t)) {
         tally->status = FINISHED;
         tally->t = t->end;
-    } else if (within || by_clock || tally->status == STALLED) {
+    } else if (ends || tally->status == STALLED) {
         t->steps += tally->steps;
         tally->steps = 0;
         bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
         bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
         t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
-    } else if (goes_on)
-        t->waits = tally->status == SETTLED ? A_LOOK : AN_END;
+    } else if (tally->status == SETTLED)
+        t->waits = A_LOOK;
+    else if (tally->status == RUNNING)
+        t->waits = AN_END;
     l->in_lane[lane] = -1;
     l->slots[lane] = p->room;
     pool->occupied--;
     if (t->waits == A_LANE)
         loop_push(p, top);
     else
-        p->called[(*p->calls)++] = top;
+        p->called[p->calls++] = top;
 }
 
-/* Return the phase in which tops begin, or else the one in which most tops are; -1 without a top. */
+/* Return the phase in which most tops are; -1 without a top. */
 static integer fullest(const Pools *p) {
-    integer best = -1, most = 0, last = p->phases - 1;
-    if (is_start(p, last) && p->pools[last].count > 0)
-        return last;
+    integer best = -1, most = 0;
     for (integer k = 0; k < p->phases; k++) {
         integer count = p->pools[k].count + p->pools[k].occupied;
         if (count > most) {
@@ -1195,15 +1234,15 @@ static integer fullest(const Pools *p) {
     return best;
 }
 
-/* Begin tops, and make at most `most` steps of lanes, in one phase after another, until a top waits
-   for the caller. Return their number. */
+/* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
+   Return their number. */
 integer loop_pools(Pools *p, integer most) {
     integer steps = 0, phase = fullest(p);
-    while (phase >= 0 && (steps < most || is_start(p, phase)) && *p->calls == 0) {
+    while (phase >= 0 && steps < most && p->calls == 0) {
         Pool *pool = p->pools + phase;
         const Loop *l = pool->loop;
         for (integer lane = 0; lane < l->lanes; lane++)
-            while (l->in_lane[lane] < 0 && pool->count > 0 && *p->calls == 0) {
+            while (l->in_lane[lane] < 0 && pool->count > 0 && p->calls == 0) {
                 enter_lane(p, phase, lane);
                 if (tally_of(l, lane)->status != RUNNING) /* a phase that ends where it begins */
                     leave_lane(p, phase, lane);

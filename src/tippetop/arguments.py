@@ -1,4 +1,8 @@
-"""Arguments of the library, checked one by one: a fault is one sentence that names the argument."""
+"""Arguments of the library, checked one by one: a fault is one sentence that names the argument.
+
+Each function takes the `name` of an argument, for messages, and what the caller gave for it; it
+returns the checked value or raises InputError.
+"""
 
 import contextlib
 import functools
@@ -211,6 +215,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
+            """Call the function; a keyword that it does not have is an InputError."""
             hint = IN_TABLES if "start" in signature.parameters else ""
             refuse_unknown(function.__name__, named, signature.parameters, hint)
             return function(*arguments, **named)

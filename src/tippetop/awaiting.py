@@ -1,4 +1,7 @@
-"""Long work that cannot be interrupted, such as a compilation: done in a thread."""
+"""Long work that cannot be interrupted, such as a compilation: done in a thread.
+
+`engine.integrator` compiles by it, and `derivatives.through` integrates.
+"""
 
 from __future__ import annotations
 
@@ -48,6 +51,7 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     result = Future[Result]()
 
     def done() -> None:
+        """Do the work, and keep its result or its exception."""
         try:
             result.set_result(context.run(work))
         except BaseException as error:

@@ -1,4 +1,8 @@
-"""Named columns in SI units, as the store and a Dataset keep them."""
+"""Named columns in SI units, as the store and a Dataset keep them.
+
+`engine.observables` and `runs` make `Column`s; `runs.attributes` makes Datasets of them. Functions
+on Datasets read columns of codes (`flag_values`) and prepare tables for other formats.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import contextlib
 import json
 import re
 import unicodedata
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -110,6 +114,12 @@ def flagged(flags: Any, name: str) -> np.ndarray:
 def significant_turnings(events: Any) -> np.ndarray:
     """Select the significant turnings of a table of events, (rows,) of bool."""
     return flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
+
+
+def counted(numbers: np.ndarray, words: Sequence[str]) -> dict[str, int]:
+    """Return how often each word occurs in flags, by their numbers; words that occur only."""
+    counts = np.bincount(numbers, minlength=len(words)).tolist()
+    return {word: n for word, n in zip(words, counts, strict=True) if n}
 
 
 def flag_words(flags: Any) -> np.ndarray:

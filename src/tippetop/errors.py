@@ -1,4 +1,7 @@
-"""Errors that the user can mend, and warnings: each is one or more sentences."""
+"""Errors that the user can mend, and warnings: each is one or more sentences.
+
+`cli.outcome` prints them with an exit code; the library raises them.
+"""
 
 from __future__ import annotations
 
@@ -117,6 +120,7 @@ def missing_extra(error: ImportError) -> str | None:
 
 
 def _missing(name: str) -> str:
+    """Return a sentence on a package that is required but not installed."""
     extra = EXTRAS[name]
     return (
         f"{name} is required, but not installed: pip install 'tippetop[{extra}]', "
@@ -179,7 +183,7 @@ def warn(sentences: Iterable[str], level: int) -> None:
 
 
 def _leaves(record: Any) -> Iterable[Any]:
-    """Yield the fields of arguments that are not records."""
+    """Yield the numbers of arguments that are records of records."""
     for field in record:
         yield from _leaves(field) if isinstance(field, tuple) else (field,)
 
@@ -200,6 +204,7 @@ def is_one_number(value: Any, arguments: tuple = (0.0,)) -> bool:
 
 
 def _is_complex(value: Any) -> bool:
+    """Return whether a value is a complex number or an array of them."""
     return isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c"
 
 

@@ -1,4 +1,7 @@
-"""A progress bar: how much is done, and the time that is left."""
+"""A progress bar: how much is done, and the time that is left.
+
+Calls that take long pass `update(done, of)` of a bar down as their progress callback.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The times of stored rows: listed ones, or an even grid that is never whole in memory."""
+"""The times of stored rows: listed ones, or an even grid that is never whole in memory.
+
+`RunOptions.rows` makes one of them; `runs.integration` takes the times of rows from it.
+"""
 
 import math
 from dataclasses import dataclass

@@ -94,7 +94,7 @@ def damage(data: st.DataObject, store: Path, elsewhere: Path) -> None:
             place.symlink_to(data.draw(st.sampled_from(targets)))
 
 
-@settings(max_examples=800, deadline=None, suppress_health_check=[*HealthCheck])
+@settings(max_examples=100, deadline=None, suppress_health_check=[*HealthCheck])
 @given(data=st.data())
 def test_a_damaged_store_is_refused_or_gives_the_same(stores: Path, data: st.DataObject) -> None:
     kind = data.draw(st.sampled_from(["run", "sweep", "surface"]))

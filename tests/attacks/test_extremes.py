@@ -87,7 +87,7 @@ def compare(mine: Solution, wide: Solution, near: list[Solution]) -> None:
         assert np.all(np.abs(one - other) <= size * (1e-12 + 100 * drift) + growth * spread)
 
 
-@settings(max_examples=400, deadline=None, suppress_health_check=[*HealthCheck])
+@settings(max_examples=60, deadline=None, suppress_health_check=[*HealthCheck])
 @given(problems(), st.data())
 def test_a_motion_does_not_depend_on_form_and_precision(
     problem: Problem, data: st.DataObject

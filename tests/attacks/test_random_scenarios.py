@@ -120,7 +120,7 @@ def assert_sound(found: dict[str, Any], checked: dict[str, Any], code: int) -> N
 
 
 @pytest.mark.slow
-@settings(max_examples=1500, deadline=None, suppress_health_check=CHECKS)
+@settings(max_examples=200, deadline=None, suppress_health_check=CHECKS)
 @given(contents(sorted(SYSTEMS)))
 def test_random_scenarios_of_every_system(content: bytes) -> None:
     judge(content)

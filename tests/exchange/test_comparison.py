@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import CANONICAL, turned
+from measured import written
 from typed import typed
 
 import tippetop as tt
@@ -34,12 +35,6 @@ SCENARIO = {
 @pytest.fixture(scope="module")
 def run() -> tt.Run:
     return tt.run(SCENARIO, output_step=0.005)
-
-
-def written(path: Path, columns: dict[str, np.ndarray]) -> Path:
-    table = np.column_stack(list(columns.values()))
-    np.savetxt(path, table, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
-    return path
 
 
 def columns(run: tt.Run, turn: float = 0.0) -> dict[str, np.ndarray]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measured import AXIS, written
 from nightly import at_night
 
 import tippetop as tt
@@ -73,8 +74,7 @@ def test_noise_explains_angles_beyond_the_poles(
     path = film(tmp_path, "0,179", "0.1,-0.6", "0.2,182.14", "0.3,180.5")
 
     def observed() -> measurements.Observation:
-        scenario, convention = tt.load("inverting"), measurements.Convention()
-        return measurements.observation_of(scenario, path, ["friction.mu"], convention, None, noise)
+        return measurements.observed(path, tt.load("inverting"), ["friction.mu"], noise=noise)
 
     if words:
         with pytest.raises(InputError, match=words):
@@ -89,21 +89,13 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
 ) -> None:
     path = film(tmp_path, *(f"{first + k},5" for k in range(3)))
     free = ["time.offset"]
-    assert measurements.observation_of(
-        tt.load("inverting"), path, free, measurements.Convention(), None
-    ).start() == {"time.offset": offset}
-
-
-def table(folder: Path, header: str, *columns: np.ndarray) -> Path:
-    """Write a table with gaps where numbers are NaN."""
-    path = folder / "table.csv"
-    np.savetxt(path, np.column_stack(columns), "%.17g", ",", header=header, comments="")
-    return path
+    observation = measurements.observed(path, tt.load("inverting"), free)
+    assert observation.start() == {"time.offset": offset}
 
 
 ATTITUDES = {  # columns that a row may lack, and the measurement that they make of it
     "phi [rad]": "axis",
-    "axis_x,axis_y,axis_z": "axis",
+    AXIS: "axis",
     "q_w,q_x,q_y,q_z": "orientation",
 }
 
@@ -116,17 +108,20 @@ def test_theta_counts_in_every_row_that_lacks_a_fuller_attitude(head: str, tmp_p
     whole = {"phi": rows.phi, "axis": rows.axis, "orientation": rows.orientation}
     name = "phi" if head == "phi [rad]" else ATTITUDES[head]
     fuller = np.where(np.arange(11)[:, None] % 5 == 0, whole[name].values.reshape(11, -1), np.nan)
-    theta, header = rows.theta.values, f"t [s],theta [rad],{head}"
+    theta = rows.theta.values
+    path = tmp_path / "table.csv"
     free = ["initial.omega3"]
     how = {"within": 0.05, "systematic": False}
-    right = tt.fit(table(tmp_path, header, t, theta, *fuller.T), "heavy-top", free, **how)
+    written(path, {"t [s]": t, "theta [rad]": theta, head: fuller})
+    right = tt.fit(path, "heavy-top", free, **how)
     assert right.trustworthy, right.reason
     assert f"rows used: {ATTITUDES[head]} 3, theta 8 of 11" in str(right)
     kinds = {kind: np.isfinite(off).all(axis=1).sum() for kind, off in right.residuals.items()}
     assert right.to_dict()["rows_used"] == kinds == {ATTITUDES[head]: 3, "theta": 8}
     theta = np.where(np.arange(11) % 5 == 0, theta, theta + 0.01 * (-1) ** np.arange(11))
     how |= {"noise": "0.1 deg", "starts": 1}
-    wrong = tt.fit(table(tmp_path, header, t, theta, *fuller.T), "heavy-top", free, **how)
+    written(path, {"t [s]": t, "theta [rad]": theta, head: fuller})
+    wrong = tt.fit(path, "heavy-top", free, **how)
     assert "the residuals of theta are larger than the stated noise" in wrong.reason
 
 
@@ -138,10 +133,17 @@ def test_a_cell_counts_where_its_neighbour_is_missing(
 ) -> None:
     t = np.arange(9) / 100
     rows = tt.run("inverting", until=t[-1], output_times=t).trajectory
-    first, second = (rows[name.partition(" ")[0]].values.copy() for name in header.split(","))
-    first[3:], second[:2] = np.nan, np.nan
-    film = table(tmp_path, f"t [s],{header},omega3 [rad/s]", t, first, second, rows.omega3)
-    found = tt.fit(film, "inverting", "friction.mu", starts=1, within=0.05, systematic=False)
+    both = np.stack([rows[name.partition(" ")[0]] for name in header.split(",")], axis=1)
+    both[3:, 0], both[:2, 1] = np.nan, np.nan
+    columns = {"t [s]": t, header: both, "omega3 [rad/s]": rows.omega3}
+    found = tt.fit(
+        written(tmp_path / "table.csv", columns),
+        "inverting",
+        "friction.mu",
+        starts=1,
+        within=0.05,
+        systematic=False,
+    )
     off = found.residuals[kind]
     assert np.isfinite(off).sum() == {"place": 3 + 7, "phi": 6}[kind]
     assert np.nanmax(np.abs(off)) < 1e-12
@@ -149,7 +151,7 @@ def test_a_cell_counts_where_its_neighbour_is_missing(
 
 
 def test_parts_of_an_attitude_are_refused_with_their_time(tmp_path: Path) -> None:
-    t, gap = np.arange(4) / 10, np.nan
-    film = table(tmp_path, "t [s],axis_x,axis_y,axis_z", t, 0 * t, 0 * t, np.array([1, 1, gap, 1]))
+    axis = np.array([[0, 0, 1], [0, 0, 1], [0, 0, np.nan], [0, 0, 1]])
+    film = written(tmp_path / "table.csv", {"t [s]": np.arange(4) / 10, AXIS: axis})
     with pytest.raises(InputError, match=r"all 3 numbers of the axis .* are missing at 0\.2 s"):
         tt.fit(film, "heavy-top", "initial.omega3")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from measured import written
 from nightly import at_night
 
 import tippetop as tt
@@ -46,11 +47,9 @@ def film(path: Path, preset: str, changes: list[str], until: float) -> Path:
     t = np.linspace(0, until, 61)
     rows = tt.run(tt.load(preset, [*changes, f"run.output_times={t.tolist()}"], until)).trajectory
     random = np.random.default_rng(5)
-    table = [t, rows.theta + NOISE * random.standard_normal(61)]
-    table.append(rows.omega3 + 0.5 * random.standard_normal(61))
-    header = "t [s],theta [rad],omega3 [rad/s]"
-    np.savetxt(path, np.column_stack(table), delimiter=",", header=header, comments="")
-    return path
+    table = {"t [s]": t, "theta [rad]": rows.theta + NOISE * random.standard_normal(61)}
+    table["omega3 [rad/s]"] = rows.omega3 + 0.5 * random.standard_normal(61)
+    return written(path, table)
 
 
 @pytest.mark.parametrize(
@@ -80,9 +79,7 @@ def test_a_tilted_table_moves_a_fit_as_its_systematic_error_predicts(tmp_path: P
         rows = tt.run(
             tt.load("inverting", [*start, *around, f"run.output_times={t.tolist()}"], t[-1])
         ).trajectory
-        table = np.column_stack([t, rows.theta])
-        path = tmp_path / "film.csv"
-        np.savetxt(path, table, "%.17g", ",", header="t [s],theta [rad]", comments="")
+        path = written(tmp_path / "film.csv", {"t [s]": t, "theta [rad]": rows.theta})
         return tt.fit(path, tt.load("inverting", start), free, starts=1, within=0.01)
 
     tilt = np.deg2rad(0.001)
@@ -118,9 +115,7 @@ def test_a_film_of_a_top_in_air_is_not_explained_without_it(
     run = tt.load("inverting", [*start[:1], *blown, f"run.output_times={t.tolist()}"], t[-1])
     noise = np.deg2rad(1)
     theta = tt.run(run).trajectory.theta + noise * np.random.default_rng(seed).standard_normal(90)
-    path = tmp_path / "film.csv"
-    table = np.column_stack([t, theta])
-    np.savetxt(path, table, delimiter=",", header="t [s],theta [rad]", comments="")
+    path = written(tmp_path / "film.csv", {"t [s]": t, "theta [rad]": theta})
     free = ["friction.mu", "initial.omega3", "initial.theta", "parameters.I1"]
     found = tt.fit(path, tt.load("inverting", start), free, noise=noise, within=0.1)
     assert found.converged
@@ -190,9 +185,8 @@ def test_a_tilt_and_its_azimuth_are_found_from_a_level_plane(tmp_path: Path) -> 
     plane = {"tilt": 0.01, "azimuth": 2.5}
     rows = tt.run("inverting", plane=plane, until=0.3, output_times=t.tolist()).trajectory
     random = np.random.default_rng(5)
-    place = [rows[name] + 1e-4 * random.standard_normal(len(t)) for name in ("x", "y")]
-    table = np.column_stack([t, *place])
-    np.savetxt(tmp_path / "f.csv", table, delimiter=",", header="t [s],x [m],y [m]", comments="")
+    place = {f"{n} [m]": rows[n] + 1e-4 * random.standard_normal(len(t)) for n in ("x", "y")}
+    written(tmp_path / "f.csv", {"t [s]": t} | place)
     free = ["plane.tilt", "plane.azimuth"]
     level, how = tt.load("inverting", ["plane.tilt=0"]), {"within": 0.05, "systematic": False}
     fit = tt.fit(tmp_path / "f.csv", level, free, starts=1, **how)

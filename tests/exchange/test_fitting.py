@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from measured import AXIS, written
 from nightly import at_night
 from typed import typed
 
@@ -23,13 +24,6 @@ from tippetop.library.exchanging import Fitted
 TRUE = {"friction.mu": 0.3, "initial.omega3": 155.0, "initial.theta": 0.5}
 
 
-def write(path: Path, t: np.ndarray, axis: np.ndarray) -> Path:
-    """Write a table of times and axes."""
-    header = "t [s],axis_x,axis_y,axis_z"
-    np.savetxt(path, np.column_stack([t, axis]), delimiter=",", header=header, comments="")
-    return path
-
-
 @pytest.fixture(scope="module")
 def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The axis of the canonical top for 0.4 s: 40 rows, 0.3 degrees of noise, a fifth of them
@@ -41,7 +35,8 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
     seen = axis + np.cross(np.deg2rad(0.3) * random.standard_normal(axis.shape), axis)
     seen /= np.linalg.norm(seen, axis=1)[:, None]
     keep = random.random(len(t)) > 0.2
-    return write(tmp_path_factory.mktemp("film") / "film.csv", t[keep], seen[keep])
+    path = tmp_path_factory.mktemp("film") / "film.csv"
+    return written(path, {"t [s]": t[keep], AXIS: seen[keep]})
 
 
 NEAR = ["friction.mu=0.33", "initial.omega3=160.0", "initial.theta=0.48"]
@@ -80,10 +75,8 @@ def test_exact_data_give_the_numbers_to_rounding(columns: list[str], tmp_path: P
     t = np.arange(0, 0.6, 0.06)
     rows = tt.run("inverting", until=t[-1], output_times=t).trajectory
     heads = {"theta": "theta [rad]", "orientation": "q_w,q_x,q_y,q_z", "omega3": "omega3 [rad/s]"}
-    header = ",".join(["t [s]", *(heads.get(name, f"{name} [m]") for name in columns)])
-    table = np.column_stack([t, *(rows[name] for name in columns)])
-    np.savetxt(tmp_path / "R.csv", table, "%.17g", ",", header=header, comments="")
-    found = fitted(tmp_path / "R.csv", NEAR[:2], ["friction.mu", "initial.omega3"])
+    table = {"t [s]": t} | {heads.get(name, f"{name} [m]"): rows[name] for name in columns}
+    found = fitted(written(tmp_path / "R.csv", table), NEAR[:2], ["friction.mu", "initial.omega3"])
     for name, estimate in found.estimates.items():
         assert estimate.value == pytest.approx(TRUE[name], rel=1e-12)
         assert estimate.low <= TRUE[name] <= estimate.high
@@ -110,8 +103,8 @@ def test_outliers_hardly_move_a_fit_with_another_loss(
 ) -> None:
     rows = np.loadtxt(film, delimiter=",", skiprows=1)
     rows[5::9, 1:] = [0.0, 0.6, 0.8]
-    path = write(tmp_path / "outliers.csv", rows[:, 0], rows[:, 1:])
-    found = fitted(path, loss="cauchy")
+    path = tmp_path / "outliers.csv"
+    found = fitted(written(path, {"t [s]": rows[:, 0], AXIS: rows[:, 1:]}), loss="cauchy")
     for name, estimate in fit.estimates.items():
         assert found.estimates[name].value == pytest.approx(estimate.value, abs=4 * estimate.sigma)
 
@@ -131,7 +124,8 @@ def test_three_rows_of_noise_do_not_end_a_search(tmp_path: Path) -> None:
     noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal((len(t), 3))
     noise[:3] = np.deg2rad(1.0)
     axis = seen.axis.values + np.cross(noise, seen.axis.values)
-    path = write(tmp_path / "film.csv", t, axis / np.linalg.norm(axis, axis=1)[:, None])
+    axis /= np.linalg.norm(axis, axis=1)[:, None]
+    path = written(tmp_path / "film.csv", {"t [s]": t, AXIS: axis})
     found = fitted(path, ["initial.theta=0.5"], ["friction.mu"], starts=3, noise="0.3 deg")
     assert found.converged
 
@@ -153,7 +147,7 @@ def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_pat
         (len(t), 3)
     )
     seen = (seen / np.linalg.norm(seen, axis=1)[:, None])[60:]
-    path = write(tmp_path / "cut.csv", t[60:] - t[60], seen)
+    path = written(tmp_path / "cut.csv", {"t [s]": t[60:] - t[60], AXIS: seen})
     true = {"friction.mu": 0.27, "parameters.I1": 3.05e-6}
     for name in ("theta", "theta_dot", "phi", "phi_dot", "omega3", "nu_x", "nu_y"):
         true[f"initial.{name}"] = float(rows[name][60])

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measured import written
 
 import tippetop as tt
 from tippetop.errors import InputError
@@ -20,9 +21,7 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, np.ndarray]:
     rows = tt.run("inverting", start={"theta": 0.5}, until=0.6, output_times=t).trajectory
     noise = NOISE * np.random.default_rng(4).standard_normal(61)
     path = tmp_path_factory.mktemp("film") / "film.csv"
-    table = np.column_stack([t, rows.theta + noise])
-    np.savetxt(path, table, "%.17g", ",", header="t [s],theta [rad]", comments="")
-    return path, noise
+    return written(path, {"t [s]": t, "theta [rad]": rows.theta + noise}), noise
 
 
 def test_it_is_that_of_gaussian_noise(seen: tuple[Path, np.ndarray]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import tilted
 from limits import assert_below
+from measured import written
 from nightly import at_night
 from scipy.integrate import solve_ivp
 
@@ -88,10 +89,7 @@ def seen(axis: np.ndarray, azimuth: float, elevation: float) -> np.ndarray:
 
 def table(folder: Path, columns: dict[str, np.ndarray], *kinds: str) -> Path:
     chosen = {name: c for name, c in columns.items() if name.startswith(("t ", *kinds))}
-    path = folder / "film.csv"
-    header = ",".join(chosen)
-    np.savetxt(path, np.column_stack([*chosen.values()]), "%.17g", ",", header=header, comments="")
-    return path
+    return written(folder / "film.csv", chosen)
 
 
 @pytest.mark.parametrize(

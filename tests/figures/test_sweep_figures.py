@@ -63,7 +63,7 @@ def test_every_cell_has_the_colour_of_its_class() -> None:
 
 def test_labels_and_curves_of_a_small_map_are_within_it() -> None:
     """Many classes and borders, and a long label: the panel keeps half of the height."""
-    y = MapAxis(Y.key, "viscous friction coefficient of the law μ (s m⁻¹)", Y.edges, True)
+    y = MapAxis(Y.of, "viscous friction coefficient of the law μ (s m⁻¹)", Y.edges, True)
     slope = np.log(X.span / 120.0)[:, None] + 0 * Y.span
     borders = {f"λ = λ_{name}: an inverted spin is stable above": slope for name in "use"}
     field = np.arange(6.0).reshape(3, 2) + 1

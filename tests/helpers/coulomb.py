@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from tilted import cross
 
 
 class Ball(NamedTuple):
@@ -21,12 +22,6 @@ class Ball(NamedTuple):
     I3: float
     g: float
     mu: float = 0.0
-
-
-def cross(a: Any, b: Any) -> Any:
-    return np.array(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
 
 
 def turned(u: Any, L: Any, b: Any) -> Any:

@@ -2,9 +2,14 @@
 their siblings.
 """
 
+import os
 from typing import Any
 
 import pytest
+
+
+TONIGHT = int(os.environ.get("ATTACKS_SEED", "0"))
+"""The seed of the attacks of this night; 0 by day."""
 
 
 def at_night(*values: Any) -> Any:

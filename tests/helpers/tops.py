@@ -40,6 +40,7 @@ def bodies(draw: st.DrawFn, system: Any, scale: float) -> dict[str, float]:
     """Parameters of a ball or a bar whose size is within a factor `scale` of two centimetres."""
     m, R = (0.02 * draw(spread(1 / scale, scale)) for _ in "mR")
     I3 = m * R * R * draw(spread(0.2, 1.0))
+    I1 = I3 * draw(st.floats(0.55, 3.0))  # every body of revolution has I3 <= 2 I1
     alpha = draw(st.floats(0.02, 0.9))
     if "alpha" in system.parameters and system.parameters["alpha"].nonzero:
         alpha *= draw(st.sampled_from([-1, 1]))
@@ -50,11 +51,14 @@ def bodies(draw: st.DrawFn, system: Any, scale: float) -> dict[str, float]:
         "g": draw(st.just(9.82) | spread(9.82 / scale, 9.82 * scale)),
         "alpha": alpha,
         "I3": I3,
-        "I1": I3 * draw(st.floats(0.55, 3.0)),  # every body has I3 <= 2 I1
+        "I1": I1,
+        "I2": abs(I1 - I3) + 2 * min(I1, I3) * draw(st.floats(0.01, 0.99)),  # triangle inequality
         "I": m * R * R * draw(st.floats(0.2, 0.9)),
         "a": R * draw(spread(0.3, 3.0)),
         "b": R,
         "c": alpha * R,
+        "delta": draw(st.floats(-1.5, 1.5)),
+        **{name: R * draw(st.floats(-0.3, 0.3)) for name in "xyh"},
         "ring": R,
         "tube": R * draw(spread(0.01, 1.0)),
     }

@@ -2,11 +2,13 @@
 point of the disc.
 """
 
+import math
 from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tippetop.mechanics import disc_friction as disc
 from tippetop.mechanics.operand import Vector
@@ -70,3 +72,27 @@ def test_a_patch_takes_energy() -> None:
 def test_rolling_resistance_is_a_torque_against_the_horizontal_turn() -> None:
     found = disc.rolling(Vector(3.0, -4.0, 9.0), SimpleNamespace(mu_r=1e-3))
     assert found == pytest.approx((-0.6e-3, 0.8e-3, 0), rel=1e-12)
+
+
+def test_the_direction_of_rolling_is_smooth_where_rolling_stops() -> None:
+    """The torque grows to mu_r within some STOPS_ROLLING."""
+    sizes = [
+        -disc.rolling(Vector(share * disc.STOPS_ROLLING, 0.0, 9.0), SimpleNamespace(mu_r=1.0)).x
+        for share in (0.0, 1.0, 1e4)
+    ]
+    assert sizes == pytest.approx([0, math.sqrt(0.5), 1], rel=1e-7)
+
+
+@pytest.mark.parametrize("name", disc.REGIONS)
+def test_drag_is_continuous_at_the_borders_of_a_region(name: str) -> None:
+    """Each border is crossed once as the slip grows."""
+    U = 0.1 * disc.SLOW
+    for border in disc.REGIONS[name].borders:
+        w = brentq(
+            lambda w, border=border: border.beyond(SimpleNamespace(v2=w**2, U2=U**2), None),
+            0,
+            1e3 * U,
+            xtol=1e-15 * U,
+        )
+        here, there = (disc.REGIONS[side].drag(w**2, U**2) for side in (name, border.follows))
+        assert [*here] == pytest.approx([*there], rel=1e-11)

@@ -48,8 +48,8 @@ def test_what_is_kept_has_the_bits_that_it_has_beside_everything(preset: str) ->
     for name, column in kept.items():
         np.testing.assert_array_equal(column.values, every[name].values, strict=True)
         assert column.attrs == every[name].attrs
-    for name, values in some.events.columns().items():
-        np.testing.assert_array_equal(values, whole.events.columns()[name])
+    for name, column in some.events.items():
+        np.testing.assert_array_equal(column.values, whole.events[name].values)
     assert some.report == whole.report
     assert some.problem.orientation is ("orientation" in SOME[preset])
 

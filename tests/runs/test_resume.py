@@ -202,8 +202,8 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
     np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
-    for name, values in memory.table().columns().items():
-        np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
+    for name, column in memory.table().items():
+        np.testing.assert_array_equal(column.values, whole.events[name].values, err_msg=name)
     assert len(whole.events.time) > 0
     assert report(integration.progress()) == whole.report, (
         "extremes of the force with their times, too"

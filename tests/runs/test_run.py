@@ -57,8 +57,8 @@ def test_neither_rows_nor_events_change_the_run() -> None:
         other = solve(load(until=6.5, times=times))
         assert other.final.tobytes() == plain.final.tobytes()
         assert other.report["steps"] == plain.report["steps"]
-        columns = zip(*(run.events.columns().values() for run in (other, plain)), strict=True)
-        assert all(a.tobytes() == b.tobytes() for a, b in columns)
+        columns = zip(*(run.events.values() for run in (other, plain)), strict=True)
+        assert all(a.values.tobytes() == b.values.tobytes() for a, b in columns)
     rows = solve(load(until=6.5, times=np.linspace(0, 6.5, 100_001))).rows
     np.testing.assert_array_equal(rows[-1], plain.rows[-1])
 

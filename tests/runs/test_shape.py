@@ -110,8 +110,9 @@ def test_omega_is_that_of_three_moments() -> None:
 def test_an_ellipsoid_of_simulators_has_its_axes_and_moments() -> None:
     """Its frame is at the centre of the ellipsoid, along the principal axes of inertia."""
     surface = shapes.surface_of(STONE)
-    model = simulators._model(tt.load("spinning-egg"))
-    model = model._replace(moments=shapes.moments(STONE), surfaces={"ellipsoid": surface})
+    model = simulators.Model(tt.load("spinning-egg"))
+    model.moments, model.surfaces = shapes.moments(STONE), {"ellipsoid": surface}
+    model.frame = surface.centre
     body = ElementTree.fromstring(simulators._mjcf(model)).find("worldbody/body")
     assert body is not None
     geom, inertial = (body.find(name).attrib for name in ("geom", "inertial"))  # type: ignore

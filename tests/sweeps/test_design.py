@@ -9,8 +9,8 @@ from tippetop.sweeps.design import Axis, Design, Sample
 
 
 METHODS = ("random", "sobol", "latin-hypercube")
-SLOW, FAST = Axis("slow", (3.0, 1.0)), Axis("fast", (10.0, 30.0, 20.0))
-EVEN, LOG = Axis("even", between=(-1.0, 3.0)), Axis("log", between=(1e-3, 1e2), log=True)
+SLOW, FAST = Axis(of="slow", values=[3.0, 1.0]), Axis(of="fast", values=[10.0, 30.0, 20.0])
+EVEN, LOG = Axis(of="even", between=[-1.0, 3.0]), Axis(of="log", between=[1e-3, 1e2], log=True)
 
 
 def rows(design: Design) -> list[tuple[float, ...]]:
@@ -21,7 +21,7 @@ def rows(design: Design) -> list[tuple[float, ...]]:
 def test_a_grid_is_the_product_of_its_axes() -> None:
     design = Design((SLOW, FAST))
     assert design.sizes == {"slow": 2, "fast": 3}
-    assert rows(design) == list(itertools.product(SLOW.values, FAST.values))
+    assert rows(design) == list(itertools.product(SLOW.numbers, FAST.numbers))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -36,8 +36,8 @@ def test_the_sample_is_repeated_at_every_point_of_the_grid(method: str) -> None:
     for drawn in ("even", "log"):
         assert np.all(numbers[drawn] == numbers[drawn][0, 0])
         assert len(set(numbers[drawn][0, 0])) == 8
-    assert np.all(numbers["slow"] == np.reshape(SLOW.values, (2, 1, 1)))
-    assert np.all(numbers["fast"] == np.reshape(FAST.values, (1, 3, 1)))
+    assert np.all(numbers["slow"] == np.reshape(SLOW.numbers, (2, 1, 1)))
+    assert np.all(numbers["fast"] == np.reshape(FAST.numbers, (1, 3, 1)))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -61,9 +61,7 @@ def test_points_lie_in_the_range_and_spread_over_it(method: str) -> None:
         (EVEN, (numbers["even"] + 1) / 4),
         (LOG, (np.log10(numbers["log"]) + 3) / 5),
     ):
-        assert np.all(
-            (numbers[axis.key] >= axis.between[0]) & (numbers[axis.key] <= axis.between[1])
-        )
+        assert np.all((numbers[axis.of] >= axis.between[0]) & (numbers[axis.of] <= axis.between[1]))
         assert np.mean(unit) == pytest.approx(0.5, abs=6 / np.sqrt(12 * n))
         assert np.var(unit) == pytest.approx(1 / 12, abs=6 / np.sqrt(180 * n))
     assert abs(np.corrcoef(numbers["even"], np.log(numbers["log"]))[0, 1]) < 6 / np.sqrt(n)
@@ -84,5 +82,5 @@ def test_the_seed_decides(method: str) -> None:
 
 
 def test_the_number_of_tops_does_not_overflow() -> None:
-    axes = tuple(Axis(str(i), tuple(np.arange(1e4))) for i in range(6))
+    axes = tuple(Axis(of=str(i), values=np.arange(1e4).tolist()) for i in range(6))
     assert Design(axes).n == 10**24

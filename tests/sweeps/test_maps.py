@@ -78,7 +78,7 @@ def synthetic(
         {k: ("top", v) for k, v in of.design.numbers(np.arange(of.n)).items()}
     )
     for axis in of.design.axes:
-        table[axis.key].attrs = {"units": "1", "long_name": axis.key}
+        table[axis.of].attrs = {"units": "1", "long_name": axis.of}
     table.attrs = {"plan": json.dumps(of.document), "status": "finished", "title": "sweep: a top"}
     monkeypatch.setattr(maps, "open_sweep", lambda path: table)
     kinds = [k for k, v in maps.NEEDED.items() if v[0] in columns]

@@ -1,4 +1,7 @@
-"""The cases as files that a simulator can read without Python."""
+"""The cases as files that a simulator can read without Python.
+
+`Case`s go in; folders with a reference, a scenario and texts come out.
+"""
 
 from __future__ import annotations
 
@@ -173,6 +176,7 @@ def export(
     made = []
 
     def write(name: str, text: str) -> None:
+        """Write a text file, and note it as made."""
         disk.write_text(root / name, text, overwrite=overwrite)
         made.append(root / name)
 

@@ -1,4 +1,7 @@
-"""The named cases: scenarios of the package with their texts, friction laws and certificates."""
+"""The named cases: scenarios of the package with their texts, friction laws and certificates.
+
+A name or a file goes in, a `Case` comes out, for `case_files` and `score`.
+"""
 
 from __future__ import annotations
 

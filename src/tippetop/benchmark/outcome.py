@@ -1,4 +1,7 @@
-"""The outcome of a motion, as a spectator would describe it."""
+"""The outcome of a motion, as a spectator would describe it.
+
+A motion goes in, of an engine or the reference; words by which `score` compares both come out.
+"""
 
 import math
 
@@ -25,7 +28,7 @@ STICKS = 0.02
 
 
 def rise(problem: Problem, motion: Truth) -> float:
-    """Return the largest rise of the lowest ball from its lowest gap after a contact [m]."""
+    """Return the largest rise [m] of the lowest ball after it was on the plane."""
     gap = _gaps(motion, _arms(problem, motion)).min(axis=0)
     least = np.minimum.accumulate(gap)
     near = least < 10 * TOUCH * size(problem.body())

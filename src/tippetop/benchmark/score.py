@@ -1,4 +1,7 @@
-"""The score of an engine: how far its results are from the references."""
+"""The score of an engine: how far its results are from the references.
+
+Files of results go in; a `Score` comes out, one `Result` for each file.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +16,12 @@ import numpy as np
 from ..arguments import path_of
 from ..errors import InputError, suggestion
 from ..exchange.comparison import ROUNDING, Compared, shown, size_of
-from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
+from ..exchange.motion import angle_between, in_body_axes, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..exchange.simulators import gravity
 from ..mechanics.contact.body import size
 from ..problem import Problem
-from ..runs.shape import frames, moments, surface_of
+from ..runs.shape import moments, surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
@@ -77,6 +80,8 @@ HEAD = (
 
 class Result(NamedTuple):
     """One result and its reference.
+
+    `_result` makes it.
 
     Attributes
     ----------
@@ -298,7 +303,10 @@ def _case_of(path: Path, chosen: Case | None) -> Case:
 
 
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
-    """Compare one file with its case; `known`: references by case and times."""
+    """Return the `Result` of the file at a path, compared with its case `each`.
+
+    `known` are references by case and times, which are computed once.
+    """
     table = _checked(path, each)
     t = table.t
     key = each.name, t.tobytes()
@@ -416,10 +424,9 @@ def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     spins = []
     energies = []
     for m in (there, exact):
-        axis = axis_of(m.quaternion)
-        spins.append((m.omega * axis).sum(axis=1))
-        parts = np.einsum("nij,nj->in", frames(m.quaternion), m.omega)
-        moving = body.m * (m.velocity**2).sum(axis=1) + moments(body) @ parts**2
+        parts = in_body_axes(m.quaternion, m.omega)
+        spins.append(parts[:, 2])
+        moving = body.m * (m.velocity**2).sum(axis=1) + parts**2 @ moments(body)
         energies.append(moving / 2 - body.m * m.position @ gravity(body))
     return {
         "attitude": apart["attitude [rad]"],

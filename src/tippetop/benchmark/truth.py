@@ -1,4 +1,7 @@
-"""The exact motion of a case at given times, in the columns of a result."""
+"""The exact motion of a case at given times, in the columns of a result.
+
+A problem and times go in, a `Truth` comes out, for `case_files` and `score`.
+"""
 
 from typing import Any, NamedTuple
 
@@ -20,7 +23,10 @@ VECTORS = {
 
 
 class Truth(NamedTuple):
-    """A motion in SI units; (rows, 3) or, of the quaternion, (rows, 4)."""
+    """A motion in SI units; (rows, 3) or, of the quaternion, (rows, 4).
+
+    `truth` makes it for the reference, `score` for the result of an engine.
+    """
 
     t: np.ndarray
     position: np.ndarray

@@ -35,6 +35,7 @@ _received: list[int] = []  # exit codes of the signals that came
 
 
 def _interrupt(*_: Any) -> NoReturn:
+    """Handle Ctrl-C: raise KeyboardInterrupt; exit immediately at the second signal."""
     if _received:
         os._exit(_received[0])  # a second signal: exit now; acknowledged data are on the disk
     _received.append(INTERRUPTED)
@@ -42,6 +43,7 @@ def _interrupt(*_: Any) -> NoReturn:
 
 
 def _terminate(*_: Any) -> NoReturn:
+    """Handle SIGTERM: exit after open files were closed."""
     _received.append(TERMINATED)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)  # open files are being closed
     raise SystemExit(TERMINATED)
@@ -78,7 +80,7 @@ def _warn(message: Warning | str, *_: Any) -> None:
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
-    """Call the command; turn its errors into sentences and an exit code."""
+    """Call the command and return its exit code; errors become sentences on stderr."""
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:
         from .application import called

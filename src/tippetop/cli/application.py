@@ -1,4 +1,7 @@
-"""The commands, called from the words of the command line by cyclopts."""
+"""The commands, called from the words of the command line by cyclopts.
+
+The words of the command line go in; the exit code of the command comes out.
+"""
 
 from __future__ import annotations
 

@@ -41,6 +41,7 @@ def stopping() -> Iterator[tuple[threading.Event, list[int]]]:
     numbers = list[int]()
 
     def ask(number: int, _: object) -> None:
+        """Note a signal, and let the run end after its present slice."""
         numbers.append(number)
         event.set()
 

@@ -58,6 +58,7 @@ def info(store: Place, *, as_json: bool = False) -> int:
 
 
 def _pairs(versions: Any) -> str:
+    """Return names with versions as a text: "heyoka 7.0, numpy 2.1"."""
     return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 

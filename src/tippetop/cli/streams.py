@@ -1,4 +1,7 @@
-"""Standard output and standard error of the command line, which may be closed, full or narrow."""
+"""Standard output and standard error of the command line, which may be closed, full or narrow.
+
+All commands print by it; a closed pipe ends them without a traceback.
+"""
 
 from __future__ import annotations
 

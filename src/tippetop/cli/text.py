@@ -27,6 +27,7 @@ def console() -> Any:
 
     class Quiet(Console):
         def on_broken_pipe(self) -> NoReturn:
+            """Raise the BrokenPipeError that rich has caught."""
             raise  # the BrokenPipeError, for `cli.outcome`
 
     return Quiet(highlight=False, markup=False, width=width())

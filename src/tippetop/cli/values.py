@@ -17,6 +17,7 @@ def _read(read: Callable[[str, str], Any], hyphen: bool = True) -> Parameter:
     """Declare an argument that a function reads from its name and its text."""
 
     def convert(_: Any, tokens: Sequence[Token]) -> Any:
+        """Return the value of an argument of the command line."""
         return read(tokens[0].keyword or "the argument", tokens[0].value)
 
     return Parameter(converter=convert, allow_leading_hyphen=hyphen)

@@ -81,4 +81,5 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
 
 
 def _digest(key: str, code: bytes) -> bytes:
+    """Return the checksum of a cached file: of its key and its content."""
     return hashlib.sha256(key.encode() + code).digest()

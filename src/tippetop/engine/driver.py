@@ -1,9 +1,19 @@
 """One run, which the compiled loop integrates slice by slice.
 
-A slice is the steps between two moments at which Python is called. Within it C steps, finds events
+A compiled integrator, the start and the end of a run go in (`taylor.driver_of` makes a driver);
+`Driver.advance` returns a `Slice`: the state reached, events, samples; rows go to its `Request`. A
+slice is the steps between two moments at which Python is called. Within it C steps, finds events
 and fills arrays; after it Python logs events, compares invariants, writes rows and may commit or
 stop. A slice ends after a fixed number of steps or changes of phase, or when the log is full, never
 after a time: a stored run that is resumed has the slices of an undisturbed one, hence its bits.
+
+Symbols
+    state     the integrated variables and integrals, (variables,), in internal units
+    row       a state at a time that the caller requested; a sample: at every EVERY-th step
+    passage   a zero of an event function; the log contains those of a slice
+    tally     counters and extreme values of a run, see `tallies`
+    high, low the time in double length, their sum
+    most      the greatest number of steps
 """
 
 import weakref
@@ -100,10 +110,12 @@ RULES = Rules(np.inf, ENDLESS, EVERY, FIRST)
 class Workspace:
     """The integrator of one phase with its arrays, and the loop that is bound to them.
 
+    `Driver` makes one, `HybridDriver` one for each phase.
+
     Parameters
     ----------
     run
-        The driver, whose tallies, log and samples all its places share.
+        The driver, whose tallies, log and samples all its workspaces share.
     compiled
         The integrator.
     rows
@@ -123,6 +135,9 @@ class Workspace:
 
 class Driver:
     """Integrate one run in doubles, and find its events and rows.
+
+    `runs.Integration` and `impacts` call `advance` or `make_steps`; subclasses add phases and
+    numbers wider than doubles.
 
     Parameters
     ----------
@@ -189,7 +204,7 @@ class Driver:
         self.set_output(NO_ROWS)
 
     def set_tallies(self, tallies: Tallies) -> None:
-        """Select the tallies of the run."""
+        """Set the arrays into which the loop counts; `status`, `steps`, ... are views of them."""
         self.tallies = tallies
         self.functions = tallies.functions[:, 0]
         names = "status", "steps", "upto", "tiny", "t"
@@ -198,11 +213,11 @@ class Driver:
         )
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
-        """Return the tallies, log and samples into which the loop of a phase writes."""
+        """Return the arrays into which the loop of a phase writes: tallies, log and samples."""
         return self.tallies, self.log, self.samples
 
     def set_output(self, rows: Rows) -> None:
-        """Let the next steps write their rows here."""
+        """Set the arrays into which the next steps write their rows; none are written yet."""
         self.output = rows
         self.made = view(rows.filled)
         self.delivered = 0
@@ -216,7 +231,7 @@ class Driver:
         self.stepper = workspace.stepper
 
     def set_parameters(self, workspace: Workspace, body: Sequence[Any]) -> None:
-        """Set the parameters of an integrator to the first of these numbers."""
+        """Copy the numbers of the body, or as many as an integrator has, to its parameters."""
         pars = workspace.motion.pars[:, 0]
         pars[:] = body[: len(pars)]
 
@@ -244,10 +259,10 @@ class Driver:
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
-        """Advance by at most `most` steps, as subclasses do through their phases.
+        """Advance by at most `most` steps; subclasses go through phases. `advance` calls it.
 
-        Return the number of steps, the time and the state reached, and how the run ends there; None
-        if it continues.
+        Return the number of steps, the internal time and the state reached, and how the run ends
+        there, or None if it continues.
         """
         before = self.steps[0]
         self.drive(most)
@@ -256,11 +271,11 @@ class Driver:
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def clear_counts(self) -> None:
-        """Mark the phase as one that has made no step."""
+        """Reset the counters before a phase or a piece of an impact: running, no step made."""
         self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
     def clear_findings(self) -> None:
-        """Empty the log and the samples."""
+        """Empty the log and the samples, after their content was copied."""
         self.logged[0] = self.sampled_so_far[0] = 0
 
     def drive(self, most: int) -> int:
@@ -293,7 +308,12 @@ class Driver:
             self.request.add_rows(output.times[made], rows)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return states (k, all variables) of phases, by number (k,), as rows of the run."""
+        """Return states (k, width) as rows of the run (k, variables).
+
+        `phases` are their numbers, (k,).
+
+        A run with one phase has its integrated state as row.
+        """
         return states[:, : self.variables]
 
     def make_steps(self, most: int) -> int:
@@ -325,7 +345,7 @@ class Driver:
 
     @property
     def clock(self) -> tuple[Any, Any]:
-        """Return the internal time in double length, as the sum of two numbers."""
+        """Return the internal time in double length, as the pair (high, low)."""
         return float(self.motion.high[0]), float(self.motion.low[0])
 
     @property
@@ -344,7 +364,10 @@ class Driver:
         self.motion.end[0] = float(end)
 
     def last_rows(self) -> dict[str, Arrays]:
-        """Return the last rows of further tables, if the run ends here."""
+        """Return the rows of the tables of phases and impacts that end with the run.
+
+        A run without phases has none.
+        """
         return {}
 
     def present(self) -> np.ndarray:
@@ -352,7 +375,7 @@ class Driver:
         return self.rows_of(self.motion.in_lane, np.resize(self.state, (1, self.width)))
 
     def codes(self) -> tuple[Compiled, ...]:
-        """Return the integrators of all phases."""
+        """Return the integrators of all phases, whose equations identify the run in a store."""
         return (self.compiled,)
 
     def extremes(self) -> Extremes:
@@ -382,16 +405,19 @@ class Driver:
         }
 
     def joint(self, names: Iterable[str]) -> dict[str, Any]:
-        """Return the signs of the functions of these events, 0 if unknown.
+        """Return data for another run that begins in the present state, as `Problem.joint`.
 
-        A run that starts from the present state needs them: they decide whether a zero here has
-        been passed.
+        They are the signs of the functions of these events, 0 if unknown: they decide whether a
+        zero in this state has been passed.
         """
         signs = self.functions["sign"] * self.workspace.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue from a snapshot, of which state and time come in the working precision."""
+        """Continue from a snapshot `kept`.
+
+        Its state and time are also given, in the working precision.
+        """
         self.set_state(state, clock)
         self.clear_findings()
         self.tallies.lane[0] = tuple(kept["tally"])

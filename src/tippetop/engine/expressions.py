@@ -1,6 +1,13 @@
 """Convert the formulas of a system to heyoka expressions.
 
-They are compiled to integrators (`integrator`) and to functions over arrays (`observables`).
+A `System`, a form and a friction law go in; out come `Formulas`, which are compiled to integrators
+(`integrator`), and values of rows by name, which are compiled to functions over arrays
+(`observables`). The formulas are called with symbols instead of numbers.
+
+Symbols
+    q         the record of the state of a form; carried: that of its integrals
+    b, body   the record of the body, whose numbers are run-time parameters of the compiled code
+    leaves    the numbers of a record of records, in order
 """
 
 import math
@@ -17,6 +24,7 @@ from ..mechanics.moment import moment
 from ..mechanics.operand import cos, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
+from ..problem.row_columns import component
 from .code_cache import compiled_once
 from .opt_level import opt_level
 
@@ -70,6 +78,7 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
     form = system.forms[form_name]
 
     def functions(q: Any, carried: Any, b: Any) -> list:
+        """Return the event functions of the system."""
         state = moment(form, q, carried, b)
         return [event.formula(state, b) for event in system.events]
 
@@ -79,15 +88,14 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
     )
 
     def body(values: Iterator) -> Any:
+        """Return the body of these leaves; parameters that are always 0 or 1 are numbers."""
         return refill(template, values)._replace(**system.folds(form))
 
     return Formulas(form, tuple(system.events), functions, body, alone=True)
 
 
 def in_symbols(formulas: Formulas, variables: Variables) -> tuple[Any, Any, Any, Any]:
-    """Return the variables as symbols, and the records that formulas take: the state, the
-    integrals, the body.
-    """
+    """Return a symbol for each variable, and the records (q, carried, body) made of symbols."""
     symbols = [hy.make_vars(name) for name in variables.names]  # of one name: no list by itself
     return symbols, *variables.split(symbols), formulas.body(hy.par[i] for i in count())
 
@@ -101,15 +109,6 @@ def equations_of_motion(formulas: Formulas, variables: Variables) -> Equations:
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
-def component(variable: str) -> str:
-    """Return the name of a component of a vector among the values of a row.
-
-    It differs from that of the variable, because a quantity may have the same name: L_z of a heavy
-    top is about the tip, that of the column L about the centre of mass.
-    """
-    return f"vector_{variable}"
-
-
 SINE2, SPEED2 = "pole_sine2", "pole_speed2"
 """Names of sin(theta)^2 and |3hat'|^2, which theta'^2 is at a pole, among the values of a row."""
 AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
@@ -117,15 +116,17 @@ AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
 def integrated(variable: str) -> str:
-    """Return the name of an integrated component of 3hat among the values of a row, where the
-    column `axis` is taken from others.
+    """Return the name of an integrated component of 3hat among the values of a row.
+
+    It is used in forms where the column `axis` is computed from the angles.
     """
     return f"integrated_{variable}"
 
 
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """Return angles, vectors and quantities of a row by name, internal units; arrays or
-    expressions.
+    """Return angles, vectors and quantities of a row by name, in internal units.
+
+    They are arrays or expressions, as the arguments are.
     """
     arguments = moment(form, q, carried, body)
     angles = form.to_angles(q, carried, body)
@@ -173,11 +174,11 @@ def orientation_of(system: System, form: Form, q: Any, carried: Any, body: Any) 
 def compile_observables(
     formulas: Callable, system: System, variables: Variables, friction: Any
 ) -> tuple[tuple[str, ...], Any]:
-    """Return the names of the values of `observed` or `orientation_of`, and the compiled function
-    f(inputs=(variables, n), pars=(leaves, n)) of them. They are compiled apart, so that neither
-    changes the bits of the other.
+    """Return the names of the values of `observed` or `orientation_of`, and them compiled.
 
-    They take 11 ns a row where numpy takes 590, so that a store keeps pace with the integrator.
+    It is f(inputs=(variables, n), pars=(leaves, n)). They are compiled apart, so that neither
+    changes the bits of the other. They take 11 ns a row where numpy takes 590, so that a store
+    keeps pace with the integrator.
     """
     form = variables.form
     symbols, *records = in_symbols(formulas_of(system, form.name, friction), variables)

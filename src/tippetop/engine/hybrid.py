@@ -1,14 +1,24 @@
 """One run of a hybrid system: several phases with equations of their own, and jumps between them.
 
-Each phase has its own integrator; all of them share the tallies, the log and the integrals of the
-run. A phase ends by an exit: an event, and a jump, which is a function of the state that all phases
-have in common. The driver does not depend on balls or friction laws.
+A `Problem` whose system has phases goes in; out come slices, as from `driver.Driver`, and rows of
+the tables of phases and impacts. Each phase has its own integrator; all of them share the tallies,
+the log and the integrals of the run. A phase ends by an exit: an event, and a jump, which is a
+function of the state that all phases have in common. The driver does not depend on balls or
+friction laws.
+
+Symbols
+    n         the result of a jump, a `form.Next`; x: the common state, in which a phase ends
+    q         the state of a phase; carried: the record of the integrals of the run
+    b, body   parameters of the formulas of a phase; the body, from which they are taken
+    number    of an event: its index among all events of the run, `HybridDriver.numbers`
+    solver    a `PhaseSolver`; at: the index of its phase
+    signs     of event functions: the side of its zero on which each is; zeros: see `begins`
 """
 
 import copy
 import math
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import islice, repeat
@@ -29,6 +39,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
+from .column_programs import ColumnProgram
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -42,6 +53,7 @@ from .expressions import Formulas
 from .impacts import ImpactMotions
 from .integrator import Compiled
 from .jump_programs import CHATTER, JUMP_PARTS, PER_SLICE, START, JumpPrograms
+from .loop import library
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
@@ -67,7 +79,10 @@ QUIET = np.errstate(all="ignore")
 
 @lru_cache(maxsize=256)
 def completed(phase: Phase, variables: Variables) -> Phase:
-    """Return a phase with all integrals of a run; those that it does not change have rate 0."""
+    """Return a phase with all integrals of a run, so that every phase has the same ones.
+
+    Integrals that the phase does not change have the rate 0.
+    """
     moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
     integrals = tuple(
         moved.get(one.name, replace(one, rate=lambda q, carried, b: 0.0))
@@ -78,9 +93,11 @@ def completed(phase: Phase, variables: Variables) -> Phase:
 
 @lru_cache(maxsize=256)
 def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) -> Formulas:
-    """Return the equations and event functions of a phase.
+    """Return the equations and event functions of a phase, to be compiled by `taylor.code_for`.
 
-    `pattern` is a record like its parameters; `types` are the `kinds` of this record.
+    The events are those of the phase, then those of the system that no phase has. `pattern` is a
+    record like the parameters of the phase, whose numbers do not matter; `types` are its `kinds`,
+    by which results are cached.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]
@@ -103,8 +120,12 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     return Formulas(form, events, functions, body)
 
 
+COLUMN_PROGRAMS: dict[tuple, ColumnProgram] = {}
+"""By their keys: see `World.repeated`."""
+
+
 class World(NamedTuple):
-    """The arguments of a jump in addition to the state: see `form.Exit`."""
+    """The second argument of a jump, see `form.Exit`; a `HybridDriver` makes it."""
 
     body: Any
     system: System
@@ -115,9 +136,22 @@ class World(NamedTuple):
     left: Any = None
 
     def rates(self, phase: Phase, q: Any, carried: Any) -> list:
-        """Return the rates of the integrals of the run in a state of a phase."""
+        """Return the rates of the integrals of the run, for the state q of a phase."""
         b = phase.parameters(self.body)
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
+
+    def repeated(self, key: tuple, function: Callable, values: Sequence) -> Callable:
+        """Return function(world, *values), which returns a list, for columns with 80 bits.
+
+        It takes an array (values, n) and returns one (results, n). The function is recorded once
+        for each key, on which its operations depend, as on the kind of the body.
+        """
+        key = *key, kinds(self.body)
+        if key not in COLUMN_PROGRAMS:
+            called = lambda body, *values: function(self._replace(body=body), *values)  # noqa: E731
+            COLUMN_PROGRAMS[key] = ColumnProgram(called, self.body, values)
+        common = np.array(leaves(self.body), np.longdouble)
+        return partial(COLUMN_PROGRAMS[key], common[:, None])
 
 
 @dataclass(eq=False)
@@ -148,7 +182,7 @@ class Jump:
 
     @property
     def where(self) -> str:
-        """Return the jump in words."""
+        """Return the name of the jump for messages."""
         of_phase = f" from phase `{self.name}`" if self.name else ""
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
@@ -232,7 +266,7 @@ def wrong_time(n: Next, to: "PhaseSolver") -> str:
         if [np.shape(value) for value in values] != [(2,)] * len(names):
             must = f"return arrays of {', '.join(names)} at the given times from `series`"
             return f"{must}, but returns {values!r:.60}"
-    if n.lasts < math.inf and CLOCK not in to.exits:
+    if n.lasts < math.inf and all(exit.event != CLOCK for exit in to.phase.exits):
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""
 
@@ -291,14 +325,14 @@ class PhaseSolver:
         self.variables = variables_of(phase.form)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
-            run.numbers.get(exit.event, exit.event): run.jump(name, phase, exit)
+            run.endings[exit.event]: run.jump(name, phase, exit)
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
         pattern = refill(self.b, repeat(1.0))
         self.formulas = formulas_of_phase(problem.system, phase, pattern, kinds(pattern))
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
-        code = run.code_of(self.formulas)
+        code = code_for(problem, self.formulas, run.stop, run.lanes)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.workspace = Workspace(run, code, rows)
@@ -374,7 +408,9 @@ class PhaseSolver:
 
 
 class HybridDriver(Driver):
-    """Integrate one run through its phases, in doubles.
+    """Integrate one run through its phases, in doubles: a `Driver` for systems with phases.
+
+    `taylor.driver_of` makes it.
 
     Parameters
     ----------
@@ -385,6 +421,8 @@ class HybridDriver(Driver):
     """
 
     solver: PhaseSolver
+    slot = 0  # of the tallies of the run
+    parameters_in: Any  # slots of tops in lanes and a phase -> its parameters
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
@@ -409,6 +447,9 @@ class HybridDriver(Driver):
         in_phases = (event for phase in phases.values() for event in phase.events)
         events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
         self.numbers = {name: k for k, name in enumerate(events)}
+        self.clock_number = len(events)
+        of_clock = dict.fromkeys((CLOCK, START), self.clock_number)
+        self.endings = {**self.numbers, **of_clock, STALL: -1}  # numbers of exits
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
         phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
         width = max(self.variables, *phase_widths)
@@ -434,14 +475,18 @@ class HybridDriver(Driver):
         }
         self.jump = partial(jump_of, system, kind)
         self.world = World(body, system, contact, self.phases, struck)
-        self.jump_programs = JumpPrograms(self) if struck and number is float else None
+        self.jump_programs: Any = JumpPrograms(self) if struck and number is float else None
         self.begin_run()
 
     def assembled(self, problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body as jumps take it, in internal units, and the phases of a problem."""
+        """Return the body as `World.body`, in internal units, and the phases of a problem by name.
+
+        Of a body with a stem these are the body seen from both balls.
+        """
         system = problem.system
 
         def internal(value: float, unit: Any) -> Any:
+            """Return an SI value in internal units."""
             return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
 
         body = problem.internal_body
@@ -478,26 +523,22 @@ class HybridDriver(Driver):
         self._enter(begun, self.number(0), None)
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
-            self._note(self.numbers[name], self.number(0), 1, AS_ROW, np.array(state))
+            self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
         begin_lasting(self.tallies, self.all_events)
 
     def learn_start(self, jump: Jump, *given: Any) -> None:
-        """Record the jump to the first phase, where several runs share a loop."""
+        """Do nothing here; `HybridPools` records the jump to the first phase as a program."""
 
     # --- phases ----------------------------------------------------------------------------------
 
     def solver_of(self, name: str) -> PhaseSolver:
-        """Return the phase of this name, which is compiled when it is first entered."""
+        """Return the `PhaseSolver` of a phase by name, compiled when it is first entered."""
         if name not in self.solvers:
             solver = self.solvers[name] = PhaseSolver(self, name)
             if self.jump_programs:
                 for jump in solver.exits.values():
                     self.jump_programs.register(solver, jump)
         return self.solvers[name]
-
-    def code_of(self, formulas: Formulas) -> Compiled:
-        """Return the integrator of the formulas of a phase."""
-        return code_for(self.problem, formulas, self.stop)
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases, compiled."""
@@ -564,17 +605,18 @@ class HybridDriver(Driver):
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
-            endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: STALL}
+            endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: -1}
             ending: Any = endings.get(status)
             if self.upto[0] < 1.0:
-                ending = self.log.rows["event"][self.logged[0] - 1]
+                ending = self.motion.ended_by[0]
             jump = self.solver.exits.get(ending)
+            if jump and self.upto[0] < 1.0:
+                self.logged[0] -= 1  # the jump logs it, or the next part of the run
             if jump and float(self.end - self.number(when)) <= AT_END * float(self.end):
                 jump = None
                 when = self.end
                 status = Status.FINISHED
                 if self.upto[0] < 1.0:
-                    self.logged[0] -= 1
                     self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)
@@ -590,20 +632,21 @@ class HybridDriver(Driver):
         return steps, when, self.last, status
 
     def end_next(self) -> None:
-        """Let the next steps end with the phase, or at a sampled event in the next step.
+        """Set the time at which the next steps end: with the phase, or at a sampled event.
 
-        `ending` is that event, or CLOCK, or None at the end of the run.
+        `ending` becomes the number of that event, or that of the clock. `run` calls it before each
+        `drive`.
         """
         when, self.ending = self.next_end()
         self.set_end(when)
         high, low = self.clock
         runs = self.status[0] == RUNNING
-        if runs and self.ending is not None and not (when - high) - low > 0:  # it takes no step
+        if runs and when < self.end and not (when - high) - low > 0:  # it takes no step
             self.status[0] = Status.FINISHED.code
 
     def next_end(self) -> tuple[Any, Any]:
-        """Return the time at which the next steps end, and `ending`."""
-        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
+        """Return the internal time at which the next steps end, and why, for `end_next`."""
+        ends = [(min(self.end, self.until), self.clock_number)]
         if self.solver.sampled:
             ends += sampled_in_next_step(self)
         return min(ends, key=itemgetter(0))
@@ -619,15 +662,13 @@ class HybridDriver(Driver):
         now = self.number(when)
         solver = self.solver
         last = self.last
-        if self.upto[0] < 1.0:
-            self.logged[0] -= 1  # the jump logs it
         self.keep_interval(solver, self.began, when, last, jump)
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, _, state, _ = jump(self, *given)
         if self.jump_programs:
             self.jump_programs.learn(jump, *given)
         for name in n.logged:
-            self._note(self.numbers[name], now, 1, solver.at, last)
+            self._note(self.numbers[name], now, 1, solver, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -642,7 +683,7 @@ class HybridDriver(Driver):
         if not math.isfinite(sum(state)):
             self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
-        if self.request.rows_at_steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
+        if self.output.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self.add(np.array([when]), last[None])
         self._enter(begun, now, solver)
         self.changes += 1
@@ -658,7 +699,7 @@ class HybridDriver(Driver):
         return self.jump_programs.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:
-        """Add the rows at given times in the jump to the present phase."""
+        """Write the rows at given times within the jump to the present phase, without a step."""
         if not self.output.steps:
             times = self.output.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):
@@ -666,24 +707,26 @@ class HybridDriver(Driver):
                 self.add(inside, self.series(*inside) if self.series else first)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Add rows that lie in no step: times, and states of the present phase (k, variables)."""
+        """Write rows at times that lie in no step.
+
+        `states` are of the present phase, (k, variables).
+        """
         rows = self.output
         made = self.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.solver.at, part.stop
         rows.states[part, : states.shape[1]] = states
 
-    def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
-        """Log an event that no step has found, in a state of the phase of this number."""
+    def _note(self, number: int, time: Any, sign: int, solver: Any, state: np.ndarray) -> None:
+        """Log an event that no step has found, in a state of this phase; None: in a row."""
         at = self.logged[0]
-        when = float(time)
-        event = self.all_events.events[number]
-        self.log.rows[at] = when, number, sign, phase, 0, False
+        loop = solver.workspace.loop if solver else self.loop
+        phase = solver.at if solver else AS_ROW
+        event = self.all_events.events[number:].ctypes.data
+        values = np.array(state, float)
+        given = number, self.slot, int(sign), phase, float(time), values.ctypes.data
+        library().loop_note(loop.place, event, *given)
         self.times[at], self.log.states[at, : len(state)] = time, state
-        self.logged[0] += 1
-        if event["lasting"]:
-            self.tally["lasts_since"] = when
-        self.loop.keep(event, when, sign)
 
     def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
         """Return states at internal times in a jump that takes time."""
@@ -691,9 +734,9 @@ class HybridDriver(Driver):
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
-        """Update the extremes of event functions during a jump that takes time.
+        """Update the extremes of event functions during a jump from time `began` to `end`.
 
-        Return the event functions at its start.
+        Return the values of the event functions at its start.
         """
         solver = self.solver
         every = []
@@ -711,36 +754,40 @@ class HybridDriver(Driver):
         return every[0]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
-        """Log an event that happens in a jump from a phase."""
+        """Log an event that happens in the jump from the phase `before` at the time `now`."""
         solver = self.solver
         during = self.series
         if during:
             now = zero_of(lambda t: -sign * solver.value(number, during(t)[0]), now, self.began)
-            self._note(number, now, sign, solver.at, during(now)[0])
+            self._note(number, now, sign, solver, during(now)[0])
             return
         event = solver.events[number]
         state = self.last
         if event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO):
-            self._note(number, now, sign, before.at, state)
+            self._note(number, now, sign, before, state)
 
-    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return states of phases, by number (k,), as rows in the variables of the run."""
+    def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
+        """Return states of phases, by number (k,), as rows in the variables of the run.
+
+        They are those of the tops in these slots, where a loop has many.
+        """
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
-        known = phases == AS_ROW
+        known = (phases == AS_ROW) | (phases == len(self.phases))
         rows[known, : as_rows.shape[1]] = as_rows[known]
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                self.read(rows, some, solver, states, solver.b)
+                b = solver.b if slots is None else self.parameters_in(slots[some], solver)
+                self.read(rows, some, solver, states, b)
         return rows
 
     def read(
         self, rows: np.ndarray, some: Any, solver: PhaseSolver, states: np.ndarray, b: Any
     ) -> None:
-        """Convert states of a phase with parameters b to rows, in place for the indices `some`."""
+        """Write rows[some] from states[some] of a phase with parameters b; `some` are indices."""
         variables = self.problem.variables
         q, carried = solver.variables.split(states[some].T)
         read, _ = self.problem.system.read(solver.phase, q, carried, b)
@@ -751,7 +798,7 @@ class HybridDriver(Driver):
     # --- where the run is ------------------------------------------------------------------------
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
-        """End the present phase; return its row of the table of phases."""
+        """End the present phase with the run; return the last rows of its tables."""
         self.keep_interval(self.solver, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take_rows()
@@ -771,7 +818,7 @@ class HybridDriver(Driver):
         return joint | {"next": follows, "lasted": lasted}
 
     def snapshot(self) -> dict[str, Any]:
-        """Return plain data from which a run continues bit by bit.
+        """Return plain data from which a run continues bit by bit, with its phase.
 
         The lists have the same length in every phase, except for `state`.
         """
@@ -779,7 +826,10 @@ class HybridDriver(Driver):
         return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue from a snapshot, of which state and time come in the working precision."""
+        """Continue in the phase of a snapshot `kept`.
+
+        Its state and time are in the working precision.
+        """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]
         self.set_phase(self.solver_of([*self.phases][int(at)]), began)

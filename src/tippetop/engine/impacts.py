@@ -1,9 +1,17 @@
 """Impacts, which are integrated as motions.
 
-In an impact the slip may turn, stop and reverse while the normal impulse grows, so its end has no
-formula. It is the solution of an equation whose clock is the normal velocity, and whose events are
-the end of slip and of compression. The compiled loop integrates this motion like that of any phase:
-in the precision of the run, with derivatives, and within the programs of jumps.
+The common state of a ball that strikes the plane goes into `ImpactMotions.struck`; out comes an
+`Impact`, its impulses and works. In an impact the slip may turn, stop and reverse while the normal
+impulse grows, so its end has no formula. It is the solution of an equation whose clock is the
+normal velocity, and whose events are the end of slip and of compression (`impact_motion`). The
+compiled loop integrates this motion like that of any phase: in the precision of the run, with
+derivatives, and within the programs of jumps.
+
+Symbols
+    b         the body, a `Touch` or `Asymmetric`; but in `_followed` the parameters, a `Blow`
+    q         the motion, a `Motion`: slip, normal velocity v_n, impulses and works
+    region    the stage of an impact: a region of the law, "" without regions, or "rest"
+    e_n       coefficient of restitution; v, omega: velocity of the contact, angular velocity
 """
 
 import math
@@ -52,23 +60,24 @@ in which a contact at rest gives way.
 
 @lru_cache(maxsize=64)
 def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> Formulas:
-    """Return the formulas of a stage of an impact under a friction law.
+    """Return the equations and events of one stage of an impact under a friction law.
 
-    `pattern` is a record like the body, and `lies` one like its inclination; the numbers in them do
-    not matter.
+    `name` is its region. `pattern` is a record like the body, and `lies` one like its axis or
+    frame; the numbers in them do not matter.
     """
     stage = motion.stages(friction)[name]
     vector = Vector(1.0, 1.0, 1.0)
     template = motion.Blow(vector, *(1.0,) * 4, lies, vector, pattern)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
+        """Return the event functions of the stage."""
         return [event.formula(q, b) for event in stage.events]
 
     return Formulas(stage.form, stage.events, functions, partial(refill, template))
 
 
 class Impact(NamedTuple):
-    """The result of an impact of a ball: its impulses and works."""
+    """The impulses and works of an impact of a ball. `ImpactMotions.struck` makes it."""
 
     p: Vector  # impulses of force and torque, (3,) each
     twist: Vector
@@ -88,6 +97,8 @@ class Impact(NamedTuple):
 
 class ImpactMotions:
     """Integrate the impacts of a run under its friction law.
+
+    `HybridDriver` makes it, jumps call `struck`.
 
     Parameters
     ----------
@@ -127,7 +138,7 @@ class ImpactMotions:
         """Return the driver of the motion in a region of slip, compiled when it is first needed."""
         if region not in self.drivers:
             formulas = formulas_of_impact(self.law, region, *self.pattern)
-            code = compiled_when((formulas, self.precision, 0.0, 0, False), self.stop)
+            code = compiled_when((formulas, self.precision, 0.0, 1, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[self.precision])
             pars = [1.0] * len(code.integrator.pars)
             functions = np.ones(len(formulas.events))
@@ -145,10 +156,25 @@ class ImpactMotions:
         state: tuple,
         pars: tuple,
     ) -> list:
-        """Integrate a motion until its clock reaches `end` or an event happens.
+        """Integrate one stage until its clock reaches `end` or an event happens; `struck` calls it.
 
-        Return the code of its status, the number of steps, the number of the event (-1 without
-        one), and the state.
+        Programs of jumps and derivatives replace this method by one with the same arguments.
+
+        Parameters
+        ----------
+        region
+            The stage.
+        end, most
+            The last time on its clock, and the most steps.
+        signs, zeros
+            Of the event functions: their signs at the start, and minus the multiplicity of a root.
+        state, pars
+            The motion, padded to the width of the driver, and the numbers of a `Blow`.
+
+        Returns
+        -------
+        list
+            The code of the status, the steps made, the number of the event or -1, then the state.
         """
         driver = self.driver(region)
         known = driver.functions
@@ -205,7 +231,7 @@ class ImpactMotions:
         return Impact(p, twist, self.mode, *works)
 
     def _followed(self, q: Any, b: Any) -> Any:
-        """Return the motion at the end of compression or restitution."""
+        """Return the motion at the end of compression or restitution, through all stages."""
         span = REST_SPAN
         passed = "" if q.grown > b.stops else "stops"
         while self.left > 0:
@@ -219,7 +245,7 @@ class ImpactMotions:
             stage = self.stages[self.region]
             rests = self.region == motion.REST
             acts = stage.acts(q, b)
-            if rests and not motion.left(acts, b) > 0:
+            if rests and not motion.holding_margin(acts, b) > 0:
                 q = motion.slide(q, acts, b)
                 span = REST_SPAN
                 self.region = motion.region_at(q, b)
@@ -237,7 +263,7 @@ class ImpactMotions:
             status, steps, k, *after = self.follow(self.region, *given)
             after = motion.Motion._make(after[: len(q)])
             self.left -= steps + 1
-            if rests and span > SHORTEST and motion.left(stage.acts(after, b), b) < 0:
+            if rests and span > SHORTEST and motion.holding_margin(stage.acts(after, b), b) < 0:
                 span /= 2
                 continue
             q = after

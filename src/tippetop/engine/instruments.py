@@ -1,4 +1,7 @@
-"""What instruments measure of a body in smooth motion, by derivatives of its place and axes."""
+"""What instruments measure of a body in smooth motion, by derivatives of its place and axes.
+
+States of tops go in, values by name come out; `ensembles.rows_at_times` calls it for fits.
+"""
 
 import numpy as np
 
@@ -30,10 +33,10 @@ INSTRUMENTS |= {
 
 
 def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
-    """Return the values of INSTRUMENTS in states (variables, k) of the runs `which` (k,) by name,
-    in internal units; (k,) each.
+    """Return the values of INSTRUMENTS by name, in internal units, (k,) each.
 
-    The specific force is the acceleration of the centre of mass less that of gravity.
+    `states` (variables, k) are of the runs with the numbers `which` (k,). The specific force is the
+    acceleration of the centre of mass less that of gravity.
     """
     variables = tops.variables
     form = variables.form
@@ -61,4 +64,5 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
 
 
 def _rates(vector: Vector) -> Vector:
+    """Return the time derivative of a vector whose components have derivatives."""
     return Vector(*(one.rate for one in vector))

@@ -110,7 +110,7 @@ def compiled_from(
     precision, tolerance
         Type of its numbers, and tolerance of a step.
     lanes
-        How many runs it advances at a time; 0 is one run, with heyoka's integrator for one.
+        How many runs it advances at a time; one has heyoka's integrator for one.
     orientation
         Whether the orientation of the body is integrated too.
 
@@ -125,6 +125,7 @@ def compiled_from(
     drilling friction or 5 s (a rattleback) to compile.
     """
     number = PRECISIONS[precision]
+    several = lanes > 1
     variables = Variables(formulas.form, orientation)
     q, carried, body, equations = equations_of_motion(formulas, variables)
     sources = []
@@ -143,11 +144,11 @@ def compiled_from(
             equations.append((integral, hy.expression(scale) * function))
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
     terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
-    compact = precision != "double" or (terms > HUGE and not (lanes and formulas.alone))
+    compact = precision != "double" or (terms > HUGE and not (several and formulas.alone))
     integrator = compiled_once(
-        hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive,
+        hy.taylor_adaptive_batch if several else hy.taylor_adaptive,
         equations,
-        np.zeros((len(equations), lanes) if lanes else len(equations), number),
+        np.zeros((len(equations), lanes) if several else len(equations), number),
         high_accuracy=True,
         tol=number(tolerance),
         compact_mode=compact,
@@ -157,7 +158,7 @@ def compiled_from(
     machine = None
     if precision == "double":
         code = integrator.llvm_state.object_code
-        size = len(integrator.decomposition) * (integrator.order + 1) * max(lanes, 1)
+        size = len(integrator.decomposition) * (integrator.order + 1) * lanes
         tape = size if compact else 0  # at most this
         machine = load(code if compact else [code], opt_level(), tape)
     rows = event_rows(formulas.events, sources, axis)

@@ -1,11 +1,16 @@
-"""Conserved quantities of a motion, and the scales of their drifts."""
+"""Conserved quantities of a motion, and the scales of their drifts.
+
+Values of rows by name go in, as `observables.values_of` returns them; out come the quantities that
+a run must conserve. `runs.drift` and `ensembles.outcomes` compare them with those of the start.
+"""
 
 import numpy as np
 
 from ..columns import Arrays
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT
 from ..problem import Problem
-from .expressions import component, integrated, integrates_axis
+from ..problem.row_columns import component
+from .expressions import integrated, integrates_axis
 
 
 def invariants(problem: Problem, values: Arrays) -> Arrays:
@@ -26,7 +31,7 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
         |3hat| in forms that integrate the axis. Internal units, (k,) each.
     """
     integrals = {
-        name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0)
+        name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(reference_of(name), 0.0)
         for name in problem.system.integrals
     }
     # jumps may take energy that is not counted
@@ -39,8 +44,8 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
     return integrals
 
 
-def taken(name: str) -> str:
-    """Return the name of the column with an integral's value where the present contact began."""
+def reference_of(name: str) -> str:
+    """Return the name of an integral's value where the present contact began: `jellett_taken`."""
     return f"{name}_taken"
 
 
@@ -71,7 +76,8 @@ def sizes(problem: Problem, values: Arrays) -> Arrays:
     momenta = {q.name for q in problem.system.quantities if q.unit in (ANGULAR_MOMENTUM, JELLETT)}
     return {
         name: np.maximum(
-            np.abs(values.get(taken(name), start)), CANCELS * (momentum if name in momenta else 1.0)
+            np.abs(values.get(reference_of(name), start)),
+            CANCELS * (momentum if name in momenta else 1.0),
         )
         for name, start in invariants(problem, values).items()
     }

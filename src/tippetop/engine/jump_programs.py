@@ -1,11 +1,17 @@
 """Changes of phase that the compiled loop makes by itself, by programs of jumps.
 
-A jump is a Python function: it takes 0.2 to 0.5 ms, its arithmetic some microseconds, and a
-bouncing top jumps hundreds of times. The jump is therefore recorded once, by numbers that write
-down each operation, and the loop repeats this straight-line program with other numbers. A
-comparison that turns out otherwise ends a program; then one that was recorded on another branch is
-tried, and at last Python makes the jump. All have the same bits, so it does not matter when a
-program is recorded.
+A jump that Python has made goes into `JumpPrograms.learn`, and `drive` lets the loop make steps and
+the jumps that it can; the changes come back as rows of `made`. A jump is a Python function: it
+takes 0.2 to 0.5 ms, its arithmetic some microseconds, and a bouncing top jumps hundreds of times.
+The jump is therefore recorded once, by numbers that write down each operation (`mechanics.lines`),
+and the loop repeats this straight-line program with other numbers. A comparison that turns out
+otherwise ends a program; then one that was recorded on another branch is tried, and at last Python
+makes the jump. All have the same bits, so it does not matter when a program is recorded.
+
+Symbols
+    jump      a `hybrid.Jump`; solver, to: the `PhaseSolver` of the phase that ends, of the next
+    number    of an event: its index among all events of the run; of a program: its index in `known`
+    lines     the operations of a program; registers: its numbers: inputs, constants, results
 """
 
 import ctypes
@@ -17,7 +23,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.event import ON_ZERO
-from ..mechanics.form import CLOCK
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
@@ -53,6 +58,7 @@ class _Program(NamedTuple):
     length: int
     result: int
     out: int
+    after: int
     next: int
     number: int
     logged: int
@@ -102,13 +108,10 @@ class JumpProgram(NamedTuple):
     jump: Any
 
 
-def numbers_of(world: Any) -> list:
-    """Return the numbers of a body and its contact, the constant inputs of a program."""
-    return [*leaves(world.body), world.rules.e_n]
-
-
 class JumpPrograms:
     """Record the jumps of a run as programs, and let the loop execute them.
+
+    `HybridDriver` makes it.
 
     Parameters
     ----------
@@ -126,7 +129,7 @@ class JumpPrograms:
     def __init__(self, run: Any):
         """Allocate the table in which the loop looks up programs; it is empty."""
         self.run = weakref.proxy(run)
-        self.events = len(run.numbers)
+        self.events = run.clock_number
         self.known = list[JumpProgram]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         # by phase and event, the last by the clock: its programs, and where the first one is; the
@@ -134,14 +137,17 @@ class JumpPrograms:
         self.programs = [list[Any]() for _ in range((len(run.phases) + 1) * (self.events + 1))]
         self.table = np.zeros(len(self.programs), np.uint64)
         self.made = np.zeros((PER_SLICE, 4 + NUMBERS + STATE))
-        self.body = np.array(numbers_of(run.world))
+        # of the body and its contact, the constant inputs of programs
+        self.body = np.array([*leaves(run.world.body), run.world.rules.e_n])
         self.top = np.zeros(1, TOP_RECORD)
         arrays = self.loops, self.table, run.all_events.events, self.made
         self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
         self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
     def learn(self, jump: Any, *given: Any) -> None:
-        """Count a jump that Python has made with these arguments, and record it when it is due.
+        """Count a jump that Python has made with these arguments (state, world).
+
+        Record it when it is due.
 
         Only a jump that begins a phase, and does nothing else, becomes a program.
         """
@@ -155,11 +161,10 @@ class JumpPrograms:
         self.register(self.run.solver, jump)
 
     def register(self, solver: Any, jump: Any) -> None:
-        """Register the programs of a jump as those of an exit of this phase."""
+        """Enter the programs of a jump into the table of the loop, for the exit of this phase."""
         run = self.run
-        name = jump.exit.event
-        event = self.events if name in (CLOCK, START) else run.numbers.get(name)
-        if event is None:
+        event = run.endings[jump.exit.event]
+        if event < 0:  # a stall, which Python follows
             return
         number = solver.at * (self.events + 1) + event
         taken = self.programs[number]
@@ -188,6 +193,7 @@ class JumpPrograms:
         program = Program(*given)
 
         def followed(region: str, *given: Any) -> list:
+            """Record the call of `ImpactMotions.piece` as one line of the program."""
             place = len(run.phases) + [*run.impacts.stages].index(region)
             motions.append((place, region))
             return program.call(place, partial(run.impacts.piece, region), *given)
@@ -229,7 +235,8 @@ class JumpPrograms:
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS + STATE)
         registers[program.count : result] = constants
-        places = result, first.place + len(constants), to.at, 0
+        out = first.place + len(constants)
+        places = result, out, out + 2 * len(sides) + len(after) + len(pad), to.at, 0
         events = [run.numbers[name] for name in n.logged], passed, ranged
         every = np.array([*chain(*events)], np.int64)
         return JumpProgram(
@@ -242,15 +249,17 @@ class JumpPrograms:
         )
 
     def drive(self, steps: int, changes: int) -> int:
-        """Make at most this many steps and changes of phase; return the number of steps."""
+        """Make at most `steps` steps and `changes` changes of phase; return the number of steps.
+
+        The changes that the loop made are entered into the tables of the run.
+        """
         run: Any = self.run
         record = self.record
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
             self.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
-        by = self.events if run.ending in (None, CLOCK) else run.ending
         until = run.motion.end[0]
-        state = 0.0, 0.0, run.end, until, until, run.began, by, run.solver.at
+        state = 0.0, 0.0, run.end, until, until, run.began, run.ending, run.solver.at
         self.top[0] = *state, 0, 0, 0, run.short_phases
         record.jumps.length = 0
         record.most = changes
@@ -279,8 +288,10 @@ class JumpPrograms:
 
 
 def _ranged(n: Any, to: Any, now: Any, body: Any) -> tuple[list[int], list]:
-    """Return the events whose extremes may lie in a jump that takes time, and their functions
-    there, one event after the other.
+    """Return the events whose extremes may lie in the delay of n, and their functions there.
+
+    They are numbers of events, and JUMP_PARTS + 1 values of each, one event after the other. n
+    begins the phase `to` at the time `now`.
     """
     b = to.phase.parameters(body)
     time = now + n.delay

@@ -1,7 +1,14 @@
 """Call the compiled loop, `loop.c` of `tippetop_kernels`, with arrays of Python.
 
 A record (named tuple) of numbers and arrays becomes a structure of C with the same fields, in which
-arrays are pointers: `structure` makes its type, `filled` its values.
+arrays are pointers: `structure` makes its type, `filled` its values. A field that is added to a
+record here must be added to its struct in loop.c, at the same place. `driver` and `pools` make a
+`Loop` for each integrator.
+
+Symbols
+    tops, lanes  runs in the arrays, and places in a SIMD integrator; 1 each for a single run
+    size         order + 1, the number of Taylor coefficients; h: length of the present step
+    width        numbers from one state to the next in logs, samples and rows
 """
 
 import ctypes
@@ -153,11 +160,14 @@ def library() -> ctypes.CDLL:
         )
     integer = ctypes.c_int64
     array = ctypes.c_void_p
-    loaded.loop_keep.argtypes = [array, *[integer] * 3, *[ctypes.c_double] * 2]
+    loaded.loop_note.argtypes = [array, array, *[integer] * 4, ctypes.c_double, array]
     loaded.loop_push.argtypes = [array, integer]
+    loaded.loop_start.argtypes = [array, array, integer]
+    loaded.loop_start.restype = ctypes.c_bool
     for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
         function.restype = integer
         function.argtypes = [array, integer]
+    loaded.loop_columns.argtypes = [*[integer] * 3, array, array]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
     return loaded
 
@@ -226,7 +236,7 @@ class Loop:
         self.output = NO_ROWS
 
     def fill(self, rows: Rows) -> None:
-        """Let the next steps write their rows here."""
+        """Set the arrays into which the next steps write their rows."""
         if rows is not self.output:
             states = rows.states if self.record.sizes.width else self.out
             self.structure.output = filled(rows._replace(states=states))
@@ -243,10 +253,6 @@ class Loop:
             raise self.failures.pop()
         return steps
 
-    def keep(self, event: np.void, when: float, sign: int) -> None:
-        """Update the numbers that an event keeps, for one in the first lane that no step found."""
-        library().loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
-
 
 def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -> list[Any]:
     """Return step and dense output of a stepper as functions of C.
@@ -258,6 +264,7 @@ def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -
         """Return a C function of `count` pointers that does the work, or ends the runs."""
 
         def function(*_: int) -> None:
+            """Do the work, and keep an error for `Loop.drive`."""
             try:
                 if not failures:
                     work()

@@ -1,8 +1,16 @@
-"""Convert integrated states to named columns: angles, vectors and quantities, in SI units."""
+"""Convert integrated states to named columns: angles, vectors and quantities, in SI units.
 
-from collections.abc import Callable, Mapping
+Rows of internal states go in; out come values by name in internal units (`values_of`), and columns
+in SI units with their attributes (`Observables.columns`), as the store and Datasets have them.
+
+Symbols
+    states    (variables, k); rows: the same transposed, (k, variables); internal units
+    which     number of the run of each state in a `Problems`, (k,)
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -10,14 +18,14 @@ from ..columns import Arrays, Column, column, flag_attributes
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import Vector, refill
 from ..mechanics.rotation import outer
-from ..mechanics.units import ONE, RADIAN, SECOND, Unit
-from ..problem import ORIENTATION, PSI, TURN, Problem, Problems
+from ..mechanics.units import SECOND
+from ..problem import TURN, Problem, Problems
+from ..problem.row_columns import QUATERNION, Source, every_source
 from .expressions import (
     AXES,
     SINE2,
     SPEED2,
     compile_observables,
-    component,
     observed,
     orientation_of,
 )
@@ -26,7 +34,10 @@ from .orientation import quaternion
 
 @dataclass(frozen=True)
 class Observables:
-    """Compute values and columns from rows of internal states (n, variables) of a problem."""
+    """Compute values and columns from rows of internal states (n, variables) of one problem.
+
+    `runs.integration` makes it, and keeps it as `view`.
+    """
 
     problem: Problem
 
@@ -45,8 +56,9 @@ class Observables:
         return moment(self.problem.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> Arrays:
-        """Return all values of the rows by name, internal units; NaN where an angle is undefined,
-        exactly at a pole.
+        """Return all values of the rows by name, in internal units, (k,) each.
+
+        An angle is NaN where it is undefined, exactly at a pole.
         """
         return values_of(self.problem.alone, rows.T, ALONE)
 
@@ -88,7 +100,10 @@ class Observables:
         return columns
 
     def _split(self, name: str, values: np.ndarray, source: "Source") -> dict[str, Column]:
-        """Return a column of doubles; in wider precisions a second one, `name_lo`, to be added."""
+        """Return a column of doubles from values of any precision.
+
+        In wider precisions a second column, `name_lo`, has the rest, to be added.
+        """
         high = values.astype(np.float64)
         dims = ("time", *source.dims)
         columns = {name: column(high, source.unit, source.long_name, dims, **source.attributes)}
@@ -99,52 +114,11 @@ class Observables:
         return columns
 
 
-class Source(NamedTuple):
-    """The source of a column of a run.
-
-    Parameters
-    ----------
-    parts
-        Names of the values that it consists of.
-    unit, long_name
-        Unit and description of the column.
-    dims
-        Its dimensions beyond the time.
-    attributes
-        Further attributes: the symbol in TeX of a quantity.
-    flags
-        Meanings of its numbers, where these are flags.
-    """
-
-    parts: tuple[str, ...]
-    unit: Unit
-    long_name: str
-    dims: tuple[str, ...] = ()
-    attributes: Mapping[str, str] = {}
-    flags: tuple[str, ...] = ()
-
-
-QUATERNION = tuple(f"orientation_{part}" for part in "wxyz")
-"""Names of the parts of the orientation among the values of a row."""
-
-
 def sources(problem: Problem) -> dict[str, Source]:
     """Return the sources of the columns of a run by name, apart from the time and the low parts."""
-    system = problem.system
-    names = problem.system.long_names
-    found = {
-        name: Source((name,), unit, names[name]) for name, unit in system.angles._asdict().items()
-    }
-    for name, variables in system.vectors.items():
-        unit = getattr(system.forms["vector"].units, variables[0])
-        found[name] = Source(tuple(map(component, variables)), unit, names[name], ("xyz",))
-    found["psi"] = Source(("psi",), RADIAN, PSI)
-    found["orientation"] = Source(QUATERNION, ONE, ORIENTATION, ("wxyz",))
-    found |= {
-        q.name: Source((q.name,), q.unit, q.long_name, (), {"symbol": q.symbol}, tuple(q.meanings))
-        for q in system.quantities
-    }
-    return {name: found[name] for name in found if name in problem.kept_columns}
+    kept = problem.kept_columns
+    known = every_source(problem.system, problem.form.name)
+    return {name: source for name, source in known.items() if name in kept}
 
 
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
@@ -212,8 +186,9 @@ ALONE = np.zeros(1, int)
 def _computed(
     formulas: Callable, problems: Problems, states: np.ndarray, which: np.ndarray
 ) -> Arrays:
-    """Return the values of formulas by name: doubles by their compiled function, wider numbers by
-    numpy in 80 bits.
+    """Return the values of `formulas`, `observed` or `orientation_of`, by name, (k,) each.
+
+    Doubles are computed by a compiled function, wider numbers by numpy in 80 bits.
     """
     base = problems.base
     k = states.shape[1]

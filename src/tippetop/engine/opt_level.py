@@ -1,4 +1,7 @@
-"""The optimisation level of LLVM, which an environment variable can lower to compile faster."""
+"""The optimisation level of LLVM, which an environment variable can lower to compile faster.
+
+Compiled code depends on it, so fingerprints and caches contain it.
+"""
 
 import os
 

@@ -1,4 +1,7 @@
-"""Rotations as unit quaternions, which have no pole."""
+"""Rotations as unit quaternions, which have no pole.
+
+Axes of bodies go in, quaternions (w, x, y, z) come out, for `observables`.
+"""
 
 from typing import Any
 

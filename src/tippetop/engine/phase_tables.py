@@ -1,4 +1,8 @@
-"""The tables of phases and impacts of a run, which become groups of its store."""
+"""The tables of phases and impacts of a run, which become groups of its store.
+
+A `HybridDriver` reports each change of phase; `take_rows` returns the new rows, as columns in SI
+units by table, for a `Slice`.
+"""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -35,7 +39,10 @@ class PhaseTables:
         self.numbers = dict[tuple, list]()  # of the words of a phase that begins
 
     def begin(self, time: float, solver: Any, cause: str) -> None:
-        """End the present phase, and begin another one at an internal time."""
+        """Add the row of the present phase, and begin that of `solver` at an internal time.
+
+        `cause` is the word in its column `reason`.
+        """
         self.end(time)
         name = solver.name
         phase = solver.phase

@@ -1,17 +1,23 @@
 """Integrate many tops in SIMD lanes.
 
-Each phase has a pool: the lanes of its integrator, and a queue of tops that are in this phase. The
-loop steps the phase in which most tops are until a lane ends, moves its top by a program to the
-queue of the next phase, and fills the lane from its queue. Python makes only the jumps that have no
-program. The result of a top does not depend on its neighbours, its slot or its turn.
+Starts of tops go into `Pools.begin_tops`; `step` returns the slots of those that have ended, whose
+rows and tallies `ensembles.lanes` then reads. Each phase has a pool: the lanes of its integrator,
+and a queue of tops that are in this phase. The loop steps the phase in which most tops are until a
+lane ends, moves its top by a program to the queue of the next phase, and fills the lane from its
+queue. Python makes only the jumps that have no program. The result of a top does not depend on its
+neighbours, its slot or its turn.
 
-The start of a top is a jump too, to its first phase, and there are as many starts as tops. So tops
-begin in a further phase, the last one, which has no equations and ends at its start: its jump gets
-programs like any other, and only the first few tops start by Python.
+The start of a top is a jump too, to its first phase, and there are as many starts as tops. So it
+has programs like any other jump, those of a phase after the last one, and only the first few tops
+start by Python.
+
+Symbols
+    slot      index of a top among those under way, in all arrays; lane: index in a SIMD integrator
+    phase     index of a phase; width: most variables of a state, padded with zeros
+    numbers   of a body: those that formulas take, and of its contact
 """
 
 import ctypes
-import math
 import threading
 from collections.abc import Sequence
 from types import SimpleNamespace
@@ -20,18 +26,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.form import CLOCK, STALL
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
 from .driver import ENDLESS, STATUSES
-from .expressions import Formulas
 from .hybrid import QUIET, HybridDriver, PhaseSolver
-from .integrator import Compiled
-from .jump_programs import TOP_RECORD, JumpPrograms, Jumps
+from .jump_programs import TOP_RECORD, Jumps
 from .loop import (
     Loop,
     Rows,
-    count_turnings,
     filled,
     library,
     new_motion,
@@ -48,7 +50,6 @@ from .tallies import (
     new_log,
     new_tallies,
 )
-from .taylor import compiled_when
 
 
 LANES = 8
@@ -77,10 +78,10 @@ class _Pools(NamedTuple):
     states: np.ndarray
     bodies: np.ndarray
     called: np.ndarray
-    calls: np.ndarray
     phases: int
     room: int
     width: int
+    calls: int
     possible: int
 
 
@@ -96,6 +97,8 @@ class Begun(NamedTuple):
 
 class Pools:
     """Integrate tops, each of which has a slot, in the pools of their phases.
+
+    The base of `ensembles.lanes` (one phase) and of `HybridPools` (several).
 
     Attributes
     ----------
@@ -116,6 +119,7 @@ class Pools:
     all_events: EventRows
     log: PassageLog
     samples: Samples
+    rows_of: Any
 
     def allocate_tops(
         self, room: int, phases: int, width: int, numbers: int, row_count: int, programs: Any = None
@@ -147,7 +151,6 @@ class Pools:
         made = np.zeros(room, np.int64)
         self.rows = Rows(times, states, times.astype(int), made, False, row_count)
         self.called = np.zeros(room, np.int64)
-        self.calls = np.zeros(1, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, room), np.int64)
         none = np.zeros(len(events) + 1, np.uint64)
@@ -160,10 +163,10 @@ class Pools:
             self.states,
             self.bodies,
             self.called,
-            self.calls,
             phases,
             room,
             width,
+            calls=0,
             possible=0,
         )
         self.record: Any = filled(self.arrays)
@@ -188,21 +191,22 @@ class Pools:
         self.rows.filled[slots] = (begun.times < 0).sum(axis=1)
         self.tops[slots] = 0
         self.tops["end"][slots] = self.tops["stop"][slots] = begun.ends
-        self.place_in_first(slots)
         for slot in slots.tolist():
-            self.push(slot)
-        while len(self.pools) > 1 and self.pools["count"][-1]:  # there they begin
-            self.over = self.step(0)[0]
+            self.start(slot)
 
-    def place_in_first(self, slots: np.ndarray) -> None:
-        """Put tops that begin into the phase of starts, if there is one."""
+    def start(self, slot: int) -> None:
+        """Begin the first phase of a top."""
+        self.push(slot)
 
     def push(self, slot: int) -> None:
         """Append a top to the queue of its phase."""
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
-        """Make a jump that the loop cannot make. Return the next reason for which the top waits."""
+        """Make a jump that the loop cannot make; without phases there is none.
+
+        Return what the top waits for next: A_LANE, A_LOOK or NOTHING.
+        """
         return NOTHING
 
     @QUIET
@@ -210,12 +214,12 @@ class Pools:
         """Make about this many steps of lanes. Return the slots of tops that have ended, and of
         those that may have settled.
         """
-        self.calls[0] = 0
+        self.record.calls = 0
         library().loop_pools(self.record_at, most)
         ended = self.over
         self.over = []
         looks = list[int]()
-        for slot in self.called[: self.calls[0]].tolist():
+        for slot in self.called[: self.record.calls].tolist():
             waits = self.tops["waits"][slot]
             if waits in (A_CHANGE, AN_END):
                 waits = self.attend(slot)
@@ -227,20 +231,16 @@ class Pools:
 
     def rows_in(self, slots: np.ndarray) -> np.ndarray:
         """Return the rows of the present states of the tops in slots (k,)."""
-        return self.rows_at(self.tops["phase"][slots], self.states[slots], slots)
+        return self.rows_of(self.tops["phase"][slots], self.states[slots], slots)
 
     def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
         """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
         phases = self.rows.phases[slots, numbers] % len(self.pools)
-        return self.rows_at(phases, self.rows.states[slots, numbers], slots)
-
-    def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return rows of states (k, width) of phases, by number, of the tops in slots (k,)."""
-        return states[:, : self.variables]
+        return self.rows_of(phases, self.rows.states[slots, numbers], slots)
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
-    """Return the numbers of the bodies of tops, (numbers, n): see `jump_programs.numbers_of`."""
+    """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
     base = tops.base
     assert base.contact is not None
     assert base.system.assembled is not None
@@ -248,6 +248,7 @@ def bodies_of(tops: Problems) -> np.ndarray:
     rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
 
     def internal(value: Any, unit: Any) -> np.ndarray:
+        """Return SI values in internal units."""
         return (np.asarray(value, base.exact) / tops.scales.of(unit)).astype(float)
 
     body, _ = base.system.assembled(tops.internal_body, rules, internal)
@@ -257,7 +258,8 @@ def bodies_of(tops: Problems) -> np.ndarray:
 class HybridPools(Pools, HybridDriver):
     """Pools of tops whose contact may change its phase.
 
-    It is also the driver of one top at a time: that for which Python makes a jump.
+    It is also the driver of one top at a time, that for which Python makes a jump: `_load` reads it
+    from its slot, `_store` writes it back.
 
     Parameters
     ----------
@@ -281,36 +283,21 @@ class HybridPools(Pools, HybridDriver):
     def begin_run(self) -> None:
         """Allocate the arrays of all tops; none has begun."""
         room, row_count = self.sizes
-        programs = self.programs
+        programs = self.jump_programs
         programs.patience = PATIENCE
         phases = len(self.phases)
-        self.request: Any = SimpleNamespace(rows_at_steps=False)
-        self.problems: dict[int, Problem] = {}
-        self.allocate_tops(room, phases + 1, self.width, len(programs.body), row_count, programs)
+        self.allocate_tops(room, phases, self.width, len(programs.body), row_count, programs)
         motion = new_motion(self.variables, 0, 1, 1)
         rows = self.all_events._replace(axis=np.zeros(0, int))
         found = self.findings(rows)
         self.notes = Loop(motion, rows, *found, self.rules, Loaded(None, 0, 0, False, 0))
-        self.add_pool(phases, self.notes, ())
         workspace = SimpleNamespace(motion=motion)
         none = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
             at=phases, workspace=workspace, variables=none, sampled={}, exits={}
         )
 
-    @property
-    def programs(self) -> JumpPrograms:
-        """Return the programs of jumps."""
-        assert self.jump_programs is not None
-        return self.jump_programs
-
     # --- lanes of phases -------------------------------------------------------------------------
-
-    def code_of(self, formulas: Formulas) -> Compiled:
-        """Return the integrator of a phase, with one lane for each of several tops."""
-        problem = self.problem
-        key = formulas, "double", problem.tolerance, self.lanes, problem.orientation
-        return compiled_when(key, self.stop)
 
     def findings(self, rows: EventRows) -> tuple[Tallies, PassageLog, Samples]:
         """Return the tallies of all tops, an unused log, and the common samples."""
@@ -325,7 +312,7 @@ class HybridPools(Pools, HybridDriver):
             order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
             mine = leaves(order)[: len(solver.workspace.motion.pars)]
             self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
-            self.programs.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
+            self.jump_programs.loops[solver.at] = ctypes.addressof(solver.workspace.loop.structure)
         return solver
 
     def set_workspace(self, workspace: Any) -> None:
@@ -352,20 +339,24 @@ class HybridPools(Pools, HybridDriver):
 
     # --- one top ---------------------------------------------------------------------------------
 
-    def place_in_first(self, slots: np.ndarray) -> None:
-        """Put tops that begin into the phase of starts."""
-        self.tops["stop"][slots] = 0.0
-        self.tops["stops_by"][slots] = len(self.numbers)
-        self.tops["phase"][slots] = len(self.phases)
+    def start(self, slot: int) -> None:
+        """Make the jump of a top to its first phase, by a program or by Python."""
+        self.tops["event"][slot] = self.clock_number
+        self.tops["phase"][slot] = len(self.phases)
         for name in "sign", "on_zero":
-            self.of_tops.functions[name][:, slots] = 0.0
-        self.of_tops.lane["lasts_since"][slots] = np.nan
+            self.of_tops.functions[name][:, slot] = 0.0
+        self.of_tops.lane["lasts_since"][slot] = np.nan
+        if not library().loop_start(self.record_at, self.notes.place, slot):
+            if self.attend(slot) == NOTHING:
+                self.over.append(slot)
+            else:
+                self.push(slot)
 
     def _load(self, slot: int) -> None:
-        """Load a top from its slot into the driver."""
-        self.problem = self.problems[slot]
-        body = refill(self.world.body, iter(self.bodies[slot].tolist()))
-        self.world = self.world._replace(body=body, rules=self.problem.contact)
+        """Load a top from its slot into the driver: the methods of `HybridDriver` act on it."""
+        *numbers, e_n = self.bodies[slot].tolist()
+        body = refill(self.world.body, iter(numbers))
+        self.world = self.world._replace(body=body, rules=self.world.rules._replace(e_n=e_n))
         solvers = list(self.solvers.values())
         for solver in solvers:
             solver.b = solver.phase.parameters(body)
@@ -380,13 +371,11 @@ class HybridPools(Pools, HybridDriver):
         names = ["began", "until", "short_phases", "end"]
         self.began, self.until, self.short_phases, self.end = top[names].item()
         self.set_tallies(Tallies(*(array[..., slot : slot + 1] for array in self.of_tops)))
-        self.notes.record.motion.slots[0] = slot
-        self.logged[0] = int(self.upto[0] < 1.0)
         self.workspace = self.solver.workspace
         self.last = self.state.copy()
 
     def _store(self, slot: int) -> None:
-        """Store the top that the driver holds in its slot."""
+        """Write the top that the driver holds back to its slot, after a jump."""
         self.add_in_jump()
         top = self.top
         top["until"] = min(self.until, self.end)
@@ -402,23 +391,11 @@ class HybridPools(Pools, HybridDriver):
 
     def _set_end(self, slot: int) -> None:
         """Set where the next steps of the top that the driver holds end."""
-        when, ending = self.next_end()
-        by = len(self.numbers) if ending in (None, CLOCK) else ending
-        self.tops["stop"][slot], self.tops["stops_by"][slot] = when, by
-
-    def _note(self, number: int, time: Any, sign: int, phase: int, state: np.ndarray) -> None:
-        """Log a passage of a top, and count the turnings of theta."""
-        super()._note(number, time, sign, phase, state)
-        sense = self.all_events.events["sense"][number]
-        if sense:  # of a single run the log counts turnings
-            axis = self.solvers[[*self.phases][phase]].workspace.rows.axis
-            x, y, z = state[axis].tolist()
-            theta = math.atan2(math.sqrt(x * x + y * y), z)
-            count_turnings(self.tallies, np.array([sense * sign]), np.array([theta]))
+        self.tops["stop"][slot], self.tops["stops_by"][slot] = self.next_end()
 
     def learn_start(self, *given: Any) -> None:
         """Record the jump to the first phase."""
-        self.programs.learn(*given)
+        self.jump_programs.learn(*given)
 
     def attend(self, slot: int) -> int:
         """Start a top, make its jump, or set the end of its next step in a sampled phase."""
@@ -427,14 +404,12 @@ class HybridPools(Pools, HybridDriver):
         if top["waits"] == AN_END:
             self._set_end(slot)
             return A_LANE
-        number = int(top["event"])
-        ending: Any = STALL if number < 0 else CLOCK if number == len(self.numbers) else number
         try:
             if self.solver is self.before:
                 self._start(tuple(self.last.tolist()))
                 ends = self.ended
             else:
-                jump = self.solver.exits.get(ending)
+                jump = self.solver.exits.get(top["event"])
                 ends = self._change(jump, self.clock[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
@@ -446,12 +421,6 @@ class HybridPools(Pools, HybridDriver):
         lasted = self.clock[0] - self.tally["lasts_since"]
         return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
-    def rows_at(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states of phases, by number, as rows in the variables of the runs."""
-        rows = states[:, : self.variables].copy()
-        for solver in self.solvers.values():
-            mine = np.flatnonzero(phases == solver.at)
-            body = refill(self.world.body, iter(self.bodies[slots[mine]].T))
-            b = solver.phase.parameters(body)
-            self.read(rows, mine, solver, states, b)
-        return rows
+    def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
+        """Return the parameters of a phase of the tops in slots (k,)."""
+        return solver.phase.parameters(refill(self.world.body, iter(self.bodies[slots].T)))

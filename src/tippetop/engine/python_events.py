@@ -1,4 +1,7 @@
-"""Find events of a phase whose functions have no Taylor series, and are sampled by Python."""
+"""Find events of a phase whose functions have no Taylor series, and are sampled by Python.
+
+A run goes in; times of events in its next step come out, for `HybridDriver.next_end`.
+"""
 
 from functools import partial
 from typing import Any
@@ -19,6 +22,7 @@ def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
     _, h = ta.step(write_tc=True)
 
     def value(event: Event, t: Any) -> float:
+        """Return the event function at the time t of the trial step."""
         q, _ = solver.variables.split(ta.update_d_output(t).tolist())
         return float(event.formula(solver.phase.form.scalars(q, solver.b), solver.b))
 

@@ -1,4 +1,8 @@
-"""Decide whether sliding has ended for good, and classify the final motions of tops."""
+"""Decide whether sliding has ended for good, and classify the final motions of tops.
+
+States and values at the end of runs go in; out come flags and the CLASSES of tops, for `runs` (one)
+and `ensembles` (many).
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""The ways in which a run can end."""
+"""The ways in which a run can end.
+
+The loop counts in codes, stores and reports have words.
+"""
 
 from enum import Enum
 
@@ -42,7 +45,7 @@ class Status(Enum):
 
     @property
     def code(self) -> int:
-        """Return the number of the status: its index in the list above."""
+        """Return the number of the status in stores: its index in the enumeration."""
         return list(Status).index(self)
 
     @property

@@ -1,4 +1,14 @@
-"""Arrays that the loop fills (tallies, log of events, samples), and its table of events."""
+"""Arrays that the loop fills (tallies, log of events, samples), and its table of events.
+
+`event_rows` converts events to records for C, `new_tallies`, `new_log` and `new_samples` allocate
+the arrays. Their layout is that of the structs in loop.c: change both together.
+
+Symbols
+    event function  formula of an `Event` along a run; coefficients: those of its Taylor polynomial
+    passage         a zero of an event function, a row of the log
+    lane            place of a run in a SIMD integrator; a single run is in lane 0
+    kept numbers    first or last time, or count, of the passages of an event
+"""
 
 import math
 from collections.abc import Iterable, Sequence

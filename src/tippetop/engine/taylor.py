@@ -1,4 +1,7 @@
-"""Compile the equations of a problem, and return the driver that integrates it."""
+"""Compile the equations of a problem, and return the driver that integrates it.
+
+`driver_of(problem)` is the entrance for `runs`; `code_for` compiles formulas for other drivers.
+"""
 
 import hashlib
 import threading
@@ -70,12 +73,14 @@ def internal_end(problem: Problem) -> Any:
     return problem.number(problem.until) / problem.number(problem.unit(SECOND))
 
 
-def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None = None) -> Compiled:
-    """Return the integrator of formulas with the options of a run.
+def code_for(
+    problem: Problem, formulas: Formulas, stop: threading.Event | None = None, lanes: int = 1
+) -> Compiled:
+    """Return the integrator of formulas with the options of a run, or of several in lanes.
 
     Raises Interrupted if `stop` is set meanwhile.
     """
-    key = formulas, problem.precision, problem.tolerance, 0, problem.orientation
+    key = formulas, problem.precision, problem.tolerance, lanes, problem.orientation
     return compiled_when(key, stop)
 
 
@@ -91,6 +96,7 @@ def fingerprint(driver: Driver) -> str:
 
 @lru_cache(maxsize=MOST_COMPILED)
 def _digest(codes: tuple[Compiled, ...], level: int) -> str:  # 1 ms, and every keyframe has one
+    """Return the fingerprint of integrators compiled at a level; cached, as it takes 1 ms."""
     lines = "\n".join(f"{a}' = {b}" for code in codes for a, b in code.integrator.sys)
     if level != DEFAULT:
         lines += f"\nopt_level {level}"

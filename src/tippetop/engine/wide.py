@@ -100,7 +100,7 @@ class WideSteps(Called):
 
 
 class WideDriver(Driver):
-    """Integrate one run in numbers wider than doubles."""
+    """Integrate one run in numbers wider than doubles: a `Driver` whose stepper is `WideSteps`."""
 
     def stepper_of(self, code: Compiled) -> Stepper:
         """Return a stepper in Python around heyoka's integrator."""
@@ -127,15 +127,16 @@ class WideDriver(Driver):
         return self.stepper.integrator.state
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state, padded with zeros, and the time."""
+        """Set the state, padded with zeros, and the time as (high, low), of heyoka's integrator."""
         ta = self.stepper.integrator
         ta.state[:] = 0
         ta.state[: len(state)], ta.dtime = state, clock
 
 
 def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
-    """Return the coefficients of an event function in a step, from those of all variables,
-    (variables, order + 1), without the leading `roots` coefficients.
+    """Return the Taylor coefficients of an event function in a step, from number `roots` on.
+
+    `tc` are those of all variables, (variables, order + 1); `event` is a record of `tallies`.
     """
     whole = tc[event["row"]]
     if event["shift"] == 1:  # the rate of the variable
@@ -146,8 +147,10 @@ def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
 
 
 def _refined(function: np.ndarray, x: Any, length: Any) -> Any:
-    """Return the zero of a polynomial near x, by Newton's rule in the precision of its
-    coefficients.
+    """Return the zero of a polynomial near x, by Newton's rule in its precision.
+
+    `function` are its coefficients, ascending; `length` is that of the step, beyond which no zero
+    moves.
     """
     descending = list(function[::-1])
     for _ in range(REFINEMENTS):

@@ -1,12 +1,14 @@
-"""Integrate many tops of one scenario in memory, on several threads."""
+"""Integrate many tops of one scenario in memory, on several threads.
+
+`Problems` go in, `Outcomes` come out; each thread has its `Lanes`, all share a queue of tops.
+"""
 
 import itertools
 import os
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from functools import partial
+from collections.abc import Collection, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any
 
 import numpy as np
@@ -72,6 +74,7 @@ def measure(
     total = int(tops.valid.sum())
 
     def ended() -> None:
+        """Report that one more top has ended."""
         if progress is not None:
             with lock:
                 progress(next(counted), total)
@@ -91,8 +94,7 @@ def measure(
             Lanes(measured, functions, ended, room, wanted, events=events, most=most)
             for _ in range(n)
         ]
-        queue = iter(numbers.tolist())
-        _run_all([partial(worker.run, queue) for worker in workers], [w.stop for w in workers])
+        _run_all(workers, iter(numbers.tolist()))
         possible = sum(worker.possible for worker in workers)
         measured.occupancy = sum(worker.steps for worker in workers) / max(1, possible)
     if measured.passages:
@@ -116,21 +118,18 @@ def measure(
     return measured
 
 
-def _run_all(runs: list[Callable[[], None]], stops: list[threading.Event]) -> None:
-    """Call functions on a thread each; set their `stops` if one has failed, or on Ctrl-C."""
-    if len(runs) < 2:
-        for run in runs:
-            run()
+def _run_all(workers: list[Lanes], queue: Iterator[int]) -> None:
+    """Integrate the tops of a queue on a thread each; stop all if one fails, or on Ctrl-C."""
+    if len(workers) == 1:
+        workers[0].run(queue)
         return
-    with ThreadPoolExecutor(len(runs)) as pool:
+    with ThreadPoolExecutor(len(workers)) as pool:
         try:
-            running = [pool.submit(run) for run in runs]
-            wait(running, return_when=FIRST_EXCEPTION)
+            for done in as_completed([pool.submit(worker.run, queue) for worker in workers]):
+                done.result()
         finally:
-            for stop in stops:
-                stop.set()
-    for done in running:
-        done.result()
+            for worker in workers:
+                worker.stop.set()
 
 
 def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:

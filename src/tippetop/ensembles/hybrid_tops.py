@@ -1,4 +1,7 @@
-"""Integrate tops one after the other, each by an `Integration` instead of a lane."""
+"""Integrate tops one after the other, each by an `Integration` instead of a lane.
+
+For tops that lanes cannot follow, such as those of user-defined systems with phases.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,6 +24,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     """Return the problem of one top, to run alone."""
 
     def numbers(table: str) -> dict[str, Any]:
+        """Return the numbers of this top in a table of the scenario."""
         given = tops.given(table)
         return {
             name: v if isinstance(v, bool) else float(v[top] if np.ndim(v) else v)

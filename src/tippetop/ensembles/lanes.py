@@ -1,4 +1,7 @@
-"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`."""
+"""Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`.
+
+Numbers of tops come from a queue; their outcomes go to the common `Outcomes`.
+"""
 
 import threading
 from collections.abc import Callable, Collection, Iterator
@@ -62,6 +65,7 @@ class PoolOfOne(Pools):
         code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
 
         def reads(*names: str) -> bool:
+            """Return whether a requested column begins with one of these names."""
             return wanted is None or any(name.startswith(names) for name in wanted)
 
         rows = watched(code.rows, base, reads)
@@ -79,6 +83,10 @@ class PoolOfOne(Pools):
         rules = Rules(settled_for, most, EVERY, 0)
         self.loop = Loop(self.motion, rows, *found, rules, code.machine)
         self.add_pool(0, self.loop, range(numbers))
+
+    def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
+        """Return states of the tops in slots as rows."""
+        return states[:, : self.variables]
 
 
 class Lanes:
@@ -126,8 +134,9 @@ class Lanes:
         self.top_in = np.full(self.room, -1)
         self.under_way = 0
         self.steps = self.possible = 0  # of lanes: made, and possible
-        self.pools: Pools | None = None
-        if not self.tops.base.system.is_hybrid:
+        self.is_hybrid = self.tops.base.system.is_hybrid
+        self.pools: Any = None
+        if not self.is_hybrid:
             self.pools = PoolOfOne(
                 self.tops, self.room, row_count, wanted, events=events, most=most
             )
@@ -139,22 +148,23 @@ class Lanes:
         is_more = True
         while not self.stop.is_set():
             if not self.under_way or (is_more and len(free) + len(done) >= self.room / 4):
-                self._look()
-                self._write(np.array(done, int))
+                if done:
+                    self._look()
+                    self._write(np.array(done))
                 free += done
                 done = []
                 while is_more and free and not self.stop.is_set():
                     is_more = self._begin(queue, free)
-            pools = self.pools
-            if pools is None or not self.under_way:
+            if not self.under_way:
                 return
+            pools = self.pools
             ended, looks = pools.step(MOST_DRIVEN)
             for slot in looks:
                 if self._stays(slot):
                     pools.of_tops.lane["status"][slot] = Status.SETTLED.code
                     ended.append(slot)
                     continue
-                if not self.tops.base.system.is_hybrid:
+                if not self.is_hybrid:
                     pools.of_tops.lane["lasts_since"][slot] = np.nan
                 pools.push(slot)
             for _ in ended:
@@ -172,8 +182,7 @@ class Lanes:
         """Begin tops in free slots. Return whether the queue may have more."""
         taken = list(islice(queue, len(free)))
         is_more = len(taken) == len(free)
-        is_hybrid = self.tops.base.system.is_hybrid
-        problems: dict[int, Any] = self._checked(taken) if is_hybrid else dict.fromkeys(taken)
+        problems: Any = self._checked(taken) if self.is_hybrid else dict.fromkeys(taken)
         if not problems:
             return is_more
         which = np.array([*problems])
@@ -183,15 +192,14 @@ class Lanes:
         if self.pools is None:
             first = next(iter(problems.values()))
             self.pools = HybridPools(first, self.room, times.shape[1], self.stop)
-        if isinstance(self.pools, HybridPools):
-            self.pools.problems.update(zip(slots.tolist(), problems.values(), strict=True))
-            begun = self._begun(problems, len(self.pools.numbers), times)
+        if self.is_hybrid:
+            begun = self._begun(problems, times)
         else:
             tops = self.tops
             of_tops = tops.start[:, which], self.functions[which].T, tops.pars[:, which]
             begun = Begun(*of_tops, tops.end[which], times)
         self.pools.begin_tops(slots, begun)
-        if is_hybrid:  # the gap of the start may follow theta
+        if self.is_hybrid:  # the gap of the start may follow theta
             self.outcomes.begin(self.pools.rows_in(slots).T, which)
         self.under_way += len(slots)
         return is_more
@@ -213,22 +221,25 @@ class Lanes:
                 found[top] = problem
         return found
 
-    def _begun(self, problems: dict[int, Problem], events: int, times: np.ndarray) -> Begun:
-        """Return the starts of tops whose contact may change its phase."""
+    def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
+        """Return the starts of tops whose contact may change its phase.
+
+        `problems` are the tops by number, `times` those of rows (k, rows).
+        """
         which = np.array([*problems])
         columns = {key: values[which] for key, values in self.tops.columns.items()}
         if touches(self.tops.base) and "initial.gap" not in columns:
             gaps = [problem.initial.get("gap", 0.0) for problem in problems.values()]
             columns["initial.gap"] = np.array(gaps)
         some = replace(self.tops, columns=columns)
-        return Begun(some.start, np.ones((events, some.n)), bodies_of(some), some.end, times)
+        functions = np.ones((len(self.pools.numbers), some.n))
+        return Begun(some.start, functions, bodies_of(some), some.end, times)
 
     # --- rows of tops ----------------------------------------------------------------------------
 
     def _stays(self, slot: int) -> bool:
         """Return whether a top that may have settled has done so for good."""
         pools = self.pools
-        assert pools is not None
         problem = problem_of(self.tops, int(self.top_in[slot]))
         view = Observables(problem)
         last = pools.rows_in(np.array([slot]))
@@ -238,11 +249,9 @@ class Lanes:
     def _look(self) -> None:
         """Compare the invariants of sampled states with the start, and empty samples and log."""
         pools = self.pools
-        if pools is None:
-            return
         if count := int(pools.samples.filled[0]):
             slots, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
-            rows = pools.rows_at(phases, pools.samples.states[:count], slots)
+            rows = pools.rows_of(phases, pools.samples.states[:count], slots)
             self.outcomes.look(rows.T, self.top_in[slots])
             pools.samples.filled[0] = 0
         if self.logs and (count := int(pools.log.filled[0])):
@@ -256,8 +265,6 @@ class Lanes:
         pools = self.pools
         outcomes = self.outcomes
         columns = outcomes.columns
-        if pools is None or not len(slots):
-            return
         status = pools.of_tops.lane["status"][slots]
         outcomes.status[self.top_in[slots]] = status
         for slot in slots[status == Status.INVALID.code].tolist():
@@ -266,7 +273,7 @@ class Lanes:
         tops = self.top_in[slots]
         final = pools.rows_in(slots).T
         outcomes.final[:, tops] = final
-        if self.tops.base.system.is_hybrid:
+        if self.is_hybrid:
             outcomes.look(final, tops)
         place, row = np.nonzero(np.isfinite(pools.rows.states[slots, :, 0]))
         outcomes.rows[tops[place], row] = pools.rows_made(slots[place], row)
@@ -288,7 +295,7 @@ class Lanes:
         functions = pools.of_tops.functions[:, slots]
         kept = iter(pools.of_tops.kept[:, slots])
         settled = ~slides(self.tops, final, tops)
-        if self.tops.base.system.is_hybrid:
+        if self.is_hybrid:
             settled &= ~np.isnan(tallies["lasts_since"])
         for k, event in enumerate(self.tops.base.system.events):
             if event.lasting:

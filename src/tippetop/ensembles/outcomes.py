@@ -1,4 +1,7 @@
-"""The outcomes of the tops of an ensemble: status, class, times, angles, forces, drift."""
+"""The outcomes of the tops of an ensemble: status, class, times, angles, forces, drift.
+
+Lanes write rows in internal units; `dataset` and `table` return columns in SI units.
+"""
 
 from typing import TYPE_CHECKING, Any
 

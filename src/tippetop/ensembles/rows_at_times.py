@@ -1,4 +1,7 @@
-"""Compute columns of many tops at given times."""
+"""Compute columns of many tops at given times.
+
+`exchange.predictions` calls it for the motions of a fit.
+"""
 
 from collections.abc import Collection
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""Convert the zeros that lanes found to an event log of each top, as that of a single run."""
+"""Convert the zeros that lanes found to an event log of each top, as that of a single run.
+
+Passages in arrays of `Outcomes` go in, `EventTable`s come out.
+"""
 
 import numpy as np
 
@@ -8,7 +11,7 @@ from ..engine.observables import Observables
 from ..engine.tallies import event_rows, new_tallies
 from ..problem import Problems
 from ..runs.event_log import EventLog
-from ..runs.events import EventTable, event_columns
+from ..runs.events import EventTable
 from .hybrid_tops import problem_of
 from .outcomes import Outcomes
 
@@ -45,4 +48,4 @@ def event_table(measured: Outcomes) -> dict[str, Column]:
     each = sorted(measured.events.items())
     joined = EventTable.joined([log_of(measured.tops, 0).empty, *(table for _, table in each)])
     numbers = np.repeat([top for top, _ in each], [len(table.time) for _, table in each])
-    return {"top": Column(("event",), numbers.astype(np.int64), TOP), **event_columns(joined)}
+    return {"top": Column(("event",), numbers.astype(np.int64), TOP), **joined}

@@ -1,4 +1,7 @@
-"""Comparison of the motion of another program with the exact reference at its own times."""
+"""Comparison of the motion of another program with the exact reference at its own times.
+
+A problem and a table go in; a `Compared` comes out, with differences over time and numbers on them.
+"""
 
 import itertools
 import math
@@ -15,14 +18,16 @@ from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import groups_of
+from ..mechanics.operand import Vector
 from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
-from ..runs.shape import angular_velocity, frames, lowest, moments
+from ..runs.shape import angular_velocity, lies, lowest
 from .headers import CAMERA, KIND
-from .motion import Convention, angle_between, angle_in_picture, motion
+from .motion import Convention, angle_between, angle_in_picture, in_body_axes, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
+from .residuals import wrapped
 from .simulators import gravity, motion_of
 
 
@@ -34,6 +39,8 @@ ROUNDING = 1e-13  # smaller differences have no order of convergence
 
 class Compared(NamedTuple):
     """One motion with its reference.
+
+    `compare` makes it, and `benchmark.score` for results of engines.
 
     Parameters
     ----------
@@ -76,7 +83,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     problem
         The reference.
     path
-        A table, as `table.read` takes it.
+        A table, as `motion_table.read` takes it.
     convention
         The conventions of its frames.
 
@@ -104,7 +111,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         )
     columns = reference(run)
     if {"omega", "orientation"} <= columns.keys():
-        columns["gyroscope"] = _in_body_axes(columns["omega"], columns)
+        columns["gyroscope"] = in_body_axes(columns["orientation"], columns["omega"])
     theirs = {name: part[:rows] for name, part in motion(table, convention).items()}
     if "axis" in columns:
         columns |= {
@@ -127,11 +134,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             "to be compared, but has none."
         )
     body = problem.body()
-    kept = {}
-    touching = {}
-    if hasattr(body, "outline") and "axis" in theirs:
-        kept = conserved(theirs, problem, body)
-        touching = _contact(theirs, problem, body)
+    kept = conserved(theirs, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: PlainData = {
         "file": str(path),
@@ -143,7 +146,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     for what, changes in (("drift", kept), ("error", errors)):
         for name, curve in changes.items():
             numbers[f"{name}_{what}"] = float(np.nanmax(np.abs(curve)))
-    numbers |= touching
+    numbers |= _contact(theirs, problem, body)
     if rows < len(t):
         numbers["reference_ended"] = run.reason
     if faults := _start_faults(numbers, curves, convention):
@@ -169,30 +172,30 @@ def reference(run: Solution) -> Arrays:
         return columns | dict(zip(names, motion_of(problem, run.rows), strict=True))
     if not hasattr(body, "outline"):
         return columns
-    view = Observables(problem)
-    scale = problem.unit(METRE_PER_SECOND)
-    state = view.state(run.rows)
-    theta = columns["theta"]
     none = np.zeros(len(run.times))
+    if "axis" in columns:
+        attitude = _attitude(columns, body)
+        columns["omega"] = turning = angular_velocity(attitude, columns["L"], body)
+    else:  # a cylinder
+        theta = columns["theta"]
+        attitude = np.stack([np.sin(theta), none, np.cos(theta)], axis=1)
+        turning = np.stack([none, columns["theta_dot"], none], axis=1)
+    view = Observables(problem)
+    state = view.state(run.rows)
     rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
-    if hasattr(body, "I2"):
-        q = columns["orientation"]
-        columns["omega"] = angular_velocity(q, columns["L"], body)
-        height = -lowest(q, body)[:, 2]
-        rise = np.cross(lowest(q, body), columns["omega"])[:, 2]
-    else:
-        z = np.cos(theta)
-        touching = contact.touching_ball(z, np.sin(theta) ** 2, body)
-        height = contact.height(z, touching)
-        rise = touching.c * np.sin(theta) * columns["theta_dot"]
-    place = columns["x"], columns.get("y", none), height
+    scale = problem.unit(METRE_PER_SECOND)
     across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
-    columns["place"] = np.stack(place, axis=1)
+    down = lowest(attitude, body)
+    rise = np.cross(down, turning)[:, 2]
+    columns["place"] = np.stack([columns["x"], columns.get("y", none), -down[:, 2]], axis=1)
     columns["velocity"] = np.stack([*across, rise], axis=1)
-    if "L" in columns and "omega" not in columns:
-        spin = columns["omega3"][:, None] * columns["axis"]
-        columns["omega"] = (columns["L"] - (body.I3 - body.I1) * spin) / body.I1
     return columns
+
+
+def _attitude(motion: Arrays, body: Any) -> Any:
+    """Return the orientation or the axis, as `shape.lies` takes it; None if it is missing."""
+    name = "orientation" if hasattr(body, "I2") else "axis"
+    return motion.get(name) if hasattr(body, "outline") else None
 
 
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
@@ -208,11 +211,7 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
         raise InputError(
             f"`chip` must be 0,0,0 to be compared where the contact may change, but is {chip}."
         )
-    return _in_body_axes(columns["force"], columns) / problem.body().m
-
-
-def _in_body_axes(vectors: np.ndarray, columns: Arrays) -> np.ndarray:
-    return np.einsum("nij,nj->ni", frames(columns["orientation"]), vectors)
+    return in_body_axes(columns["orientation"], columns["force"]) / problem.body().m
 
 
 def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
@@ -221,7 +220,7 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
         if name in ("phi", "psi") or CAMERA.fullmatch(name):
-            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+            off = wrapped(off)
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))
         if name == "axis":
@@ -239,24 +238,19 @@ def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
     They are changes relative to the first value, (rows,) each, of the quantities that the columns
     of the motion and its surroundings allow.
     """
-    u = there["axis"]
-    if "omega" not in there or {*groups_of(problem.surroundings)} - {"tilt"}:
+    attitude = _attitude(there, body)
+    others = {*groups_of(problem.surroundings)} - {"tilt"}
+    if attitude is None or "omega" not in there or others:
         return {}
     w = there["omega"]
-    spin = (w * u).sum(axis=1)
+    L = np.stack(contact.momentum_of(Vector(*w.T), lies(attitude, body), body), axis=1)
     values = {}
     if problem.system.name.endswith("tippe-top"):
-        Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
-        values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)
+        L3 = (L * there["axis"]).sum(axis=1)
+        values["jellett"] = contact.jellett_of(L[:, 2], L3, body)
     if {"velocity", "place"} <= there.keys():
-        if hasattr(body, "I2"):  # three moments need more than the axis
-            if "orientation" not in there:
-                return {}
-            turning = _in_body_axes(w, there) ** 2 @ moments(body)
-        else:
-            turning = body.I1 * (w**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
-        moving = (body.m * (there["velocity"] ** 2).sum(axis=1) + turning) / 2
-        values["energy"] = moving - body.m * there["place"] @ gravity(body)
+        moving = body.m * (there["velocity"] ** 2).sum(axis=1) + (w * L).sum(axis=1)
+        values["energy"] = moving / 2 - body.m * there["place"] @ gravity(body)
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 
@@ -267,16 +261,12 @@ def _relative(values: np.ndarray) -> np.ndarray:
 
 def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
     """Return how deep the other motion penetrates the floor, and how high it rises from it [m]."""
-    height = there["place"][:, 2] if "place" in there else np.array(np.nan)
-    if problem.system.name == "heavy-top" or not np.isfinite(height).any():
+    attitude = _attitude(there, body)
+    if problem.system.name == "heavy-top" or attitude is None or "place" not in there:
         return {}
-    if hasattr(body, "I2"):
-        if "orientation" not in there:
-            return {}
-        gap = height + lowest(there["orientation"], body)[:, 2]
-    else:
-        z = there["axis"][:, 2]
-        gap = height - contact.height(z, contact.touching_ball(z, 1 - z * z, body))
+    gap = there["place"][:, 2] + lowest(attitude, body)[:, 2]
+    if not np.isfinite(gap).any():
+        return {}
     return {
         "contact": {
             "penetration": float(max(0.0, -np.nanmin(gap))),
@@ -286,10 +276,10 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
-    """Return numbers on a difference over time, as `tippetop compare --json` prints them.
+    """Return numbers on the difference `curve` at times t [s], (rows,) each, for `compare --json`.
 
     They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
-    time when it exceeds each of `LEVELS`, or None.
+    time when it exceeds each of `LEVELS`, or None. NaN is left out.
     """
     given = np.isfinite(curve)
     t = t[given]

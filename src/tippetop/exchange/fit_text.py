@@ -1,4 +1,7 @@
-"""The result of a fit as plain data, as text, and as a scenario."""
+"""The result of a fit as plain data, as text, and as a scenario.
+
+A `fitting.Fit` goes in; plain data, lines, tables and TOML come out.
+"""
 
 import json
 import math
@@ -106,6 +109,7 @@ def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) 
 
 
 def _value(value: Any) -> str:
+    """Return a value in TOML."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(_value, value))}]"
     return repr(float(value)) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

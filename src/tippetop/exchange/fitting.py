@@ -1,4 +1,14 @@
-"""A fit of the numbers of a scenario to a measured motion, and how far the data decide them."""
+"""A fit of the numbers of a scenario to a measured motion, and how far the data decide them.
+
+An `Observation` goes in, a `Fit` comes out. `search` finds minima of the `misfit`; this module
+judges whether they can be trusted, by independent searches, noise, correlations and influences.
+
+Symbols
+    misfit    residuals as a function of the free numbers, see `misfit.Misfit`
+    end       a `Minimum` over all data; ends: several, best first
+    parts     residuals of one kind of measurement, by name, (rows, parts)
+    sigma     standard errors of the free numbers; changes: of residuals, by influence
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -56,6 +66,8 @@ class Estimate(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Fit:
     """The result of a fit.
+
+    `judged` makes it; `library.exchanging.Fitted` shows it to the user.
 
     Parameters
     ----------
@@ -150,6 +162,7 @@ def fit(
         expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
         def report(done: int, before: int = n * count, total: int = expected * count) -> None:
+            """Report the progress of one search as part of all."""
             progress(before + done, total)
 
         report(0)
@@ -249,10 +262,10 @@ def judged(
     systematic: bool,
     hopeless: bool,
 ) -> Fit:
-    """Return the result of searches that ended in these minima, best first.
+    """Return the `Fit` of searches that ended in these minima, best first.
 
-    `hopeless`: whether they ended early, far from the data.
-    Variances are multiplied by the time over which residuals are correlated.
+    `hopeless`: whether they ended early, far from the data; `systematic`: whether influences are
+    tried. Variances are multiplied by the time over which residuals are correlated.
     """
     from scipy.stats import t as student
 
@@ -306,6 +319,7 @@ def judged(
     reasons += doubts
 
     def moved(name: str, shift: np.ndarray) -> list[str]:
+        """Return [] or a sentence, if a number moves by more than LARGE standard errors."""
         worst = int(np.argmax(shift / sigma))
         errors = shift[worst] / sigma[worst]
         words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."
@@ -344,7 +358,10 @@ def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
-    """Return sentences on residuals that are not noise, or not of the stated size."""
+    """Return sentences on residuals that are not noise, or not of the stated size.
+
+    `noise` is the root mean square of each kind of measurement, SI.
+    """
     observation = misfit.observation
     reasons = []
     excess = _excess({g: off for g, off in parts.items() if noise[g] > misfit.rounding[g]})
@@ -416,13 +433,14 @@ def _rivals(space: Space, ends: Sequence[Minimum], where: str = "") -> list[str]
 
 
 def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[str]:
-    """Return sentences on a motion that influences explain better, or by other numbers.
+    """Return sentences if influences explain the motion better, or make other numbers fit as well.
 
-    `changes`: those of residuals at the first end, by influence.
+    `ends` are minima, best first; `changes` those of residuals at the first one, by influence.
     """
     best = ends[0]
 
     def freed(end: Minimum, changes: Arrays) -> Minimum:
+        """Return a minimum with the cost that it has if the influences are free numbers too."""
         return end._replace(cost=end.cost - _gain(misfit, end, changes, best.variance))
 
     values = [misfit.space.values(end.point) for end in ends[1:]]
@@ -438,7 +456,11 @@ def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[st
 
 
 def _gain(misfit: Misfit, end: Minimum, changes: Arrays, variance: float) -> float:
-    """Return by how much the cost falls where influences of about their sizes are free too."""
+    """Return by how much the cost falls where influences of about their sizes are free too.
+
+    `changes`: the residuals that each influence adds, (directions, residuals); `variance`: of
+    noise.
+    """
     if not changes:
         return 0.0
     root = np.sqrt(misfit.weight(end.residual))

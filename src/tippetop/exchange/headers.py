@@ -1,4 +1,7 @@
-"""Headers of tables: the known columns, by name and unit."""
+"""Headers of tables: the known columns, by name and unit.
+
+The cells of a header go in; places, names and units of columns come out.
+"""
 
 import re
 from collections.abc import Sequence
@@ -163,13 +166,11 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
                 f"`{strange.pop()}`."
             )
         else:
-            size = None
             turning = unit in (RADIAN, RADIAN_PER_SECOND)
             if not turning or not parts.isdisjoint(ANGLES.split()):
                 with suppress(InputError):
-                    size = number_of(f"1 {given}", name, unit)
-            if size is not None:
-                found[name] = place, size
+                    found[name] = place, number_of(f"1 {given}", name, unit)
+            if name in found:
                 continue
             turns = " (turns per minute are `rpm`)" if unit == RADIAN_PER_SECOND else ""
             faults.append(

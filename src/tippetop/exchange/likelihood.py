@@ -1,4 +1,7 @@
-"""The likelihood of measurements under a scenario, and draws of its posterior."""
+"""The likelihood of measurements under a scenario, and draws of its posterior.
+
+An `Observation` goes in; a function of its free numbers comes out, and draws with weights.
+"""
 
 from collections.abc import Mapping, Sequence
 

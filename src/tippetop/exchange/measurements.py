@@ -1,15 +1,21 @@
-"""Measurements from a table, with the prediction of a scenario for them."""
+"""Measurements from a table, with the prediction of a scenario for them.
+
+A file and a problem go in, an `Observation` comes out, for `fitting` and `likelihood`.
+"""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, measured
+from ..arguments import dotted_keys, measured, path_of, takes
 from ..errors import InputError
 from ..mechanics.units import RADIAN
 from ..problem import Problem
-from .motion import Convention, motion
+from .motion import convention_of, motion, place_of
 from .motion_table import read
 from .observation import Observation
 
@@ -17,13 +23,15 @@ from .observation import Observation
 MOST_ROWS = 100_000
 
 
-def observation_of(
-    problem: Problem,
+@takes(convention_of)
+def observed(
     data: str | Path,
+    problem: Problem,
     free: Sequence[str],
-    convention: Convention,
-    marker: tuple[float, float, float] | None,
+    *,
+    marker: Sequence[float] | str | None = None,
     noise: float | str | None = None,
+    **frames: Any,
 ) -> Observation:
     """Return measurements and the prediction of a scenario for them.
 
@@ -34,6 +42,9 @@ def observation_of(
     InputError
         If the table, the names or the conventions are wrong.
     """
+    data = path_of("data", data)
+    convention = convention_of(**frames)
+    at = place_of("marker", marker)
     noise = None if noise is None else measured("noise", noise, RADIAN)
     if noise is not None and not 0 < noise < np.pi:
         raise InputError(f"`noise` must be an angle between 0 and pi, but is {noise} rad.")
@@ -48,11 +59,11 @@ def observation_of(
             f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."
         )
     columns = [f"marker_{c}" for c in "xyz"]
-    if len({marker is not None, *map(table.has, columns)}) > 1:
+    if len({at is not None, *map(table.has, columns)}) > 1:
         raise InputError(
             f"a marker must have the columns {', '.join(columns)} in `{data}` and a place on "
             "the body (--marker x,y,z, metres in body axes), but one of them is missing."
         )
     names = dotted_keys(free, problem.rules)
     seen = motion(table, convention)
-    return Observation(problem, names, seen, marker, noise, convention.chip)
+    return Observation(problem, names, seen, at, noise, convention.chip)

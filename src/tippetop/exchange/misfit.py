@@ -1,4 +1,12 @@
-"""Weighted residuals of sets of numbers, and their Jacobians."""
+"""Weighted residuals of sets of numbers, and their Jacobians.
+
+Points of the space of free numbers go in; residuals, divided by their noise, and their slopes come
+out, for `search` and `fitting`.
+
+Symbols
+    points    coordinates (points, free), see `scales.Space`; rows: how many of the measurements
+    residuals (points, numbers), measured minus predicted, weighted
+"""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -38,6 +46,8 @@ scale.
 
 class Misfit:
     """Residuals of an observation at points of the space of its free numbers.
+
+    `fitting.fit` makes it.
 
     Parameters
     ----------
@@ -143,7 +153,11 @@ class Misfit:
             self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), self.rounding[group])
 
     def variance(self, residuals: np.ndarray) -> float:
-        """Return the variance of residuals; rounding, whose errors may all agree, adds to it."""
+        """Return the variance of the noise from residuals (numbers,) at a minimum.
+
+        To their sum of squares, divided by the degrees of freedom, rounding is added, whose errors
+        may all agree.
+        """
         weight = self.weight(residuals)
         free = len(self.space.names)
         most = max(self.weights[group] * size for group, size in self.rounding.items())

@@ -1,4 +1,7 @@
-"""Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
+"""Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz.
+
+A `motion_table.Table` goes in; arrays by name come out, SI, for comparisons and fits.
+"""
 
 from __future__ import annotations
 
@@ -98,7 +101,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # no
             found[kind] = rows[:, turn]
 
     def fill(name: str, rows: np.ndarray) -> None:
-        """Use these values in gaps."""
+        """Fill the gaps of the quantity `name` with these rows."""
         given = found.get(name, rows)
         found[name] = np.where(np.isnan(given), rows, given)
 
@@ -166,17 +169,25 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return vectors v, (3,) or (n, 3), rotated by one unit quaternion, (4,), or (n, 4) of them."""
-    return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=-1)
+    """Return vectors v (..., 3), rotated by unit quaternions q (..., 4)."""
+    parts = rotated(Quaternion(*np.moveaxis(q, -1, 0)), Vector(*np.moveaxis(v, -1, 0)))
+    return np.stack(parts, axis=-1)
+
+
+def in_body_axes(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Return the components along body axes of vectors v (..., 3) in space, as `turned`."""
+    return turned(q * [1, -1, -1, -1], v)
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:
-    """Return the axis of symmetry in space of one or more unit quaternions, as `turned`."""
+    """Return the axis of symmetry in space, (3,) or (n, 3), of unit quaternions q, (4,) or (n,
+    4).
+    """
     return turned(q, np.array([0.0, 0.0, 1.0]))
 
 
 def theta_of(q: np.ndarray) -> np.ndarray:
-    """Return the inclination of the axis [rad], (n,), of unit quaternions (n, 4)."""
+    """Return the inclination of the axis [rad], (n,), of unit quaternions q (n, 4)."""
     w, x, y, z = q.T
     return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
@@ -191,6 +202,8 @@ def angle_in_picture(axis: np.ndarray, name: str) -> np.ndarray:
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the angles of rotation between orientations [rad], (n,), in 0 to pi."""
+    """Return the angles of rotation [rad], (n,), between orientations q and p (n, 4), in 0 to
+    pi.
+    """
     near = np.minimum(np.linalg.norm(q - p, axis=1), np.linalg.norm(q + p, axis=1))
     return 4 * np.arcsin(np.clip(near / 2, 0, 1))

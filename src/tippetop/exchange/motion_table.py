@@ -1,4 +1,7 @@
-"""Tables of motions from CSV or Parquet: columns with names and units, converted to SI units."""
+"""Tables of motions from CSV or Parquet: columns with names and units, converted to SI units.
+
+A file goes in; `read` returns a `Table`, whose columns `motion` converts to our conventions.
+"""
 
 import codecs
 import csv
@@ -191,7 +194,7 @@ def _table(lines: list[str]) -> list[Any]:
 
 
 def _time(header: list[str]) -> int | None:
-    """Return the place of the time in a header; None if it has none."""
+    """Return the index of the time in the cells of a header; None if it has none."""
     return next((n for n, text in enumerate(header) if parsed(text)[0] == "t"), None)
 
 
@@ -212,7 +215,10 @@ def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
 
 
 def _has_decimal_commas(cells: list[str]) -> bool:
-    """Return whether the commas in numbers are decimal: no point is there, and one is no 1,000."""
+    """Return whether commas in these cells are decimal.
+
+    They are if no cell has a point, and one is not like 1,000.
+    """
     commas = [cell for cell in cells if "," in cell]
     thousands = all(THOUSANDS.fullmatch(cell.strip()) for cell in commas)
     return not thousands and not any("." in cell for cell in cells)

@@ -1,4 +1,8 @@
-"""The predictions of a scenario for a table of measurements, and their derivatives."""
+"""The predictions of a scenario for a table of measurements, and their derivatives.
+
+A measured motion and a problem go in; `predictions` returns residuals by group at any values of the
+free numbers. A group is a kind of measurement, such as `theta`, `axis` or `accelerometer`.
+"""
 
 from collections.abc import Sequence
 
@@ -6,14 +10,12 @@ import numpy as np
 
 from ..columns import Arrays
 from ..errors import InputError, suggestion
-from ..mechanics import rotation
 from ..mechanics.number import Number
-from ..mechanics.rotation import Quaternion
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from . import residuals
 from .headers import CAMERA
-from .motion import angle_in_picture, theta_of
+from .motion import angle_in_picture, theta_of, turned
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .scales import FAR, Space, scale_of
 
@@ -41,6 +43,8 @@ NAMES = {
 
 class Observation:
     """Measurements, and their predictions by a problem.
+
+    `measurements.observation_of` makes it.
 
     Parameters
     ----------
@@ -192,23 +196,26 @@ class Observation:
         return t, {group: curve.reshape(len(t), -1) for group, curve in curves.items()}
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
-        """Return columns of motions, SI, each with the values of one of `points`, at times t."""
+        """Return columns (points, rows, ...) by name, SI, at times t (points, rows) [s]."""
         own = {name: np.array([values[name] for values in points]) for name in self.own}
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
         return self.predicted.read(own, clock, self.columns)
 
     def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
-        """Return the measurements of a group minus its predictions; angles within half a turn."""
+        """Return the measurements `seen` of a group minus its predictions.
+
+        Differences of angles are within half a turn.
+        """
         model = self._predicted_rows(group, read)
         if group in residuals.OF_ATTITUDES:
             return residuals.OF_ATTITUDES[group](seen, model)
         off = seen - model
         if group == "phi" or CAMERA.fullmatch(group):
-            off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+            off = residuals.wrapped(off)
         return off
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
-        """Return the predictions of a group, (points, rows, parts)."""
+        """Return the predictions of a group, (points, rows, parts), from columns `read`."""
         if CAMERA.fullmatch(group):
             return angle_in_picture(read["axis"], group)[..., None]
         if group == "accelerometer":
@@ -219,9 +226,7 @@ class Observation:
             return read[name] if read[name].ndim > 2 else read[name][..., None]
         model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
         if group == "marker":
-            axes = rotation.axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0)))
-            # axes of the body, components in space, points, rows; the marker is fixed to the body
-            model = model + np.einsum("axpr,a->prx", np.array(axes), np.array(self.marker))
+            model = model + turned(read["orientation"], np.array(self.marker))
         return model
 
 

@@ -1,4 +1,7 @@
-"""Columns of many motions at given times, for sets of values of the free numbers of a scenario."""
+"""Columns of many motions at given times, for sets of values of the free numbers of a scenario.
+
+Values of the free numbers and times go in; columns come out, computed by an ensemble.
+"""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -9,10 +12,10 @@ import numpy as np
 from ..columns import Arrays
 from ..engine.instruments import IN_BODY
 from ..ensembles.rows_at_times import rows_at_times
-from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems, refuse
 from ..runs.shape import moments
+from .motion import in_body_axes, turned
 
 
 # Tolerance of the integrator while numbers are searched: half of the time
@@ -72,18 +75,18 @@ class Predictions:
             points = {"run.until": times[:, -1]}
         known = {*names}
         by_momentum = not self.is_smooth or "x" in self.problem.system.angles._fields
-        turned = by_momentum and "accelerometer" not in known and not known.isdisjoint(IN_BODY)
-        if turned:
+        by_momentum &= "accelerometer" not in known and not known.isdisjoint(IN_BODY)
+        if by_momentum:
             known = {"orientation", "L"} | (known - IN_BODY.keys())
         turning = not known.isdisjoint({"orientation", *IN_BODY})
         tops = Problems.vary(self.problem, points, turning)
         most = int(MOST_STEPS * (1 + times.max() / self.problem.unit(SECOND)))
         read = rows_at_times(tops, times, known, most=most)[0]
-        if turned:
-            frame = np.array(axes(Quaternion(*np.moveaxis(read["orientation"], -1, 0))))
+        if by_momentum:
+            q = read["orientation"]
             inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))
-            read["gyroscope"] = np.einsum("axpr,prx,ap->pra", frame, read["L"], 1 / inertia)
-            read["omega"] = np.einsum("axpr,pra->prx", frame, read["gyroscope"])
+            read["gyroscope"] = in_body_axes(q, read["L"]) / inertia.T[:, None]
+            read["omega"] = turned(q, read["gyroscope"])
         return read
 
 

@@ -1,4 +1,7 @@
-"""Residuals of measured attitudes, in as many numbers as noise has directions."""
+"""Residuals of measured attitudes, in as many numbers as noise has directions.
+
+Predictions and measurements go in, residuals come out, for `observation`.
+"""
 
 import numpy as np
 
@@ -8,9 +11,10 @@ from ..mechanics.rotation import Quaternion
 
 
 def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
-    """Return the chords from unit vectors (..., rows, 3) to measured ones (rows, 3).
+    """Return the residuals of predicted axes `third` from measured ones `seen` (rows, 3).
 
-    They have two parts, across the measured ones: the noise of an axis has no third direction.
+    They are chords between unit vectors, in the two directions across the measured one, (..., rows,
+    2): the noise of an axis has no third direction.
     """
     pole = np.where(seen[:, 2:] < 0, -1.0, 1.0) * [[0.0, 0.0, 1.0]]
     swing = rotation.swing(Vector(*pole.T), Vector(*seen.T))
@@ -28,6 +32,11 @@ def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     sine = np.linalg.norm(vector, axis=0)
     angle = 2 * np.where(w < 0, -1, 1) * np.arctan2(sine, np.abs(w))
     return np.moveaxis(vector * (angle / np.maximum(sine, 1e-300)), 0, -1)
+
+
+def wrapped(angles: np.ndarray) -> np.ndarray:
+    """Return angles within half a turn."""
+    return np.remainder(angles + np.pi, 2 * np.pi) - np.pi
 
 
 OF_ATTITUDES = {"axis": of_axis, "orientation": of_orientation}

@@ -1,4 +1,7 @@
-"""Coordinates in which free numbers are searched, and their bounds."""
+"""Coordinates in which free numbers are searched, and their bounds.
+
+Free numbers in SI units go in, coordinates of order one come out, and back again.
+"""
 
 import math
 from collections.abc import Sequence
@@ -77,6 +80,8 @@ def scale_of(rule: Number, value: float, unit: float = 1.0) -> Scale:
 class Space:
     """Coordinates of all free numbers: 0 at the start, 1 at a plausible distance from it.
 
+    `Observation.space` makes it.
+
     Where theta and phi are free, they and the `TURNED` pairs are searched as Cartesian components
     of a vector: near a pole a straight line in these is a detour in the angles. So are a tilt and
     its azimuth, which have no other period then, and may start at 0.
@@ -136,10 +141,11 @@ class Space:
         azimuth: float | None,
         swept: bool = False,
     ) -> None:
-        """Replace the coordinates of two numbers by the components of a vector.
+        """Replace the coordinates of two numbers, `first`, `second`, by those of a vector.
 
-        `vector` is its start, and each component is at most `reach`. The numbers are size and
-        azimuth, if `azimuth` is that at the start; `swept` as in `pairs`.
+        `vector` is its start, and each component is at most `reach`. If `azimuth` is given, the
+        numbers are size and azimuth, which starts there. Otherwise the numbers are the components;
+        `swept` is whether the second one is divided by the size.
         """
         i = self.names.index(first)
         k = self.names.index(second)
@@ -178,6 +184,7 @@ class Space:
         """Return d value/d coordinate, (free, free), as central differences."""
 
         def values(moved: np.ndarray) -> np.ndarray:
+            """Return the numbers of a point, as an array."""
             return np.array(list(self.values(moved).values()))
 
         steps = STEP * np.eye(len(point))

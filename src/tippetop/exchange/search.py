@@ -69,6 +69,8 @@ MOST = 60
 class Minimum(NamedTuple):
     """A minimum over a window, with residuals, Jacobian, cost and variance.
 
+    `local_minimum` makes it.
+
     `searches` is the number of searches that ended there.
     """
 
@@ -99,11 +101,16 @@ def local_minimum(
     from scipy.optimize import least_squares
 
     def residuals(x: np.ndarray) -> np.ndarray:
+        """Return the residuals at a point of the space of free numbers."""
         return misfit.at(x[None], rows, slopes=False)[0][0]
 
     known: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
     def slopes(x: np.ndarray) -> np.ndarray:
+        """Return the Jacobian of the residuals at a point.
+
+        It is computed once if the misfit is rough, and then updated by the steps (Broyden 1965).
+        """
         after = residuals(x)
         if is_rough and known:
             point, before, jacobian = known.pop()

@@ -1,4 +1,7 @@
-"""A body with its start and friction as a file for a simulator, with remarks on differences."""
+"""A body with its start and friction as a file for a simulator, with remarks on differences.
+
+A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`.
+"""
 
 import math
 from typing import Any, NamedTuple
@@ -10,13 +13,11 @@ from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import is_frictionless
-from ..mechanics.operand import Vector
-from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
 from ..runs.shape import Surface, angular_velocity, moments, surface_of
 from ..scenario import build
-from .motion import turned
+from .motion import in_body_axes, turned
 
 
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
@@ -39,7 +40,7 @@ def start_of(problem: Problem) -> Start:
     if problem.contact is None and problem.system.name != "heavy-top":
         problem = _opened(problem)
     place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
-    return Start(place, q, velocity, np.array(rotated(inverse(Quaternion(*q)), Vector(*w))))
+    return Start(place, q, velocity, in_body_axes(q, w))
 
 
 def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -64,6 +65,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     q = columns["orientation"].values
 
     def vectors(unit: Unit, *parts: Any) -> np.ndarray:
+        """Return arrays of components as vectors (n, 3), SI."""
         return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
 
     state, carried = read.state(rows)
@@ -120,7 +122,7 @@ def text_of(problem: Problem, to: str) -> str:
     require_still(problem.tables, "a body for a simulator", tilted=True)
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
-    return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))
+    return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](Model(problem))
 
 
 def formats_of(problem: Problem) -> tuple[str, ...]:
@@ -151,6 +153,7 @@ def rounded_to_digits(values: Any) -> np.ndarray:
 
 
 def _numbers(*values: Any) -> str:
+    """Return numbers as text, separated by spaces."""
     return " ".join(
         f"{float(v):.{DIGITS}g}" for part in values for v in np.ravel(rounded_to_digits(part))
     )
@@ -160,21 +163,26 @@ DRILLING = 3 * math.pi / 16
 """Drilling torque of a disc that does not slide, per mu N and radius, under Hertz's pressure."""
 
 
-class Model(NamedTuple):
+class Model:
     """A body as simulators take it.
 
-    Parameters
+    Attributes
     ----------
-    system, title
-        Name and title of the system.
+    system
+        Its system, with name and title.
     body, start
         In SI units.
     fixed
         Whether its tip is fixed.
-    moments
-        Principal moments of inertia.
+    frame
+        The tip, or the centre of the surface, from the centre of mass.
+    moments, inertia
+        Principal moments of inertia; the same as text by their names in URDF and SDF.
+    gravity
+        In the axes of the plane, which is level in a simulator, as text.
     surfaces
-        Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem.
+        Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem; none if
+        the tip is fixed.
     friction
         Coefficients of sliding, and of drilling and rolling torques [m].
     bounce
@@ -183,27 +191,64 @@ class Model(NamedTuple):
         Those of a simulator from the scenario, in sentences.
     """
 
-    system: str
-    body: Any
-    start: Start
-    fixed: bool
-    moments: np.ndarray
-    surfaces: dict[str, Surface]
-    friction: tuple[float, float, float]
-    bounce: float
-    title: str
-    differences: list[str]
-
-    @property
-    def inertia(self) -> dict[str, str]:
-        """Moments of inertia about the centre of mass by their names in URDF and SDF."""
-        moments = dict(zip(("ixx", "iyy", "izz"), map(_numbers, self.moments), strict=True))
-        return moments | {"ixy": "0", "ixz": "0", "iyz": "0"}
-
-    @property
-    def gravity(self) -> str:
-        """Gravity in the axes of the plane, which is level in a simulator."""
-        return _numbers(*gravity(self.body))
+    def __init__(self, problem: Problem):
+        """Choose surfaces and coefficients, and list what a simulator computes differently."""
+        law = problem.friction
+        opens = problem.contact
+        self.system = problem.system
+        self.body = problem.body()
+        self.start = start_of(problem)
+        self.fixed = fixed = problem.system.name == "heavy-top"
+        self.moments = moments(self.body)
+        self.inertia = dict(zip(("ixx", "iyy", "izz"), map(_numbers, self.moments), strict=True))
+        self.inertia |= {"ixy": "0", "ixz": "0", "iyz": "0"}
+        self.gravity = _numbers(*gravity(self.body))
+        touching = surface_of(self.body)
+        pointed = not touching.half.any()
+        tip = TIP * abs(touching.centre[2])
+        self.frame = touching.centre
+        self.surfaces = {}
+        if not fixed:
+            name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
+            self.surfaces[name] = touching._replace(half=np.full(3, tip)) if pointed else touching
+        if opens is not None and opens.stem:
+            centre = touching.centre + np.array([0.0, 0.0, opens.h])
+            self.surfaces["stem"] = Surface(centre, np.full(3, opens.r))
+        mu = float(getattr(law, "mu", 0.0))
+        self.differences = sentences = []
+        if not fixed:
+            sentences.append(
+                "contacts in simulators are soft, or solved once a step: refine step and stiffness"
+            )
+        if problem.system.name.startswith("rolling"):
+            mu = 10.0
+            sentences.append(
+                "pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips"
+            )
+        elif problem.system.frictional and is_frictionless(law):
+            mu = 0.0
+        elif "eps" in law._fields and problem.law.key == "coulomb":
+            sentences.append(
+                f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its "
+                "own"
+            )
+        elif problem.system.frictional and not problem.law.set_valued:
+            words = problem.law.long_name
+            sentences.append(
+                f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, "
+                "another law"
+            )
+        torsion = DRILLING * mu * getattr(law, "patch", 0.0) + getattr(law, "mu_d", 0.0)
+        self.friction = mu, torsion, float(getattr(law, "mu_r", 0.0))
+        self.bounce = opens.e_n if opens is not None else 0.0
+        if self.bounce:
+            sentences.append(f"restitution e_n = {self.bounce:g}: set it in the simulator")
+        if "axis" not in problem.system.vectors:
+            sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
+        if pointed and not fixed:
+            sentences.append(f"a tip that is a point: here a ball of radius {tip:.3g} m")
+        if opens is None and not fixed:
+            sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
 
     def comment(self, *sentences: str) -> str:
         """Return the differences of a simulator, and further ones, as a comment."""
@@ -211,7 +256,8 @@ class Model(NamedTuple):
         lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
         third = "its axis of symmetry" if self.moments[0] == self.moments[1] else "axis 3"
         return (
-            f"<!--\n  {self.title}, from tippetop. SI units, z up, z of the body along {third}.\n"
+            f"<!--\n  {self.system.title}, from tippetop. SI units, z up, z of the body along "
+            f"{third}.\n"
             f"  Compare the output with: {RESULT}\n"
             f"  Differences from tippetop:\n{lines}\n-->\n"
         )
@@ -229,68 +275,6 @@ class Model(NamedTuple):
         )
 
 
-def _model(problem: Problem) -> Model:
-    """Return the model of a problem."""
-    law = problem.friction
-    body = problem.body()
-    opens = problem.contact
-    fixed = problem.system.name == "heavy-top"
-    touching = surface_of(body)
-    pointed = not touching.half.any()
-    tip = TIP * abs(touching.centre[2])
-    name = "tip" if pointed else "ellipsoid" if np.ptp(touching.half) else "sphere"
-    surfaces = {name: touching._replace(half=np.full(3, tip)) if pointed else touching}
-    if opens is not None and opens.stem:
-        centre = touching.centre + np.array([0.0, 0.0, opens.h])
-        surfaces["stem"] = Surface(centre, np.full(3, opens.r))
-    mu = float(getattr(law, "mu", 0.0))
-    sentences = []
-    if not fixed:
-        sentences.append(
-            "contacts in simulators are soft, or solved once a step: refine step and stiffness"
-        )
-    if problem.system.name.startswith("rolling"):
-        mu = 10.0
-        sentences.append(
-            "pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips"
-        )
-    elif problem.system.frictional and is_frictionless(law):
-        mu = 0.0
-    elif "eps" in law._fields and problem.law.key == "coulomb":
-        sentences.append(
-            f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own"
-        )
-    elif problem.system.frictional and not problem.law.set_valued:
-        words = problem.law.long_name
-        sentences.append(
-            f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, "
-            "another law"
-        )
-    torsion = DRILLING * mu * getattr(law, "patch", 0.0) + getattr(law, "mu_d", 0.0)
-    rolling = float(getattr(law, "mu_r", 0.0))
-    bounce = opens.e_n if opens is not None else 0.0
-    if bounce:
-        sentences.append(f"restitution e_n = {bounce:g}: set it in the simulator")
-    if "axis" not in problem.system.vectors:
-        sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
-    if pointed and not fixed:
-        sentences.append(f"a tip that is a point: here a ball of radius {tip:.3g} m")
-    if opens is None and not fixed:
-        sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
-    return Model(
-        problem.system.name,
-        body,
-        start_of(problem),
-        fixed,
-        moments(body),
-        surfaces,
-        (mu, torsion, rolling),
-        bounce,
-        problem.system.title,
-        sentences,
-    )
-
-
 def _ellipsoid(surface: Surface) -> str:
     """Return type, size and attitude of a geom in MJCF."""
     if not np.ptp(surface.half):
@@ -303,20 +287,24 @@ def _ellipsoid(surface: Surface) -> str:
 def _mjcf(model: Model) -> str:
     """Return the text of a model of MuJoCo (MJCF); the start is its keyframe."""
     body, start, (mu, torsion, rolling) = model.body, model.start, model.friction
-    frame = next(iter(model.surfaces.values())).centre  # or the fixed tip
+    frame = model.frame
     inertia = (
         f'<inertial pos="{_numbers(-frame)}" mass="{_numbers(body.m)}" '
         f'diaginertia="{_numbers(*model.moments)}"/>'
     )
     condim = 6 if rolling else 4 if torsion else 3 if mu else 1
     surface = f'condim="{condim}" friction="{_numbers(*model.friction)}"'
+    geoms = "\n".join(
+        f'      <geom name="{name}" {_ellipsoid(each)} pos="{_numbers(each.centre - frame)}" '
+        f"{surface}/>"
+        for name, each in model.surfaces.items()
+    )
     frames = (
         "the body frame is at the centre of the ball, or at a fixed tip: only there MuJoCo "
         "computes the acceleration of the contact in full; the centre of mass is xipos"
     )
     if model.fixed:
         joint = '<joint name="tip" type="ball" damping="0"/>'
-        geoms = ""
         floor = ""
         default = ""
         contact_words = "the tip is held by a ball joint at the origin: there is no plane"
@@ -324,11 +312,6 @@ def _mjcf(model: Model) -> str:
         qvel = _numbers(start.omega)
     else:
         joint = "<freejoint/>"
-        geoms = "\n".join(
-            f'      <geom name="{name}" {_ellipsoid(each)} pos="{_numbers(each.centre - frame)}" '
-            f"{surface}/>"
-            for name, each in model.surfaces.items()
-        )
         floor = f'<geom name="floor" type="plane" size="1 1 0.1" {surface}/>'
         default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
         contact_words = (
@@ -338,7 +321,7 @@ def _mjcf(model: Model) -> str:
         turning = turned(start.quaternion, start.omega)
         qpos = _numbers(start.place + arm, start.quaternion)
         qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
-    return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system}">
+    return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system.name}">
   <option timestep="{_numbers(STEP)}" gravity="{model.gravity}" cone="elliptic"
           integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
@@ -372,11 +355,11 @@ def _urdf(model: Model) -> str:
     balls = "\n".join(
         f'    <collision name="{name}">\n      <origin xyz="{_numbers(each.centre)}"/>\n'
         f'      <geometry><sphere radius="{_numbers(each.half[0])}"/></geometry>\n    </collision>'
-        for name, each in ([] if model.fixed else model.surfaces.items())
+        for name, each in model.surfaces.items()
     )
     inertia = " ".join(f'{name}="{value}"' for name, value in model.inertia.items())
     return f"""<?xml version="1.0"?>
-{model.comment(*sentences, *model.settings())}<robot name="{model.system}">
+{model.comment(*sentences, *model.settings())}<robot name="{model.system.name}">
   <link name="top">
     <inertial>
       <origin xyz="0 0 0"/>
@@ -399,6 +382,7 @@ def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
 
 
 def _sdf_geometry(surface: Surface) -> str:
+    """Return a surface as an SDF element, a sphere or an ellipsoid."""
     if not np.ptp(surface.half):
         return f"<sphere><radius>{_numbers(surface.half[0])}</radius></sphere>"
     return f"<ellipsoid><radii>{_numbers(surface.half)}</radii></ellipsoid>"
@@ -428,7 +412,7 @@ def _sdf(model: Model) -> str:
           <geometry>{_sdf_geometry(each)}</geometry>
           {surface}
         </collision>"""
-        for name, each in ([] if fixed else model.surfaces.items())
+        for name, each in model.surfaces.items()
     )
     inertia = "".join(f"<{name}>{value}</{name}>" for name, value in model.inertia.items())
     pose = _numbers(model.start.place, _roll_pitch_yaw(model.start.quaternion))
@@ -442,12 +426,11 @@ def _sdf(model: Model) -> str:
         </collision>
       </link>
     </model>"""
-    tip = next(iter(model.surfaces.values())).centre
     joint = f"""
       <joint name="tip" type="ball">
         <parent>world</parent>
         <child>top</child>
-        <pose>{_numbers(tip)} 0 0 0</pose>
+        <pose>{_numbers(model.frame)} 0 0 0</pose>
       </joint>"""
     version = "1.8" if "ellipsoid" in model.surfaces else "1.6"
     return f"""<?xml version="1.0"?>

@@ -1,4 +1,7 @@
-"""The result of a comparison of several files, as plain data and as text."""
+"""The result of a comparison of several files, as plain data and as text.
+
+`library.exchanging.Comparison` is a `Verdict` that users see.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""The relative changes of conserved quantities over time, and the growth of the largest ones."""
+"""The relative changes of conserved quantities over time, and the growth of the largest ones.
+
+A trajectory goes in; curves of |change|, and panels come out.
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""Weighted draws of several numbers: the distribution of each, and of each pair."""
+"""Weighted draws of several numbers: the distribution of each, and of each pair.
+
+`Posterior.plot` calls it.
+"""
 
 from collections.abc import Mapping
 

@@ -20,12 +20,19 @@ def _drawings() -> dict[str, Callable]:
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
+        """Return a drawing of (trajectory, events, attrs), which gets the data of the run's
+        landscape.
+        """
         return lambda *run: draw(*data_of(*run))
 
     def of_changes(draw: Callable) -> Callable:
+        """Return a drawing of (trajectory, events, attrs), which gets the changes of the
+        invariants.
+        """
         return lambda run, events, attrs: draw(conservation.changes(run, attrs), attrs)
 
     def filmed(trajectory: Any, events: Any, attrs: dict[str, Any]) -> Any:
+        """Draw the film strip of a run."""
         return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation)
 
     return {
@@ -77,6 +84,7 @@ def axes_of(
     attrs = with_records(attrs) | {"handed_over": handed_over(phases)}
 
     def draw() -> Any:
+        """Draw the figure, and mark the phases of the contact."""
         axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs)
         if FIGURES[kind].over_time and phases is not None:
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes

@@ -1,4 +1,8 @@
-"""Normal force and energies of a run over time."""
+"""Normal force and energies of a run over time.
+
+`trajectory` and `events` are Datasets of a run in SI units, `attrs` the root attributes of its
+store; each function returns the Axes of its panel.
+"""
 
 from typing import Any
 

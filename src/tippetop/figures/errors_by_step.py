@@ -1,4 +1,7 @@
-"""The results of engines on one case: error against step, and theta with the reference."""
+"""The results of engines on one case: error against step, and theta with the reference.
+
+`tippetop benchmark score` calls it.
+"""
 
 from collections.abc import Sequence
 from typing import Any

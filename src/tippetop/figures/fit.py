@@ -1,4 +1,7 @@
-"""Measurements with the fitted curves and their residuals."""
+"""Measurements with the fitted curves and their residuals.
+
+`Fitted.plot` calls it.
+"""
 
 from textwrap import wrap
 from typing import Any

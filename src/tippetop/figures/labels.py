@@ -1,4 +1,7 @@
-"""Texts of figures: numbers with their units, titles of runs, labels of several runs."""
+"""Texts of figures: numbers with their units, titles of runs, labels of several runs.
+
+Attributes of runs go in; texts come out.
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""Figures of the landscape: the minimal surface and the band."""
+"""Figures of the landscape: the minimal surface and the band.
+
+Datasets of `landscape` go in, Axes come out.
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""The motion of another program and the reference: theta, differences, conserved quantities."""
+"""The motion of another program and the reference: theta, differences, conserved quantities.
+
+`Comparison.plot` calls it with `exchange.comparison.Compared`s.
+"""
 
 import itertools
 from collections.abc import Sequence

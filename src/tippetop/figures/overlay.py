@@ -1,4 +1,7 @@
-"""The same curve of several runs in one panel."""
+"""The same curve of several runs in one panel.
+
+`runs` are pairs of a trajectory (a Dataset) and the root attributes of a store.
+"""
 
 from typing import Any
 

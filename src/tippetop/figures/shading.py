@@ -1,4 +1,7 @@
-"""The phases of a contact as shades behind the curves of a run, and impacts as ticks."""
+"""The phases of a contact as shades behind the curves of a run, and impacts as ticks.
+
+`phases` and `impacts` are Datasets of a run; `drawing` calls `mark` after a figure over time.
+"""
 
 import itertools
 from typing import Any

@@ -1,4 +1,8 @@
-"""The path of a top's axis on the unit sphere, coloured by the time, in up to three views."""
+"""The path of a top's axis on the unit sphere, coloured by the time, in up to three views.
+
+`trajectory` and `events` are Datasets of a run in SI units, `attrs` the root attributes of its
+store; t is the time [s].
+"""
 
 from typing import Any
 

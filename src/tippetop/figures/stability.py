@@ -1,4 +1,7 @@
-"""The asymptotic states of a tippe top over lambda, as figure 3.3 of the source, for any body."""
+"""The asymptotic states of a tippe top over lambda, as figure 3.3 of the source, for any body.
+
+Branches of `theory.tumbling` go in, Axes come out.
+"""
 
 from typing import Any
 

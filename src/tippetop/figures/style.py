@@ -1,4 +1,7 @@
-"""The common style of the figures: colours, panels, legends, and saving."""
+"""The common style of the figures: colours, panels, legends, and saving.
+
+Drawings are called inside of `styled`, and get their panels from `panel`.
+"""
 
 import itertools
 import re
@@ -130,6 +133,7 @@ class ShownFigure(Figure):
     """A figure that a notebook shows, whether pyplot was imported or not."""
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as PNG; notebooks call this."""
         memory = BytesIO()
         self.savefig(memory, format="png", dpi=100)
         return memory.getvalue()

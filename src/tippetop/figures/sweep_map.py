@@ -1,4 +1,7 @@
-"""Figures of a sweep: maps over two of its axes, curves over one."""
+"""Figures of a sweep: maps over two of its axes, curves over one.
+
+`sweep_map` is a `sweeps.maps.Map`: fields over cells, axes and borders. Axes come out.
+"""
 
 import itertools
 from collections.abc import Iterator

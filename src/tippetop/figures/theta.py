@@ -1,4 +1,8 @@
-"""theta(t) of a run with its turning angles, and the nutational band between them."""
+"""theta(t) of a run with its turning angles, and the nutational band between them.
+
+`trajectory` and `events` are Datasets of a run in SI units, `attrs` the root attributes of its
+store.
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""Long curves made short without loss of a peak."""
+"""Long curves made short without loss of a peak.
+
+Times and values of a curve go in; fewer of them come out.
+"""
 
 import numpy as np
 
@@ -25,7 +28,7 @@ def every(count: int) -> slice:
 
 
 def worst(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value of each of BINS parts of the run."""
+    """Return the largest value in each of BINS equal parts of the run, with times [s]."""
     edges = np.unique(np.linspace(0, len(t), min(BINS, len(t)) + 1).astype(int))[:-1]
     return t[edges], np.maximum.reduceat(values, edges)
 

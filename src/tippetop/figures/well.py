@@ -1,4 +1,7 @@
-"""The effective potential V(z) with the energy level and the turning angles at several times."""
+"""The effective potential V(z) with the energy level and the turning angles at several times.
+
+Datasets of `landscape.potential` and `turning` go in, Axes come out.
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""Parts of runs, from one time to another."""
+"""Parts of runs, from one time to another.
+
+Tables of a run go in and come out, for `library.plots`.
+"""
 
 from typing import Any
 

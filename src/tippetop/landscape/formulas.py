@@ -1,9 +1,11 @@
 """The potential of a top, in a variable that is exact at both poles, and its minimal surface.
 
-Instead of z = cos(theta) the formulas take q = tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 +
-z = 2/(1 + q), and dz/dln(q) = -(1 - z^2)/2. X = lambda sqrt(d) + R(alpha - z) D is carried by its
-values at the poles, a ~ X(+1) and b ~ X(-1): with K from d = (1 - z^2)(h^2 + K), h linear in
-1/sqrt(q) and sqrt(q),
+In go the momenta (D, lambda) or (L3, Lz) and the coefficients of a body; out come V, its slopes by
+ln(q), a first guess of its minimum, and the gradient of the minimal surface F. `kernels` compiles
+them for grids; `potential` calls them with arrays. Instead of z = cos(theta) the formulas take q =
+tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 + z = 2/(1 + q), and dz/dln(q) = -(1 - z^2)/2. X =
+lambda sqrt(d) + R(alpha - z) D is carried by its values at the poles, a ~ X(+1) and b ~ X(-1): with
+K from d = (1 - z^2)(h^2 + K), h linear in 1/sqrt(q) and sqrt(q),
 
     X/sqrt(1 - z^2) ~ (a + b q + k psi)/sqrt(q),    psi = K q/(h + sqrt(h^2 + K q)),
 
@@ -11,7 +13,11 @@ and nothing cancels, neither at the poles nor on the marked lines a = 0 and b = 
 for sqrt(d) linear in z. Heavy tops are the case K = 0, d = 1, seen upside down: q = cot(theta/2)^2.
 Squares are in joules.
 
-In every formula q > 0, p is a `Point` (the two momenta), c the `PotentialCoefficients` of the body.
+Symbols
+    q         > 0, the variable; p: a `Point`, the two momenta; c: `PotentialCoefficients` of a body
+    V, F      effective potential [J], its minimum over q [J]
+    head, tail   of double-doubles, see `mechanics.doubledouble`
+    Y         a + b q + k psi, X but for a factor; Y1, Y2, Y3: its derivatives by ln(q)
 """
 
 from typing import NamedTuple
@@ -32,7 +38,7 @@ class Point(NamedTuple):
 
 @formula
 def at_momenta(first, second, c):
-    """Return the point (D, lambda), or (L3, Lz), to one rounding also where a or b cancels."""
+    """Return the `Point` of (D, lambda), or (L3, Lz), to one rounding also where a or b cancels."""
     spin = scaled(first, c.spin1)
     other = scaled(second, c.spin2)
     return Point(
@@ -46,7 +52,7 @@ def at_momenta(first, second, c):
 
 @formula
 def psi(q, p, c):
-    """Return 2 psi sqrt(q), a double-double.
+    """Return 2 psi sqrt(q), a double-double, with psi of the module's docstring.
 
     It is the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q).
     """
@@ -85,7 +91,10 @@ def value(q, p, c):
 
 @formula
 def excess(q, at, c):
-    """Return V - level [J], `at` being (p, level), to one rounding also where they nearly agree."""
+    """Return V - level [J], where `at` is (p, level), to one rounding also where they nearly agree.
+
+    Its zeros are the turning angles of a motion with E~ = level.
+    """
     p, level = at
     V = potential(q, p, c)
     return (V.head - level) + V.tail
@@ -184,16 +193,13 @@ def slopes(q, p, c):
 
 @formula
 def slope(q, p, c):
-    """Return the first of `slopes`."""
+    """Return q gamma dV/dln(q), the first of `slopes`: its zero is the minimum."""
     return slopes(q, p, c)[0]
 
 
 @formula
 def curvature(q, p, c):
-    """Return the second derivative of V by ln(q) [J].
-
-    At the minimum d2V/dtheta2 is 4/sin(theta)^2 times this.
-    """
+    """Return the second derivative of V by ln(q) [J]; at the minimum d2V/dtheta2 sin(theta)^2/4."""
     return slopes(q, p, c)[1] / (q * c.gamma.head)
 
 
@@ -248,7 +254,7 @@ def sharper(k, c):
 
 @formula
 def guess(p, c):
-    """Return q of the minimum to some 1e-3 where K is small."""
+    """Return q of the minimum to some 1e-3 where K is small: the start of a search."""
     return sharper(sharper(rough(p, c), c), c).q
 
 

@@ -1,4 +1,8 @@
-"""The compiled kernels of the landscape; imported when a grid is computed."""
+"""The compiled kernels of the landscape; imported when a grid is computed.
+
+Formulas of `formulas` go into kernels of `tippetop_kernels.grid`; `surface` and `turning` call
+them.
+"""
 
 from collections.abc import Callable
 from functools import cache

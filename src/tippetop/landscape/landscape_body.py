@@ -1,4 +1,7 @@
-"""The body of a landscape: parameters in SI become coefficients of V, rounded once."""
+"""The body of a landscape: parameters in SI become coefficients of V, rounded once.
+
+`top` is the entrance; all functions of the landscape take its result, as `t`.
+"""
 
 import decimal
 from collections.abc import Mapping
@@ -19,7 +22,10 @@ DIGITS = 50  # of the constants before they are rounded: the marked lines cancel
 
 @dataclass(frozen=True)
 class Top:
-    """A body with the numbers from which the kernels compute its potential."""
+    """A body with the numbers from which the kernels compute its potential: `t` of other modules.
+
+    `top` makes it from the parameters of a system.
+    """
 
     system: System
     landscape: Landscape
@@ -30,7 +36,7 @@ class Top:
 
     @property
     def momenta(self) -> tuple[str, str]:
-        """The symbols of the two momenta."""
+        """Return the symbols of the two momenta: ("D", "lambda") or ("L3", "Lz")."""
         return self.landscape.symbols
 
     def require_spinning(self) -> None:
@@ -42,7 +48,7 @@ class Top:
 
     @property
     def upright(self) -> int:
-        """z = cos(theta) at q = 0, where the centre of mass is lowest."""
+        """Return z = cos(theta) at q = 0, where the centre of mass is lowest: 1, or -1."""
         return 1 if self.body.c > 0 else -1
 
 

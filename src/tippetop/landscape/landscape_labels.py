@@ -1,4 +1,8 @@
-"""Check the arguments of the landscape and label its results: axes, units, long names, CF flags."""
+"""Check the arguments of the landscape and label its results: axes, units, long names, CF flags.
+
+t is the body, a `landscape_body.Top`; variables are tuples (dimensions, values, attributes), of
+which xarray makes Datasets.
+"""
 
 from enum import IntEnum
 from typing import Any

@@ -1,4 +1,7 @@
-"""The two spinning states of a tippe top as lines on the minimal surface."""
+"""The two spinning states of a tippe top as lines on the minimal surface.
+
+A body and lambda go in, a labelled Dataset comes out.
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""The effective potential V over a grid."""
+"""The effective potential V over a grid.
+
+A body, z = cos(theta) and momenta go in, a labelled Dataset comes out.
+"""
 
 from typing import Any
 

@@ -1,4 +1,8 @@
-"""theta(t) of a run from its D(t) and E~(t), by the main equation. [T 4.40, 5.26]"""
+"""theta(t) of a run from its D(t) and E~(t), by the main equation. [T 4.40, 5.26]
+
+A trajectory of a run goes in, a labelled Dataset comes out; `theory.main_equation` solves the
+equation.
+"""
 
 import math
 import warnings

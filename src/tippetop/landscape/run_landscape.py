@@ -1,4 +1,7 @@
-"""A run in its landscape: the data of the figures of band, surface, potential and inversion."""
+"""A run in its landscape: the data of the figures of band, surface, potential and inversion.
+
+Tables of a run go in; labelled data of one figure come out, for `figures.drawing`.
+"""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,10 @@
-"""The minimal surface F = inf V over a grid."""
+"""The minimal surface F = inf V over a grid.
+
+A body, t, and arrays of the two momenta go in; a labelled Dataset comes out.
+
+Symbols
+    F, q      minimum of the potential [J], and its place, see `formulas`; status: how it was found
+"""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""Turning angles, the period of nutation, and the band along a run."""
+"""Turning angles, the period of nutation, and the band along a run.
+
+A body, momenta and energies go in; labelled Datasets come out. `kernels` computes the crossings.
+"""
 
 from typing import Any
 
@@ -78,9 +81,11 @@ def turning_angles(
     shape = aligned[0].shape
 
     def over(values: np.ndarray, units: str, long_name: str) -> tuple:
+        """Return values as a labelled variable over the dimensions of the arguments."""
         return labelled(dims, values.reshape(shape), units, long_name)
 
     def angle(q: np.ndarray, long_name: str) -> tuple:
+        """Return theta of q as a labelled variable [rad]."""
         return over(inclination(q, t.upright), "rad", long_name)
 
     data = {
@@ -124,7 +129,7 @@ def band(t: Top, run: xr.Dataset) -> xr.Dataset:
 
 
 def _aligned(**arguments: Any) -> tuple[xr.DataArray, ...]:
-    """Broadcast arguments against one another. Raises InputError."""
+    """Return arguments broadcast against one another, as DataArrays. Raises InputError."""
     arrays: list[Any] = [
         a if isinstance(a, xr.DataArray) else numbers(name, a) for name, a in arguments.items()
     ]

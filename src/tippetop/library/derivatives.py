@@ -145,11 +145,11 @@ def sensitivities(
 
 def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
     """Return columns of derivatives with the names of the numbers."""
-    table = attributes.dataset(columns, run.attributes)
-    names = {name: (name, list(wrt)) for name in ("parameter", "parameter_2") if name in table.dims}
+    dims = {dim for one in columns.values() for dim in one.dims}
+    names = {name: (name, list(wrt)) for name in ("parameter", "parameter_2") if name in dims}
     if names:
         names["unit"] = ("parameter", [problem.rules[name].unit.symbol for name in wrt])
-    return table.assign_coords(names)
+    return attributes.dataset(columns | names, run.attributes).set_coords(names)
 
 
 @takes(problem_of)

@@ -1,4 +1,7 @@
-"""The calls that hold another program's motion against ours."""
+"""The calls that hold another program's motion against ours.
+
+`tippetop.compare` and `tippetop.fit`: files and scenarios go in, results with plots come out.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +22,10 @@ from ..arguments import (
     takes,
 )
 from ..errors import InputError, refuse_without
-from ..exchange import fit_text, fitting, law_choice, measurements
-from ..exchange.motion import convention_of, place_of
+from ..exchange import fit_text, fitting, law_choice
+from ..exchange.measurements import observed
+from ..exchange.motion import convention_of
 from ..exchange.motion_table import read
-from ..exchange.observation import Observation
 from ..exchange.scales import FAR
 from ..exchange.verdict import Verdict
 from ..problem import Problem
@@ -104,27 +107,6 @@ def compare(others: str | Path | Sequence[str | Path], reference: Any, **frames:
     problem = _reference("reference", reference)
     paths = [path_of("others", file) for file in files]
     return Comparison(problem, paths, convention_of(**frames))
-
-
-@takes(convention_of)
-def observed(
-    data: str | Path,
-    problem: Problem,
-    free: Sequence[str],
-    *,
-    marker: Sequence[float] | str | None = None,
-    noise: float | str | None = None,
-    **frames: Any,
-) -> Observation:
-    """Return what a film shows of the motion of a problem. Raises InputError."""
-    return measurements.observation_of(
-        problem,
-        path_of("data", data),
-        free,
-        convention_of(**frames),
-        place_of("marker", marker),
-        noise,
-    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -277,6 +259,7 @@ def fit(
     flag("systematic", systematic)
 
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
+        """Fit these numbers of a problem."""
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)

@@ -83,6 +83,7 @@ class Run:
 
     @cached_property
     def _datasets(self) -> dict[str, xr.Dataset]:
+        """Return the tables of the run by name; a stored run opens them from its store."""
         return attributes.datasets(self.solution, self.attributes)
 
     @property
@@ -218,7 +219,7 @@ class Run:
     plot = plots.plot
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
-        """Return the tables for a figure; of a store the first row and those in the window."""
+        """Return the tables that a figure of this kind needs; a store reads those rows only."""
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> Page:
@@ -248,7 +249,7 @@ class Run:
             return Page(self._page(seconds("start", start), seconds("until", until)))
 
     def _page(self, start: float | None, until: float | None) -> str:
-        """Return the page (HTML) of the motion between two times [s]."""
+        """Return the page of the motion between two times [s], as HTML."""
         from ..views.run_page import page, refuse
         from ..views.samples import needed
 
@@ -291,6 +292,7 @@ class Run:
 
     @property
     def _headline(self) -> str:
+        """Return the first line of the representations."""
         return attributes.headline_of(self.attributes)
 
     @property
@@ -303,10 +305,12 @@ class Run:
         return [*doubtful, *broken_promises(self.attributes)]
 
     def _lines(self) -> list[tuple[str, str]]:
+        """Return the summary as pairs of a word and a text."""
         return lines(self.summary, self._seconds) + [("warning", each) for each in self.warnings]
 
     @property
     def _seconds(self) -> dict[str, float] | None:
+        """Return the times that compiling and integrating took [s]; None for a stored run."""
         return self.solution.seconds
 
     def __str__(self) -> str:

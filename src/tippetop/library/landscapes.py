@@ -216,7 +216,7 @@ def marked_lines(top: Body, lam: Any) -> xr.Dataset:
 
 
 def _body(top: Body) -> landscape_body.Top:
-    """Return the body. Raises InputError if it has no landscape."""
+    """Return the body behind the argument `top`. Raises InputError if it has no landscape."""
     if isinstance(top, Top):
         return landscape_body.top(top._asdict(), top.gliding)
     problem = problem_behind(top)

@@ -11,7 +11,8 @@ import numpy as np
 from ..arguments import dotted_keys, instance, names_of, positive_integer, takes
 from ..errors import InputError, refuse_without
 from ..exchange.likelihood import LogLikelihood, drawn
-from .exchanging import Fitted, _reference, _saved, fit, observed
+from ..exchange.measurements import observed
+from .exchanging import Fitted, _reference, _saved, fit
 
 
 if TYPE_CHECKING:
@@ -99,6 +100,7 @@ class Posterior:
         return _saved(corner(columns, self.weights, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
+        """Return how many of the draws count, in words."""
         few = " (too few: take more draws, or a sampler of Markov chains)"
         count = len(self.weights)
         return f"{count} draws, {self.effective:.0f} effective{few * (self.effective < 100)}"

@@ -1,4 +1,7 @@
-"""Make, open and resume runs."""
+"""Make, open and resume runs.
+
+Bodies, scenarios or paths go in; a `Run`, a `StoredRun` or a table comes out.
+"""
 
 from __future__ import annotations
 
@@ -135,7 +138,7 @@ def run(
 
 
 def _bar(progress: bool) -> Any:
-    """Return a context that provides the progress callback of a run, or None."""
+    """Return a context that provides a progress callback, or None if `progress` is False."""
     flag("progress", progress)
     return bar_of_run() if progress else contextlib.nullcontext()
 

@@ -1,4 +1,8 @@
-"""Python arguments become the tables of a scenario, and a checked Problem."""
+"""Python arguments become the tables of a scenario, and a checked Problem.
+
+`problem_of` has the arguments of `tippetop.run`; they replace values in the tables of the source,
+which `scenario.build` checks.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The body behind an argument: a body, a run, a problem, or the name of a scenario."""
+"""The body behind an argument: a body, a run, a problem, or the name of a scenario.
+
+Calls of `theory`, `landscapes` and `derivatives` take bodies from it.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -56,4 +59,5 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
 
 
 def _words(kinds: tuple[type, ...]) -> str:
+    """Return types as words: "a Run or a Problem"."""
     return " or ".join(f"a {kind.__name__}" for kind in kinds)

@@ -53,6 +53,7 @@ class StoredRun(Run):
 
     @cached_property
     def _datasets(self) -> dict[str, xr.Dataset]:
+        """Return the lazy tables of the store by name."""
         return {name: root.open_group(self.path, name) for name in self._names}
 
     def replay(
@@ -106,6 +107,7 @@ class StoredRun(Run):
         return attributes.dataset(columns, self.attributes)
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
+        """Return the tables for a figure, thinned to what it can draw."""
         groups = chunks.for_figures(self.path, window)
         if kind == "growth" and root.has_keyframes(self.attributes):
             rows = keyframes.rows(self.path, self.problem)
@@ -113,12 +115,14 @@ class StoredRun(Run):
         return groups
 
     def _page(self, start: float | None, until: float | None) -> str:
+        """Return the page of the store as HTML."""
         from ..views.run_page import page_of_store
 
         return page_of_store(self.path, self.attributes, start, until)
 
     @property
     def _seconds(self) -> None:
+        """Return None: a store has no times of work."""
         return None
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:

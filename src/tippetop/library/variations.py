@@ -1,4 +1,7 @@
-"""Ensembles and sweeps from Python: many tops of one scenario."""
+"""Ensembles and sweeps from Python: many tops of one scenario.
+
+A scenario and arrays of numbers, or a plan, go in; tables with a row per top come out.
+"""
 
 from __future__ import annotations
 
@@ -201,6 +204,7 @@ def sweep(
     place = path_of("out", out)
 
     def base(tables: dict[str, Any]) -> Problem:
+        """Return the problem of these tables, with the events and columns of the user."""
         return problem_of(tables, events=events, columns=columns)
 
     if isinstance(plan, Mapping):

@@ -1,11 +1,16 @@
-"""Friction of a contact disc that slides and drills.
+"""Friction of a contact disc that slides and drills: the formulas of the law `contensou`.
 
-Coulomb's law acts at each point under the pressure of Hertz.
+Coulomb's law acts at each point under the pressure of Hertz. F = -mu N k v_A and the torque -mu N
+patch^2 twist Omega_z zhat, with k = f(x)/w and twist = m(x)/U: functions of w^2 and U^2, regular
+where slip stops (`inside`) and where drilling does (`outside`). f and m are elementary; there is
+one formula for each region of x, right to rounding. `contact.contact_phases` makes a phase for each
+region.
 
-F = -mu N k v_A and the torque -mu N patch^2 twist Omega_z zhat, with U = patch |Omega_z|, x = w/U,
-k = f(x)/w and twist = m(x)/U: functions of w^2 and U^2, regular where slip stops (`inside`) and
-where drilling does (`outside`). f and m are elementary; there is one formula for each region, right
-to rounding.
+Symbols
+    w, v      sliding speed |v_A| and velocity; U: patch |Omega_z|, the speed of the disc's edge
+    x         w/U; w2, U2: squares
+    N, mu     normal force, friction coefficient; patch: radius of the disc
+    omega     angular velocity, Omega_z its vertical part; law: record of the law
 """
 
 import math
@@ -44,7 +49,7 @@ hypergeometric functions 2F1(-1/2, 1/2; 5/2) and 2F1(1/2, 1/2; 7/2)/5 up to q = 
 
 @formula
 def inside(w2, U2):
-    """Return the drag for x <= 1: the patch turns about a point inside it."""
+    """Return the `Drag` for x <= 1: the patch turns about a point inside it."""
     U = sqrt(U2)
     x2 = w2 / U2
     return Drag(3 * math.pi / 8 * (1 - x2 / 4) / U, 3 * math.pi / 16 * (1 - x2 + 3 * x2**2 / 8) / U)
@@ -52,7 +57,7 @@ def inside(w2, U2):
 
 @formula
 def between(w2, U2):
-    """Return the drag for 1 <= x <= 2.5."""
+    """Return the `Drag` for 1 <= x <= 2.5."""
     U = sqrt(U2)
     x2 = w2 / U2
     y = sqrt(w2 - U2) / U
@@ -63,7 +68,7 @@ def between(w2, U2):
 
 @formula
 def outside(w2, U2):
-    """Return the drag for x >= 2.5."""
+    """Return the `Drag` for x >= 2.5."""
     w = sqrt(w2)
     q = U2 / w2
     f = 0.0
@@ -76,7 +81,7 @@ def outside(w2, U2):
 
 @formula
 def drag(w2, U2):
-    """Return the drag of two numbers, by the formula of its region; infinite where w = U = 0."""
+    """Return the `Drag` of two numbers, by the formula of its region; infinite where w = U = 0."""
     if w2 <= U2:
         return inside(w2, U2) if U2 > 0 else Drag(math.inf, math.inf)
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
@@ -116,11 +121,13 @@ class Region(NamedTuple):
 
 
 def _beyond(x: float) -> Callable:
+    """Return the function of a border: zero where |v|/U is x."""
     return formula(lambda s, b: s.v2 - x**2 * s.U2)
 
 
 @formula
 def _beyond_slow(s, b):
+    """Return |v|^2 - SLOW^2, the function of the border of slow sliding."""
     return s.v2 - SLOW**2
 
 
@@ -149,7 +156,7 @@ REGIONS = {
 
 @formula
 def drilling_force(N, v, drag, mu):
-    """Return the force of a patch, (3,) [N]."""
+    """Return the force of the plane on a disc, (3,) [N], under the normal force N."""
     return Vector(-(mu * N * drag.k * v.x), -(mu * N * drag.k * v.y), N)
 
 

@@ -25,7 +25,7 @@ def doubledouble(x: Operand) -> DoubleDouble:
 
 @formula
 def plus(x, y):
-    """Return x + y (Knuth's two-sum)."""
+    """Return x + y of two DoubleDoubles (Knuth's two-sum)."""
     s = x.head + y.head
     v = s - x.head
     return DoubleDouble(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
@@ -33,13 +33,13 @@ def plus(x, y):
 
 @formula
 def minus(x, y):
-    """Return x - y."""
+    """Return x - y of two DoubleDoubles."""
     return plus(x, DoubleDouble(-y.head, -y.tail))
 
 
 @formula
 def tidy(x):
-    """Return the same number with the head rounded from the whole.
+    """Return the same DoubleDouble x with the head rounded from the whole.
 
     This is needed after a cancellation, if heads are used alone.
     """
@@ -49,7 +49,7 @@ def tidy(x):
 
 @formula
 def times(x, y):
-    """Return x y."""
+    """Return x y of two DoubleDoubles."""
     return DoubleDouble(
         x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head)
     )
@@ -57,13 +57,16 @@ def times(x, y):
 
 @formula
 def scaled(k, x):
-    """Return k x for a plain number k."""
+    """Return k x of a plain number k and a DoubleDouble x."""
     return DoubleDouble(k * x.head, product_error(k, x.head) + k * x.tail)
 
 
 @formula
 def quotient(x, y, per):
-    """Return x/y, given per = 1/y to a few roundings; the remainder corrects the quotient."""
+    """Return x/y of two DoubleDoubles, given per = 1/y to a few roundings.
+
+    The remainder corrects it.
+    """
     c = x.head * per
     return DoubleDouble(
         c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per

@@ -1,7 +1,12 @@
 """Numbers with their derivatives, which formulas, jumps, starts and bodies take as numbers.
 
-Arithmetic and functions follow the product and chain rules; a comparison is one of values. What is
-differentiated decides what the parts are: numbers, arrays or heyoka expressions.
+Arithmetic and functions of NumPy follow the product and chain rules; a comparison is one of values.
+What is differentiated decides what the parts are: numbers, arrays or heyoka expressions.
+`engine.derivatives` and `contact.outline` use them.
+
+Symbols
+    parts     a value and its derivatives, [value, first, second, ...]; a, b, r: parts or values
+    da, db    derivatives of a, b
 """
 
 import operator
@@ -27,6 +32,7 @@ COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda differenc
 
 
 def _sum(a: Sequence, b: Sequence) -> list:
+    """Return the parts of a sum; a part that is missing at the end of a term is 0."""
     return [y if x is None else x if y is None else x + y for x, y in zip_longest(a, b)]
 
 
@@ -49,33 +55,29 @@ def _product(a: Sequence, b: Sequence) -> list:
     return made
 
 
-def _quotient(a: Sequence, b: Sequence) -> list:
-    """Return a quotient and its derivatives: Leibniz's rule for a = (a/b) b, solved for a/b."""
-    made = list[Any]()
-    for n in range(max(len(a), len(b))):
+def _solved(a: Sequence, made: list, b: Sequence, divisor: Any) -> list:
+    """Return a factor and its derivatives, of which some are `made`: Leibniz's rule for a = made b,
+    solved for the highest derivative, whose own factor is `divisor`.
+    """
+    for n in range(len(made), max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
         for k in range(1, min(n + 1, len(b))):
             rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
-        made.append(rest / b[0])
+        made.append(rest / divisor)
     return made
 
 
 def _root(a: Sequence) -> list:
-    """Return a square root and its derivatives: Leibniz's rule for a = r r, solved for r."""
+    """Return the parts of a square root: Leibniz's rule for a = r r, solved for r."""
     made = [sqrt(a[0])]
-    for n in range(1, len(a)):
-        rest = a[n]
-        for k in range(1, n):
-            rest = rest - PASCAL[n][k] * (made[k] * made[n - k])
-        made.append(rest / (2 * made[0]))
-    return made
+    return _solved(a, made, made, 2 * made[0])
 
 
 ARITHMETIC: dict[str, Callable] = {
     "add": _sum,
     "subtract": lambda a, b: _sum(a, [-one for one in b]),
     "multiply": _product,
-    "divide": _quotient,
+    "divide": lambda a, b: _solved(a, [], b, b[0]),
     "sqrt": _root,
     "negative": lambda a: [-one for one in a],
     "absolute": lambda a: [np.sign(plain(a[0])) * one for one in a],
@@ -84,6 +86,7 @@ ARITHMETIC: dict[str, Callable] = {
 
 
 def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
+    """Return the derivative of r = a^p, by the derivatives da and dp."""
     slope = p * a ** (p - 1) * da
     return slope if dp is CONSTANT else slope + r * log(a) * dp
 
@@ -159,6 +162,7 @@ class Dual(NDArrayOperatorsMixin):
             return NotImplemented
 
         def joined(parts: Sequence) -> Any:
+            """Return parts as one number with derivatives, or as the plain number."""
             return parts[0] if len(parts) == 1 else kind(*parts)
 
         heads = [joined(parts[:-1] or parts) for parts in every]
@@ -170,7 +174,10 @@ class Dual(NDArrayOperatorsMixin):
 
 
 def plain(value: Any) -> Any:
-    """Return the value of a number or an expression with derivatives, or of all in a record."""
+    """Return the plain value of a number with derivatives.
+
+    Of a record, return the record of plain values.
+    """
     if isinstance(value, tuple):
         return refill(value, map(plain, leaves(value)))
     return plain(value.value) if isinstance(value, Dual) else value

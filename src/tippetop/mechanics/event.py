@@ -1,4 +1,7 @@
-"""Events: zeros of functions of the state, their effect on a run, and the numbers kept of them."""
+"""Events: zeros of functions of the state, their effect on a run, and the numbers kept of them.
+
+Systems and phases list `Event`s; `engine` finds their zeros along a run, and keeps `Kept` numbers.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,14 @@
-"""Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
+"""Records of a motion: forms, their integrals and quantities, phases of the contact and exits.
+
+The modules of `systems` and `contact` fill these records with formulas; `engine` compiles and calls
+them.
+
+Symbols
+    q         the record of the state of a form; carried: that of its integrals; b: the body
+    x         the common state, to which every phase of a system can be converted
+    n         a `Next`, the result of a jump; world: further arguments of a jump, see `Exit`
+    scalars   the record that events and quantities take, the same in every form
+"""
 
 from __future__ import annotations
 
@@ -268,8 +278,12 @@ class Exit(metaclass=Described):
     smooth: bool = False
 
     def fault(self, n: Any, x: Any, known: Mapping[str, Any]) -> str:
-        """Return what the result of the jump must be and is not, of a state `x` and with the words
-        that its fields may have (of `rows`, tables with their columns); empty if it can follow.
+        """Return a clause on what a jump must return, but does not: "return a Next, but ...".
+
+        "" without one.
+
+        n is the result of the jump from the common state x; `known` contains the words that its
+        fields may have (of `rows`, tables with their columns).
         """
         if not isinstance(n, Next):
             return f"return a Next, but returns {n!r:.60}"

@@ -1,10 +1,15 @@
 """The laws of the planar contact force: F_h = -k g_n v_A.
 
-To add a law: a class, and its name in LAWS.
+A law is a class (`FrictionLaw`); an instance is the record of its numbers, the `law` of formulas.
+To add a law: a class, and its name in LAWS. k may depend on the sliding speed and on z, which
+determines the place of the contact on the body. The attributes of a law decide how its contact
+behaves: no code tests its name or its class.
 
-k may depend on the sliding speed and on z = cos(theta), which determines the place of the
-contact on the body. The attributes of a law decide how its contact behaves: no code tests its name
-or its class.
+Symbols
+    F_h, g_n  horizontal force of the plane, normal force; k >= 0: coefficient [s/m]
+    v_A, v2   velocity of the contact point, |v_A|^2; z: cos(theta) of the axis
+    omega     angular velocity, (3,), Omega_z its vertical part
+    drag      of a disc: a `disc_friction.Drag`; parts: rolling resistance mu_r, drilling mu_d
 """
 
 import re
@@ -71,7 +76,7 @@ def has_parts(law: Any) -> bool:
 def load(omega: Vector, law: Any) -> Vector:
     """Return the torque of rolling resistance and drilling per normal force, (3,) [m].
 
-    It is that of a law without regions, and zero if the law has no such parts.
+    It is that of a law without regions; zero if the law has no such parts.
     """
     return torque_of_parts(None, omega, law) if "mu_d" in law._fields else times(0, omega)
 
@@ -328,9 +333,10 @@ The contact of a body has phases under a law that is set-valued or has regions; 
 
 
 def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield every law with its name.
+    """Yield every law with its name: each in `laws`, and those derived from it.
 
-    Laws of the same name with fewer numbers, or with parts, are included.
+    These are `without`, the law where optional numbers are left out, and `with_parts`, the law with
+    mu_r and mu_d.
     """
     for name, law in laws.items():
         for one in (law, law.without):

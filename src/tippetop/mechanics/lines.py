@@ -1,6 +1,12 @@
 """Programs: the operations of one run of a function of numbers, one after another.
 
-A program repeats the run for other numbers, as long as every comparison turns out as it did.
+A function that is called with the `inputs` of a `Program` leaves a line for each operation;
+`code()` returns them for the loop in C (`engine.jump_programs`) and for tapes with derivatives. A
+program repeats the run for other numbers, as long as every comparison turns out as it did.
+
+Symbols
+    line      an operation and the places of its operands; its result is a register
+    place     index of a register: inputs first, then results of lines; negative: a constant
 """
 
 import math
@@ -89,7 +95,7 @@ class Program:
         self.known = dict[tuple, Number]()
 
     def place(self, value: Any) -> int:
-        """Return the place of a number."""
+        """Return the place of the register of a number; a constant gets one if it has none."""
         if isinstance(value, Number):
             return value.place
         number = float(value)
@@ -102,13 +108,15 @@ class Program:
         return Number(self, self.count + len(self.lines) - 1, value)
 
     def joined(self, values: Sequence) -> Number:
-        """Give lines one after another to values, and return the first one."""
+        """Copy values to consecutive registers, for a MOTION; return the first one."""
         first, *_ = [self.line("multiply", value, 1.0) for value in values]
         return first
 
     def call(self, place: int, function: Callable, *inputs: Any) -> list[Number]:
-        """Let the loop at a place do what a function does, which takes numbers and records of them,
-        and returns a list of numbers. Return its results.
+        """Record the call of a function whose work a loop does when the program is repeated.
+
+        It takes numbers and records of them, and returns a list of numbers. `place` is the number
+        of the loop. Return the results of the call.
         """
         first = self.joined(leaves(inputs))
         values = (getattr(one, "value", one) for one in leaves(inputs))

@@ -1,4 +1,8 @@
-"""The state that formulas of events and columns read, in any form: scalars, place and axis."""
+"""The state that formulas of events and columns read, in any form: scalars, place and axis.
+
+q, carried and the body b go in, as formulas take them; a `Moment` comes out, whose attributes
+formulas of the user read.
+"""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,8 @@
-"""Numbers of the user, declared once with unit, meaning and interval; and records of them."""
+"""Numbers of the user, declared once with unit, meaning and interval; and records of them.
+
+`Number`s are fields of a `Record`, such as a body or a law, and initial data of a system; values of
+the user go in, checked floats in SI units come out.
+"""
 
 import contextlib
 import inspect
@@ -142,7 +146,7 @@ class Number(metaclass=Described):
         return f"`{key}` {self.must()}, but is {value:.17g}."
 
     def read(self, key: str, value: Any) -> float:
-        """Return a value that is given for it as a float. Raises InputError."""
+        """Return the user's value of the number `key` as a float. Raises InputError."""
         value = _scalar(value)
         number = None
         if isinstance(value, Real | int) and value is not True and value is not False:
@@ -296,12 +300,18 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     @classmethod
     def given(cls, names: Any) -> Any:
-        """Return the class of the record of these numbers."""
+        """Return the class of the record of these numbers.
+
+        Friction laws have several, see `FrictionLaw`.
+        """
         return cls
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return one message for each condition that the numbers violate together."""
+        """Return one sentence for each condition that the numbers violate together.
+
+        There are none here; bodies have some.
+        """
         return []
 
     @classmethod

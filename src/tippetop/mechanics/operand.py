@@ -1,4 +1,9 @@
-"""Operands of formulas: numbers, arrays, heyoka expressions, and scalars inside numba."""
+"""Operands of formulas: numbers, arrays, heyoka expressions, and scalars inside numba.
+
+A formula is a Python function of records and operands, marked by `@formula`. The same function is
+called with numbers, arrays and duals, with heyoka expressions that are compiled, and inside kernels
+of numba; it uses the functions of this module, such as `sin`, so that each of these gets its own.
+"""
 
 import math
 import operator
@@ -70,6 +75,7 @@ def _lift(name: str) -> Callable:
         return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
     def for_numba(*x: Any) -> Callable:
+        """Return the function that numba compiles for arguments of these types."""
         from numba import types
 
         is_real = all(isinstance(v, (types.Float, types.Integer)) for v in x)
@@ -113,6 +119,7 @@ def product_error(x: Operand, y: Operand) -> Operand:
 
 
 def _half(x: Operand) -> Operand:
+    """Return the upper half of the digits of doubles."""
     big = 134217729 * x  # 2^27 + 1 (Veltkamp 1968)
     return big - (big - x)
 
@@ -131,7 +138,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 @formula
 def times(k: Operand, a: Vector) -> Vector:
-    """Return k a."""
+    """Return the vector k a, of a number k."""
     return Vector(k * a.x, k * a.y, k * a.z)
 
 
@@ -209,9 +216,11 @@ def select(choose: Callable[[Any], Callable]) -> Callable:
     """
 
     def selected(*arguments: Operand) -> Operand:
+        """Return the result of the formula for the kind of the last argument."""
         return choose(arguments[-1])(*arguments)
 
     def for_numba(*arguments: Any) -> Callable:
+        """Return the formula that numba compiles for arguments of these types."""
         record = arguments[-1]
         return choose(record.instance_class._make(record.types))
 
@@ -242,17 +251,20 @@ def teach_numba() -> None:
 
             @overload(function, jit_options={"error_model": "numpy"})
             def _(*arguments):
+                """Return the formula that numba compiles for these arguments."""
                 chosen = choice(*arguments)
                 return lambda *arguments: chosen(*arguments)
 
     @intrinsic
     def fma(typing, x, y, z):
+        """Declare the instruction x y + z, which rounds once."""
         return types.float64(
             types.float64, types.float64, types.float64
         ), lambda _, builder, __, a: builder.fma(*a)
 
     @intrinsic
     def plain(typing, record):
+        """Declare the conversion of a NamedTuple to a plain tuple."""
         whole = types.Tuple(record.types)
         return whole(record), lambda context, builder, _, a: context.make_tuple(
             builder, whole, [builder.extract_value(a[0], k) for k in range(len(record))]
@@ -260,12 +272,16 @@ def teach_numba() -> None:
 
     @overload(operator.add)  # of a record with a star before other arguments
     def _(before, record):
+        """Return how numba adds a record to a tuple: as plain tuples, for calls such as f(*record,
+        x).
+        """
         if isinstance(before, types.BaseTuple) and isinstance(record, types.BaseNamedTuple):
             return lambda before, record: before + plain(record)  # type: ignore[call-arg]
         return None
 
     @overload(product_error)
     def _(x, y):
+        """Return `product_error` by one fma."""
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
     _teach = teach

@@ -91,7 +91,10 @@ def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None =
 
 @dataclass
 class _Reading:
-    """A text that is read; `under` has the names whose numbers depend on it."""
+    """A text that is being read as a number; `under` has the names whose numbers depend on it.
+
+    `number_of` makes one, and one for each name in a text.
+    """
 
     text: str
     key: str
@@ -100,12 +103,12 @@ class _Reading:
     under: tuple[str, ...]
 
     def refuse(self, must: str, but: str = "", near: str = "") -> NoReturn:
-        """Raise InputError."""
+        """Raise InputError with a sentence: what the number `must` be, and `but` is."""
         but = but or f'is "{self.text}"'
         raise InputError([f"`{self.key}` must {must}, but {but}.{near}"]) from None
 
     def exact(self) -> Fraction:
-        """Return the number."""
+        """Return the number of the text, exactly, in SI units."""
         if len(self.text) > MOST_CHARACTERS:
             self.refuse(
                 f"be at most {MOST_CHARACTERS} characters of arithmetic", f"has {len(self.text)}"
@@ -232,11 +235,12 @@ def _symbol(powers: Powers) -> str:
 
 
 def _python(text: str) -> str:
+    """Return a text with `^` as the power of Python."""
     return text.strip().replace("^", "**")
 
 
 def _tree(text: str) -> ast.expr | None:
-    """Return the arithmetic of a text, or None."""
+    """Return the syntax tree of the arithmetic in a text, or None."""
     try:
         return ast.parse(_python(text), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -244,7 +248,7 @@ def _tree(text: str) -> ast.expr | None:
 
 
 def _powers(unit: str) -> str:
-    """Return a unit with `**` before each power."""
+    """Return a unit as pint reads it, with `**` before each power."""
     return POWER.sub(
         lambda power: f"**({power[2].strip('+')}{power[3]})", unit.translate(SUPERSCRIPTS)
     )
@@ -311,5 +315,6 @@ def worked_out(
 
 
 def _is_number(value: Any) -> bool:
+    """Return whether a value is a finite int or float, and no bool."""
     plain = isinstance(value, int | float) and not isinstance(value, bool)
     return plain and abs(value) <= sys.float_info.max

@@ -1,4 +1,7 @@
-"""Immutable mappings: the content of a record is checked once."""
+"""Immutable mappings: the content of a record is checked once.
+
+Fields of `System` and `Phase` are such mappings.
+"""
 
 from collections.abc import Mapping
 from typing import Any, NoReturn
@@ -8,6 +11,7 @@ class ReadOnly(dict):
     """A dict that refuses to be changed; `|` and `copy` give a plain dict."""
 
     def _refused(self, *_: Any, **__: Any) -> NoReturn:
+        """Raise TypeError; every method that changes a dict is this one."""
         raise TypeError(
             "a record cannot be changed: make a changed copy, as dataclasses.replace does."
         )

@@ -21,7 +21,7 @@ class Quaternion(NamedTuple):
 
 @formula
 def after(a, b):
-    """Return the rotation by b and then a: the product a b."""
+    """Return the rotation by b and then by a: the product a b of quaternions."""
     return Quaternion(
         a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
         a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
@@ -38,14 +38,14 @@ def inverse(q):
 
 @formula
 def turn(axis, angle):
-    """Return the rotation by an angle about a unit vector."""
+    """Return the rotation by `angle` [rad] about `axis`, a unit vector."""
     s = sin(angle / 2)
     return Quaternion(cos(angle / 2), s * axis.x, s * axis.y, s * axis.z)
 
 
 @formula
 def swing(u, v):
-    """Return the smallest rotation that takes a unit vector to another, not opposite one."""
+    """Return the smallest rotation that takes the unit vector u to v, which is not opposite."""
     w = 1 + dot(u, v)
     c = cross(u, v)
     k = 1 / sqrt(w * w + dot(c, c))
@@ -65,7 +65,7 @@ def axes(q):
 
 @formula
 def rotated(q, v):
-    """Rotate the vector v."""
+    """Return the vector v turned by the quaternion q."""
     u = Vector(q.x, q.y, q.z)
     t = times(2, cross(u, v))
     return plus(plus(v, times(q.w, t)), cross(u, t))

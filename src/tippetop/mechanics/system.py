@@ -1,4 +1,8 @@
-"""Records that describe a system: formulas, names and units; nothing numerical."""
+"""Records that describe a system: formulas, names and units; nothing numerical.
+
+The modules of `systems` make a `System` for each kind of top, users register their own. `problem`,
+`engine` and `library` read it; nothing else depends on the kind of a top.
+"""
 
 from __future__ import annotations
 
@@ -113,6 +117,7 @@ class Opening(NamedTuple):
 
 
 def _same(value: Any) -> Any:
+    """Return the value: the default of conversions of a System."""
     return value
 
 
@@ -407,12 +412,12 @@ class System(metaclass=Described):
 
     @property
     def is_hybrid(self) -> bool:
-        """Return whether runs go from phase to phase."""
+        """Return whether runs go from phase to phase, so that `engine.hybrid` integrates them."""
         return self.begin is not None or any(phase.exits for phase in self.phases.values())
 
     @property
     def phase(self) -> Phase:
-        """Return the common phase, or else the first, the only one of most systems."""
+        """Return the phase whose form rows have: the common one, or else the first."""
         return self.common or next(iter(self.phases.values()))
 
     @property
@@ -477,7 +482,10 @@ class System(metaclass=Described):
         )
 
     def folds(self, form: Form) -> dict[str, float]:
-        """Return the numbers of the body that are 0 or 1 in the units of a form."""
+        """Return the numbers of the body that are 0 or 1 in the units of a form, by name.
+
+        They become constants of the compiled equations.
+        """
         return {
             name: value
             for name, value in self.normalised_to.items()

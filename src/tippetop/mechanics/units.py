@@ -1,4 +1,7 @@
-"""Units as powers of mass, length and time, and the units in which a system is integrated."""
+"""Units as powers of mass, length and time, and the units in which a system is integrated.
+
+`Scales.of(unit)` converts between SI and internal units; `problem.batch` makes the `Scales`.
+"""
 
 import re
 from dataclasses import dataclass

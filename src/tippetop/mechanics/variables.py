@@ -1,6 +1,12 @@
 """Variables of an integrator: the state that moves, then the integrals, scaled.
 
-Only this module depends on the scale.
+A form goes in; `split` and `join` convert between the flat list of variables, which integrators and
+stores have, and the records q and carried, which formulas take. Only this module depends on the
+scale of integrals.
+
+Symbols
+    q         the record of the state of a form; carried: that of its integrals
+    b         the body; s, z: sin(theta), cos(theta) at the start
 """
 
 from collections import namedtuple
@@ -87,13 +93,13 @@ class Variables:
         return [*q, *(INTEGRAL_SCALE * v for v in carried)]
 
     def rates(self, q: Any, carried: Any, b: Any) -> list:
-        """Return the time derivatives of the variables."""
+        """Return the time derivatives of the variables, in their order."""
         return self.join(
             self.form.rates(q, b), [integral.rate(q, carried, b) for integral in self.integrals]
         )
 
     def start(self, data: dict[str, Any], angles: Any, s: Any, z: Any, b: Any) -> tuple[Any, Any]:
-        """Return state and integrals at the start, in the units of the initial data."""
+        """Return the records q and carried at the start, in the units of the initial `data`."""
         carried = [
             integral.start(data, s, z) if integral.start else getattr(angles, integral.name, 0 * z)
             for integral in self.integrals

@@ -131,6 +131,7 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 def _power(base: Symbol, power: float) -> Any:
+    """Return a symbol to the power 1/2, or to a positive whole one, as products."""
     if power == 0.5:
         return np.sqrt(base)
     assert power == int(power) > 0, "the formulas' powers are whole"

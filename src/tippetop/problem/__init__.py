@@ -9,13 +9,12 @@ from .derivability import refuse
 from .faults import key_faults
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 from .problem import AUTO, PRECISIONS, Problem, numbers_of
-from .row_columns import ORIENTATION, PSI, TURN, column_faults, column_names
+from .row_columns import PSI, TURN, column_faults, column_names
 
 
 __all__ = [
     "AUTO",
     "KEYFRAME_STEPS",
-    "ORIENTATION",
     "PRECISIONS",
     "PSI",
     "ROUNDING",

@@ -31,6 +31,8 @@ ROUNDING = 1e-9  # of the numbers that a system declares to be 0 or 1
 class Problems:
     """n runs that differ only in numbers: `columns` has arrays (n,), SI, by dotted key.
 
+    `Problems.vary` makes it for ensembles, `Problem.alone` for a single run.
+
     A run's numbers depend on its own alone, to the bit. Units are converted in 80 bits, or in the
     precision of the base if that is wider; the numbers of an integrator are rounded once.
     """
@@ -109,6 +111,7 @@ class Problems:
 
     @cached_property
     def _body(self) -> Any:
+        """Return the bodies that formulas take, in SI units and in the widest precision."""
         return self.body(self._wide)
 
     @cached_property
@@ -170,7 +173,7 @@ class Problems:
         return self.body_of_pars(self.pars)
 
     def body_of_pars(self, pars: np.ndarray) -> Any:
-        """Return the bodies of leaves (leaves, n), as `internal_body`."""
+        """Return the bodies whose leaves are `pars` (leaves, n), as `internal_body`."""
         return refill(self._body, iter(pars))._replace(**self.base.system.folds(self.base.form))
 
     @cached_property

@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from .problem import Problem
 
 
-EXCLUDED = ("run.",)  # tables: a motion has no derivatives by their numbers
-
-
 def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
     """Raise InputError for a run that has no derivatives, and for wrong names."""
     if problem.precision != "double":
@@ -26,6 +23,7 @@ def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
             "here."
         )
     added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
-    faults = key_faults(problem, wrt, without=EXCLUDED)
+    known = [key for key in problem.rules if not key.startswith("run.")]
+    faults = key_faults(problem, wrt, known)
     if faults := faults or problem.system.clashes({**problem.initial, **added}):
         raise InputError(faults)

@@ -1,7 +1,9 @@
-"""Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas."""
+"""Sentences on the numbers of problems: keys that vary, contradictions, starts, user formulas.
 
-from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
+`Problems.checked` and `scenario.build` call these functions; they return sentences for InputError.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +12,6 @@ from ..errors import InputError, owner, suggestion
 from ..mechanics.contact.surroundings import RULES, TABLES
 from ..mechanics.friction import PARTS
 from ..mechanics.moment import moment
-from ..mechanics.system import System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
 from ..mechanics.variables import INTEGRAL_SCALE
 
@@ -33,9 +34,7 @@ SAME = 1e-6
 """Relative difference that a constant which keeps a root from 0 may cause: sqrt(v2 + 1e-20)."""
 
 
-def key_faults(
-    base: "Problem", keys: Iterable[str], also: Iterable[str] = (), without: tuple[str, ...] = ()
-) -> list[str]:
+def key_faults(base: "Problem", keys: Collection[str], known: Collection[str]) -> list[str]:
     """Return sentences on varying these keys of a problem.
 
     Parameters
@@ -44,18 +43,14 @@ def key_faults(
         The problem that varies.
     keys
         Dotted keys like `friction.mu`.
-    also
-        Names that may vary in addition to those of the problem.
-    without
-        Tables with names that may not vary.
+    known
+        Names that may vary.
 
     Returns
     -------
     list of str
         Empty if all may vary together.
     """
-    keys = list(keys)
-    known = [*also, *(key for key in base.rules if not key.startswith(without))]
     faults = []
     for key in keys:
         if key not in known:
@@ -88,7 +83,7 @@ def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
     """
     if not columns:
         return ["`variations` must vary something, but is empty."]
-    faults = key_faults(base, columns)
+    faults = key_faults(base, columns, base.rules)
     shapes = {key: np.shape(values) for key, values in columns.items() if key in base.rules}
     if len({*shapes.values()}) > 1 or any(len(s) != 1 or not s[0] for s in shapes.values()):
         sizes = ", ".join(f"{key} {shape}" for key, shape in shapes.items())
@@ -110,28 +105,37 @@ def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, s
 def start_faults(problems: "Problems") -> list[Fault]:
     """Return sentences on the starts: numbers that overflow together, or no motion from there."""
     base = problems.base
+    n = problems.n
     variables = problems.variables
-    evaluated, owners = _values_at(base.system, base.form.name)
+    domains = base.form.domains
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
-    which = 0 if problems.n == 1 else slice(None)  # numbers are faster than arrays of one
-    values = evaluated(*variables.split(start[:, which]), problems.body_of_pars(pars[:, which]))
-    table = np.empty((len(values), problems.n))
-    for row, value in zip(table, values, strict=True):
-        row[:] = value
-    domains = base.form.domains
+    which = 0 if n == 1 else slice(None)  # numbers are faster than arrays of one
+    body = problems.body_of_pars(pars[:, which])
+    state = moment(base.form, *variables.split(start[:, which]), body)
+
+    def values(formulas: Iterable[Callable]) -> np.ndarray:
+        """Return the values of formulas, (formulas, n)."""
+        rows = [np.broadcast_to(formula(state, body), n) for formula in formulas]
+        return np.array(rows, float).reshape(-1, n)
+
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = _law_faults(problems)
-    for number, name in owners.items():
-        if (bad := finite & ~np.isfinite(table[number])).any():
-            found = f"is {table[number][bad][0]}"
-            faults.append((f"the formula of {name} must be finite at the start, but {found}.", bad))
+    own = [one.formula for one in (*base.system.quantities, *base.system.events)]
+    if base.system.contact is not None:  # they may read the reaction, which is not known yet
+        own = []
+    limits = [domain.formula for domain in domains]
+    for formula in filter(owner, limits + own):
+        (found,) = values([formula])
+        if (bad := finite & ~np.isfinite(found)).any():
+            words = f"must be finite at the start, but is {found[bad][0]}."
+            faults.append((f"the formula of {owner(formula)} {words}", bad))
     numbers = [f"`{name}`" for name in ("parameters", "friction", *TABLES) if name in base.tables]
     together = f"{', '.join(numbers)} and `initial` must stay finite together, but they overflow."
-    ours = [i for i in range(len(domains), len(table)) if i not in owners]
-    known = table[: len(domains)]
-    overflows = ~finite | ~(abs(table[ours]) < LARGEST).all(axis=0)
+    known = values(limits)
+    ours = values(q.formula for q in base.system.quantities if not owner(q.formula))
+    overflows = ~finite | ~(abs(ours) < LARGEST).all(axis=0)
     faults.append((together, overflows & ~((known <= 0) & (known > -LARGEST)).any(axis=0)))
     large = abs(start[variables.moving :]) > 1
     for i in _rows(large):
@@ -153,28 +157,6 @@ def _rows(bad: np.ndarray) -> Iterable[int]:
     return dict.fromkeys(np.nonzero(bad)[0].tolist())
 
 
-@lru_cache(maxsize=64)
-def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
-    """Return the function of the values of quantities, domains and user events, and the owners.
-
-    `name` is that of the form; owners of formulas of the user are by number. Those of rows are not
-    evaluated: they may read the reaction, which is not known before the first phase.
-    """
-    form = system.forms[name]
-    records: list[Any] = [*system.quantities, *system.events]
-    of_user = [one.formula for one in records if owner(one.formula)]
-    formulas = [domain.formula for domain in form.domains]
-    formulas += [one.formula for one in system.quantities if not owner(one.formula)]
-    formulas += of_user if system.contact is None else []
-    owners = {number: owner(formula) for number, formula in enumerate(formulas) if owner(formula)}
-
-    def values(q: Any, carried: Any, b: Any) -> list:
-        state = moment(form, q, carried, b)
-        return [formula(state, b) for formula in formulas]
-
-    return values, owners
-
-
 def _law_faults(problems: "Problems") -> list[Fault]:
     """Return the first fault of a friction law of the user.
 
@@ -187,9 +169,11 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
+        """Return k of the law of each problem, (n,)."""
         return kind.coefficient(np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
+        """Return a fault for the problems in which k is bad, (n,) of bool."""
         return [(f"the coefficient k of {of} must {must}, but {found}.", bad)]
 
     for v2, z in PLACES:

@@ -1,4 +1,7 @@
-"""The options of a run, [run] in a scenario: each is declared once, as a field of `RunOptions`."""
+"""The options of a run, [run] in a scenario: each is declared once, as a field of `RunOptions`.
+
+`RunOptions` is the base of `Problem`; help, templates and signatures are made of the same fields.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""One run: a checked body, a start and a span, all in SI units."""
+"""One run: a checked body, a start and a span, all in SI units.
+
+`scenario.build` makes a `Problem`; `engine` and `runs` integrate it. Numbers are kept in SI units,
+and converted to internal ones by `Problems`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The tables and attributes of a run's store, and the summary that `run` and `info` print."""
+"""The tables and attributes of a run's store, and the summary that `run` and `info` print.
+
+A `RunProgress` goes in; out come plain data that a store keeps, and labelled Datasets of a run in
+memory. `recording` and `library` call it at the end of a run.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +16,6 @@ from ..scenario.identity import DIGESTS, digests_of
 from ..store.provenance import provenance
 from ..store.root import finite
 from . import phases
-from .events import event_columns
 from .reporting import RunProgress, reason, report
 
 
@@ -23,7 +26,7 @@ if TYPE_CHECKING:
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
     """Return the groups of the store of a run in memory, without derivatives."""
     others = phases.joined(run.problem.system, run.others)
-    return {"trajectory": run.columns(), "events": event_columns(run.events), **others}
+    return {"trajectory": run.columns(), "events": run.events, **others}
 
 
 def datasets(run: "Solution", attrs: dict[str, Any]) -> dict[str, Any]:

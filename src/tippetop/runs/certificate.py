@@ -1,4 +1,8 @@
-"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision."""
+"""Accuracy contract: the drift that a run may show, and its comparison with a wider precision.
+
+Root attributes or a problem go in; out come sentences on what a run must keep and does not, and the
+data of `results.Certificate`.
+"""
 
 import dataclasses
 import math
@@ -14,7 +18,7 @@ from ..problem import Problem
 from . import phases
 from .attributes import groups
 from .reporting import Progress
-from .run import Solution, solve, with_rows_at
+from .run import solve, with_rows_at
 
 
 # Largest relative drift that a run may show, by invariant.
@@ -128,7 +132,8 @@ def certificate(
     }
     if "theta" in columns:
         result["theta"] = float(columns["theta"].max(initial=0.0))  # NaN is a violation
-    compared = _compare(_turnings(run), _turnings(reference))
+    logs = (each.events.of("turning", significant=True) for each in (run, reference))
+    compared = _compare(*({"time": log["time"]} for log in logs))
     if any(compared["counts"]):
         result["turnings"] = compared
     for name in phases.DIMENSIONS:
@@ -143,6 +148,7 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
     kinds = problem.system.tables
 
     def words(table: str, column: str) -> set[str]:
+        """Return the words that occur in a column of a table."""
         return {kinds[table][column][k] for k in tables[table][column].values}
 
     sticks = words("impacts", "mode") - {"slip"} if problem.law.torque else {}
@@ -186,12 +192,6 @@ def _differences(
 def _largest(differences: np.ndarray) -> float:
     """Return the largest difference; rows in which a column is undefined (NaN) do not count."""
     return float(np.nanmax(differences, initial=0.0))
-
-
-def _turnings(solution: Solution) -> dict[str, Column]:
-    """Return the times of the significant turnings."""
-    table = solution.events.of("turning", significant=True)
-    return {"time": Column(("event",), table.time, {"units": "s"})}
 
 
 def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> PlainData:

@@ -1,4 +1,7 @@
-"""The cost of a run: an estimate, a measurement of its first slices, and a progress bar."""
+"""The cost of a run: an estimate, a measurement of its first slices, and a progress bar.
+
+A problem goes in; out come steps, seconds and megabytes, for `forecast` and `sweeps.plan`.
+"""
 
 import time
 from collections.abc import Callable, Iterator

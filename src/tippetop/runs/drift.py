@@ -1,4 +1,7 @@
-"""Measure the drift of the invariants of runs: the largest relative deviation so far."""
+"""Measure the drift of the invariants of runs: the largest relative deviation so far.
+
+States of runs in internal units go in, at the start and later; `Drift.worst` has the result.
+"""
 
 from typing import Any
 
@@ -11,6 +14,8 @@ from ..problem import Problems
 
 class Drift:
     """Compare the invariants of runs with those of their start.
+
+    `Integration` makes one for its run, `ensembles.outcomes` one for all tops.
 
     Parameters
     ----------

@@ -1,5 +1,7 @@
 """The event log of a run while it grows.
 
+`Passages` of a `Slice` go in; out come rows of an `EventTable`, and marks of rows.
+
 Zeros of event functions become rows immediately. Whether a turning or a lasting event is
 significant is known only later: a turning counts once theta has come back from it by more than
 rounding, so that one true turning which rounding splits into three counts once, and a decay that
@@ -7,13 +9,12 @@ ends in noise not at all. Such rows are marked when this is known.
 """
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column
+from ..columns import Column, counted
 from ..engine.driver import Passages
 from ..engine.loop import count_turnings
 from ..engine.observables import Observables
@@ -22,7 +23,7 @@ from ..engine.tallies import Tallies
 from ..errors import owner
 from ..mechanics.event import Event, Kept
 from ..mechanics.units import SECOND
-from .events import EventTable
+from .events import EventTable, event_table
 
 
 def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | None:
@@ -40,6 +41,8 @@ def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | No
 
 class EventLog:
     """Convert the zeros of slices to rows of the event table.
+
+    `Integration` makes it, and calls `add_zeros` after each slice and `finish` at the end.
 
     The log covers 0 < t <= t_end, and what jumps log at t = 0: a run that starts on the zero of an
     event function does not find it, but one that starts where another run has ended does, if that
@@ -73,7 +76,7 @@ class EventLog:
         self.senses = np.array([event.sense for event in self.events], int)
         self.lasts = np.array([event.lasting for event in self.events], bool)
         state = self._states(np.zeros(0), first[:0])
-        self.empty = replace(EventTable.empty(self.kinds), state=state)
+        self.empty = event_table(self.kinds, state)
         self.rows = 0
         self.counts = dict.fromkeys(self.kinds, 0)
         self.before = view.theta(first)  # theta where the present swing began
@@ -92,8 +95,6 @@ class EventLog:
             rows (internal).
         """
         keep = self.is_logged[zeros.events]
-        if not keep.any():
-            return self.empty, [], np.zeros((0, 0))
         zeros = Passages(*(values[keep] for values in zeros))
         values = self.view.evaluate(zeros.states)
         kind = self.kind[zeros.events]
@@ -109,20 +110,19 @@ class EventLog:
         if len(angles := theta[turning]):
             swing[turning] = np.abs(angles - np.concatenate([[self.before], angles[:-1]]))
             self.before = float(angles[-1])
-        for name, count in zip(
-            self.kinds, np.bincount(kind, minlength=len(self.kinds)).tolist(), strict=True
-        ):
+        for name, count in counted(kind, self.kinds).items():
             self.counts[name] += count
         state = self._states(seconds, zeros.states)
         is_known = ~(turning | lasts)  # the others may become significant later
-        table = EventTable(self.kinds, seconds, kind, theta, rising, swing, is_known, state=state)
+        rows = seconds, kind, theta, rising, swing, is_known
+        table = event_table(self.kinds, state, rows)
         lasting = np.flatnonzero(lasts)
         if len(lasting):
             self.lasting = self.rows + int(lasting[-1])
-        rows = self.rows + np.flatnonzero(turning)
+        turnings = self.rows + np.flatnonzero(turning)
         self.rows += len(theta)
         ways = np.where(zeros.at_pole, 0, rising)[turning]
-        return table, self._marks(rows, ways, angles), zeros.states
+        return table, self._marks(turnings, ways, angles), zeros.states
 
     def _states(self, seconds: np.ndarray, states: np.ndarray) -> dict[str, Column]:
         """Return the columns of a trajectory at events, if an event of the user is logged."""
@@ -132,7 +132,13 @@ class EventLog:
         return {name: c._replace(dims=("event", *c.dims[1:])) for name, c in columns.items()}
 
     def _marks(self, rows: np.ndarray, signs: np.ndarray, theta: np.ndarray) -> list[int]:
-        """Count turnings, and return the rows of those that are now confirmed."""
+        """Count turnings, and return the rows of those that are now confirmed.
+
+        Parameters
+        ----------
+        rows, signs, theta
+            (k,) Rows in the log, +1 for a minimum of theta and -1 for a maximum, and theta [rad].
+        """
         confirmed, waits = count_turnings(self.tallies, signs, theta)
         waiting = np.maximum.accumulate(np.append(self.waiting, np.where(waits, rows, -1)))
         self.waiting = int(waiting[-1])

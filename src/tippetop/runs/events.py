@@ -1,23 +1,20 @@
-"""The event log as a table: one row per event."""
+"""The event log as a table: one row per event.
 
-from dataclasses import dataclass, field, fields
-from typing import Any
+`event_log` makes an `EventTable`; `event_columns` converts it to columns of a store.
+"""
+
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..columns import Column, column, flag_attributes
-from ..mechanics.event import NUMBERED
-from ..mechanics.units import RADIAN, SECOND
+from ..columns import Column, flag_attributes, flagged
 
 
-@dataclass(frozen=True)
-class EventTable:
-    """Columns of the log, (events,) each, ascending in time.
+class EventTable(dict[str, Column]):
+    """Columns of the log by name, (events,) each, ascending in time; attributes are their values.
 
     Attributes
     ----------
-    kinds
-        Names of the kinds by number.
     time
         Times [s].
     kind
@@ -30,73 +27,61 @@ class EventTable:
         Swings |theta - theta of the turning before| [rad]; NaN for other kinds.
     significant
         False where rounding could have made the event, or it did not last.
-    state
-        Columns of the trajectory at the events, in runs with user-defined events.
     """
 
-    kinds: tuple[str, ...]
-    time: np.ndarray
-    kind: np.ndarray
-    theta: np.ndarray
-    theta_dot_sign: np.ndarray
-    amplitude: np.ndarray
-    significant: np.ndarray
-    state: dict[str, Column] = field(default_factory=dict, kw_only=True)
+    def __getattr__(self, name: str) -> np.ndarray:
+        try:
+            return self[name].values
+        except KeyError:
+            raise AttributeError(name) from None
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Names of the kinds by number."""
+        return tuple(self["kind"].attrs["flag_meanings"].split())
 
     @classmethod
-    def empty(cls, kinds: tuple[str, ...] = NUMBERED) -> "EventTable":
-        """Return a table without rows."""
+    def joined(cls, tables: Sequence["EventTable"]) -> "EventTable":
+        """Return several tables of the same kinds as one, in order; of none one without columns."""
+        first = tables[0] if tables else {}
         return cls(
-            kinds, *(np.zeros(0, dtype) for dtype in (float, np.int8, float, np.int8, float, bool))
+            (name, each._replace(values=np.concatenate([t[name].values for t in tables])))
+            for name, each in first.items()
         )
-
-    @classmethod
-    def joined(cls, tables: list["EventTable"]) -> "EventTable":
-        """Return several tables of the same kinds as one, in order."""
-        if not tables:
-            return cls.empty()
-        columns = zip(*(table.columns().values() for table in tables), strict=True)
-        state = {
-            name: column._replace(values=np.concatenate([t.state[name].values for t in tables]))
-            for name, column in tables[0].state.items()
-        }
-        return cls(tables[0].kinds, *map(np.concatenate, columns), state=state)
-
-    def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name."""
-        return {f.name: getattr(self, f.name) for f in fields(self)[1:-1]}
 
     def of(self, kind: str, *, significant: bool = False) -> "EventTable":
         """Return the rows of one kind, or only the significant ones."""
-        keep = self.kind == self.kinds.index(kind)
-        if significant:
-            keep &= self.significant
-        return EventTable(self.kinds, *(values[keep] for values in self.columns().values()))
+        keep = flagged(self["kind"], kind) & (self.significant | (not significant))
+        return EventTable((n, c._replace(values=c.values[keep])) for n, c in self.items())
 
 
-def event_columns(table: EventTable) -> dict[str, Column]:
-    """Return the event log as columns of the store's group `events`."""
-    measured = {
-        "time": (SECOND, "time of the event"),
-        "theta": (RADIAN, "theta at the event"),
-        "amplitude": (
-            RADIAN,
-            "swing of theta since the turning before (or the start); NaN unless a turning",
-        ),
-    }
+def event_table(
+    kinds: Sequence[str], state: Mapping[str, Column], rows: Sequence[Sequence] = ((),) * 6
+) -> EventTable:
+    """Return the columns of the store's group `events`.
+
+    Parameters
+    ----------
+    kinds
+        Names of the kinds by number.
+    state
+        Columns of the trajectory at the events, in runs with user-defined events.
+    rows
+        Values of the other columns, in their order; by default none.
+    """
+    swing = "swing of theta since the turning before (or the start); NaN unless a turning"
     sign = "sign of theta' just after: +1 at a minimum of theta, -1 at a maximum"
-    about: dict[str, dict[str, Any]] = {
-        "kind": flag_attributes(table.kinds, "kind of event"),
-        "theta_dot_sign": {"long_name": sign, "units": "1"},
-        "significant": {
-            "long_name": "false where rounding could have made the event",
-            "units": "1",
-        },
+    noise = "false where rounding could have made the event"
+    about = {
+        "time": (float, {"units": "s", "long_name": "time of the event"}),
+        "kind": (np.int8, flag_attributes(tuple(kinds), "kind of event")),
+        "theta": (float, {"units": "rad", "long_name": "theta at the event"}),
+        "theta_dot_sign": (np.int8, {"long_name": sign, "units": "1"}),
+        "amplitude": (float, {"units": "rad", "long_name": swing}),
+        "significant": (bool, {"long_name": noise, "units": "1"}),
     }
     columns = {
-        name: column(values, *measured[name], ("event",))
-        if name in measured
-        else Column(("event",), values, about[name])
-        for name, values in table.columns().items()
+        name: Column(("event",), np.asarray(values, dtype), attrs)
+        for (name, (dtype, attrs)), values in zip(about.items(), rows, strict=True)
     }
-    return {**table.state, **columns}
+    return EventTable({**state, **columns})

@@ -1,4 +1,8 @@
-"""Predict a run from its start: invariants, regime, fate, cost."""
+"""Predict a run from its start: invariants, regime, fate, cost.
+
+A checked problem goes in; out come plain data for `tippetop check`, made by the theory of its
+system and by `cost`. Nothing is integrated.
+"""
 
 from dataclasses import replace
 

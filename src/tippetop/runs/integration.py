@@ -1,4 +1,8 @@
-"""Integrate one run from start to end; slices go to a sink, the event log and the drift."""
+"""Integrate one run from start to end; slices go to a sink, the event log and the drift.
+
+A `Problem` goes in; rows (times [s], internal states), events and tables go to a `Sink`, and
+`progress()` returns the measurements. A slice is the steps that the driver makes in one call.
+"""
 
 import threading
 import time
@@ -306,6 +310,7 @@ class Integration:
         }
 
     def _encoded(self, state: dict[str, Any]) -> PlainData:
+        """Return the state of a run as plain data, with the fingerprint of its equations."""
         return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
     def restore(self, kept: PlainData) -> None:

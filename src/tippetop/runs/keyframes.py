@@ -1,4 +1,7 @@
-"""Keyframes: exact states of an integrator, from which any part of a run is integrated again."""
+"""Keyframes: exact states of an integrator, from which any part of a run is integrated again.
+
+A driver goes in at a step, a row of the table `keyframes` comes out, and back again for `replay`.
+"""
 
 from pathlib import Path
 from typing import Any

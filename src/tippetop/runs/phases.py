@@ -1,4 +1,8 @@
-"""The phases of a run's contact and its impacts, as tables of its store."""
+"""The phases of a run's contact and its impacts, as tables of its store.
+
+Rows of the tables of a driver go in, as columns in SI; out come columns with labels for the store,
+and counts for the report.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
-from ..columns import Column, column, flag_attributes
+from ..columns import Column, column, counted, flag_attributes
 from ..engine.phase_tables import as_table
 from ..mechanics.system import System
-from ..mechanics.units import JOULE, METRE_PER_SECOND, NEWTON_SECOND, SECOND
+from ..mechanics.units import SECOND
 
 
 Rows = dict[str, np.ndarray]
@@ -19,24 +23,23 @@ Rows = dict[str, np.ndarray]
 PER_CHUNK = 4096
 DIMENSIONS = {"phases": "interval", "impacts": "impact"}
 """The tables of a run whose contact may change its phase, and their dimensions."""
-MEASURED: dict[str, Any] = {
-    "start": (SECOND, "when the phase began"),
-    "end": (SECOND, "when it ended"),
-    "time": (SECOND, "time of the impact"),
-    "v_n_before": (METRE_PER_SECOND, "vertical velocity of the contact point before"),
-    "v_n_after": (METRE_PER_SECOND, "vertical velocity of the contact point after"),
-    "speed_before": (METRE_PER_SECOND, "sliding speed before"),
-    "speed_after": (METRE_PER_SECOND, "sliding speed after"),
-    "impulse": (NEWTON_SECOND, "normal impulse"),
-    "friction_impulse": (NEWTON_SECOND, "size of the horizontal impulse"),
-    "work": (JOULE, "energy that the body gained, negative where it lost"),
-}
-NAMED = {
+WORDS = {
+    "start": "when the phase began",
+    "end": "when it ended",
+    "time": "time of the impact",
+    "v_n_before": "vertical velocity of the contact point before",
+    "v_n_after": "vertical velocity of the contact point after",
+    "speed_before": "sliding speed before",
+    "speed_after": "sliding speed after",
+    "impulse": "normal impulse",
+    "friction_impulse": "size of the horizontal impulse",
+    "work": "energy that the body gained, negative where it lost",
     "phase": "phase of the contact",
     "ball": "what touches the plane, or did last",
     "reason": "why the phase began",
     "mode": "how friction ended within the impact",
 }
+"""Meanings of the columns."""
 # Number of first phases that a report lists.
 FIRST = 6
 
@@ -50,7 +53,10 @@ def tables_of(attributes: PlainData) -> tuple[str, ...]:
 
 @dataclass
 class PhaseHistory:
-    """Count the phases and impacts of a run for its report, and keep the first and last phases."""
+    """Count the phases and impacts of a run for its report, and keep the first and last phases.
+
+    `Integration` makes it.
+    """
 
     words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)
@@ -64,12 +70,9 @@ class PhaseHistory:
             return
         self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
         table = new["phases"]
-        names = self.words["phase"]
         count = len(table["phase"])
-        numbers = np.bincount(table["phase"], minlength=len(names)).tolist()
-        for name, n in zip(names, numbers, strict=True):
-            if n:
-                self.counts[name] = self.counts.get(name, 0) + n
+        for name, n in counted(table["phase"], self.words["phase"]).items():
+            self.counts[name] = self.counts.get(name, 0) + n
         for k in sorted({*range(min(count, FIRST - len(self.first))), *range(count)[-1:]}):
             self.last = {
                 key: self.words[key][values[k]] if key in self.words else float(values[k])
@@ -96,10 +99,11 @@ class PhaseHistory:
 def columns(system: System, name: str, table: Rows) -> dict[str, Column]:
     """Return rows of a table as columns of the store's group of this name."""
     dims = (DIMENSIONS[name],)
+    kinds = dict.fromkeys(table, SECOND) | dict(system.tables[name])
     return {
-        key: column(values, MEASURED[key][0], MEASURED[key][1], dims)
-        if key in MEASURED
-        else Column(dims, values, flag_attributes(system.tables[name][key], NAMED[key]))
+        key: Column(dims, values, flag_attributes(kinds[key], WORDS[key]))
+        if isinstance(kinds[key], tuple)
+        else column(values, kinds[key], WORDS[key], dims)
         for key, values in table.items()
     }
 

@@ -24,7 +24,7 @@ from ..store.root import finite, new_store
 from ..store.table import LATE, Table
 from ..store.writer import Writer, begin
 from . import attributes, keyframes, phases, reporting
-from .events import EventTable, event_columns
+from .events import EventTable
 from .integration import Integration
 from .phases import Rows
 from .reporting import Progress, RunProgress
@@ -45,7 +45,11 @@ PATIENCE = 2.0
 
 
 class Recorder(Writer, Sink):
-    """A sink that writes the store of a run, on a thread."""
+    """A sink that writes the store of a run, on a thread.
+
+    `run_into` makes it for a run, `replay` a subclass. Work is queued by `later` for the thread of
+    the store's `Writer`.
+    """
 
     keeps_rows = True
 
@@ -72,7 +76,7 @@ class Recorder(Writer, Sink):
     def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Write rows of the event log, and mark rows as significant."""
         if len(table.time):
-            self.later(lambda: self._append("events", event_columns(table)))
+            self.later(lambda: self._append("events", table))
         if marks:
             self.later(lambda: self.mark(marks))
 
@@ -91,6 +95,7 @@ class Recorder(Writer, Sink):
             raise Interrupted
 
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
+        """Append rows to the table of this name, and to that of its late columns."""
         values = {key: column.values for key, column in columns.items()}
         for part in self.growing.keys() & {name, name + LATE}:
             self.growing[part].append(values)
@@ -107,6 +112,7 @@ class Recorder(Writer, Sink):
         }
 
         def work() -> None:
+            """Commit on the writer's thread."""
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
@@ -145,6 +151,7 @@ class Recorder(Writer, Sink):
         attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
+            """Write the last rows and the end of the store."""
             for table in self.growing.values():
                 table.finish()
             begun = self.store.state.header["attributes"]
@@ -198,6 +205,10 @@ def record(
     begun: list[Integration] = []
 
     def head() -> PlainData:  # called once the folder can be written: compiling takes seconds
+        """Return the header of the store.
+
+        Called once its folder can be written, as compiling takes seconds.
+        """
         begun.append(Integration(problem, stop))
         return header(begun[0])
 
@@ -212,7 +223,10 @@ def run_into(
     stop: threading.Event | None,
     take_up: Callable[[Recorder], None] = lambda _: None,
 ) -> tuple[Integration, PlainData]:
-    """Integrate into an open store, after `take_up` has set the state to continue from, if any."""
+    """Integrate into an open store; return the integration and the last root attributes.
+
+    `take_up` sets the state from which the run continues, if it does.
+    """
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
         take_up(recorder)
@@ -264,10 +278,9 @@ def header(integration: Integration, attrs: PlainData | None = None) -> PlainDat
 def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
     """Yield the groups of a run: name, columns without rows, rows per chunk."""
     problem = integration.problem
-    log = integration.log.empty
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, ROWS_PER_CHUNK
-    yield "events", event_columns(log), EVENTS_PER_CHUNK
+    yield "events", integration.log.empty, EVENTS_PER_CHUNK
     for name, columns in phases.joined(problem.system, {}).items():
         yield name, columns, phases.PER_CHUNK
     if problem.output == "keyframes":

@@ -1,4 +1,7 @@
-"""Integrate a part of a stored run again, from its nearest keyframe, to the same bits."""
+"""Integrate a part of a stored run again, from its nearest keyframe, to the same bits.
+
+A store and times go in; out come columns, or a new store with rows at these times.
+"""
 
 import math
 import os

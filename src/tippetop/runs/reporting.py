@@ -1,4 +1,8 @@
-"""The progress of a run, as an immutable record, and its report: measurements, outcome, reason."""
+"""The progress of a run, as an immutable record, and its report: measurements, outcome, reason.
+
+`Integration.progress` makes a `RunProgress`; the functions return plain data and sentences from it,
+for `attributes`.
+"""
 
 import math
 from collections.abc import Callable
@@ -214,7 +218,10 @@ def _beyond(progress: RunProgress) -> str:
 
 
 def _ending(progress: RunProgress) -> Event:
-    """Return the event that ended the run: that of its status whose function is nearest to zero."""
+    """Return the event that ended the run.
+
+    Of several with its status, that whose function is nearest 0.
+    """
     events = [
         event
         for event in progress.problem.system.events

@@ -1,4 +1,7 @@
-"""The summary of a run as a record, printed by `tippetop info --json`."""
+"""The summary of a run as a record, printed by `tippetop info --json`.
+
+Root attributes go in; a `Summary` comes out, which users print and read.
+"""
 
 from collections.abc import Callable, Mapping
 from typing import Any

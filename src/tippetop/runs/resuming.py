@@ -1,4 +1,7 @@
-"""Continue a stored run to its end, or to a later one, with the bits of one undisturbed run."""
+"""Continue a stored run to its end, or to a later one, with the bits of one undisturbed run.
+
+A store goes in; its run is restored to its last snapshot, and integrated into the same store.
+"""
 
 import json
 import threading

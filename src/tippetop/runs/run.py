@@ -1,4 +1,7 @@
-"""Integrate a problem in memory."""
+"""Integrate a problem in memory.
+
+A `Problem` goes in, a `Solution` comes out, with its rows in internal units.
+"""
 
 import os
 from dataclasses import dataclass, field, replace
@@ -23,6 +26,8 @@ from .sinks import Memory, Sink
 @dataclass
 class Solution:
     """A problem integrated to its end, in memory: rows, events and measurements.
+
+    `solve` makes it.
 
     `library.finished_run.Run` shows it to the user, with labels and in SI units.
     """

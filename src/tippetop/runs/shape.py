@@ -1,4 +1,12 @@
-"""The shape of a body for pages and films: its surfaces, or the ellipsoid with its moments."""
+"""The shape of a body for pages and films: its surfaces, or the ellipsoid with its moments.
+
+Symbols
+    b         the body in SI units, a `contact.body.Touch` or `frame.Asymmetric`
+    orientation   unit quaternions (w, x, y, z), (n, 4)
+
+Root attributes or a body go in; out come surfaces, matrices and points in metres, for pages, films
+and files for simulators. Quaternions turn body axes into space axes.
+"""
 
 from typing import Any, NamedTuple
 
@@ -112,26 +120,26 @@ def moments(b: Any) -> np.ndarray:
     return np.array([b.I1, getattr(b, "I2", b.I1), b.I3], float)
 
 
-def frames(orientation: np.ndarray) -> np.ndarray:
-    """Return the axes of a body in space, (n, axis, 3), by its unit quaternions, (n, 4)."""
-    return np.moveaxis(np.array(axes(Quaternion(*orientation.T))), -1, 0)
+def lies(attitude: np.ndarray, b: Any) -> Any:
+    """Return how a body lies, its axis or its Frame, by unit quaternions (n, 4).
 
-
-def _lies(orientation: np.ndarray, b: Any) -> Any:
-    """Return how a body with these quaternions, (n, 4), lies: its axis or its Frame."""
-    first, _, third = axes(Quaternion(*orientation.T))
+    Axes (n, 3) suffice for a body with an axis of symmetry.
+    """
+    if attitude.shape[1] == 3:
+        return Vector(*attitude.T)
+    first, _, third = axes(Quaternion(*attitude.T))
     return Frame(*third, *first) if hasattr(b, "I2") else third
 
 
-def lowest(orientation: np.ndarray, b: Any) -> np.ndarray:
-    """Return the lowest point from the centre of mass in space, (n, 3) [m]."""
-    u = _lies(orientation, b)
+def lowest(attitude: np.ndarray, b: Any) -> np.ndarray:
+    """Return the lowest point from the centre of mass in space, (n, 3) [m]; see `lies`."""
+    u = lies(attitude, b)
     return np.stack(arm(u, b if hasattr(b, "I2") else by_axis(u, b)), axis=1)
 
 
-def angular_velocity(orientation: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:
-    """Return omega in space, (n, 3) [rad/s], of L."""
-    x = Turning(_lies(orientation, b), Vector(*L.T))
+def angular_velocity(attitude: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:
+    """Return omega in space, (n, 3) [rad/s], of L; see `lies`."""
+    x = Turning(lies(attitude, b), Vector(*L.T))
     return np.stack(contact.angular_velocity(x, b), axis=1)
 
 

@@ -1,4 +1,8 @@
-"""Destinations of the rows and events of a run; `recording.Recorder` is the one with a store."""
+"""Destinations of the rows and events of a run; `recording.Recorder` is the one with a store.
+
+`Integration` calls the methods of a sink: rows in internal units with times in seconds, tables in
+SI.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -59,5 +63,6 @@ class Memory(Sink):
     def table(self) -> EventTable:
         """Return the whole event log, with its marks."""
         log = EventTable.joined(self.logs)
-        log.significant[self.marks] = True
+        if self.marks:
+            log.significant[self.marks] = True
         return log

@@ -1,4 +1,7 @@
-"""Load scenarios, also those whose start is exactly the end of a stored run."""
+"""Load scenarios, also those whose start is exactly the end of a stored run.
+
+A file, a preset or tables go in, a checked `Problem` comes out; `scenario.build` checks it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The summary of a run as lines of text."""
+"""The summary of a run as lines of text.
+
+`attributes.info` goes in; out come pairs of a name and a text, which `tippetop run` and
+`print(run)` show.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -145,6 +149,7 @@ def _counted(kind: str, events: Info) -> str:
 
 
 def _force(force: Info) -> str:
+    """Return the extremes of the normal force, in words."""
     weight = force["weight"]
     low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
     in_weights = f"{low / weight:.4f} to {high / weight:.4f} m g"
@@ -184,6 +189,7 @@ def _does(phase: Info) -> str:
 
 
 def _until(phase: Info) -> str:
+    """Return a phase and its end, in words: "rolls until 2.5 s"."""
     return f"{_does(phase)} until {phase['end']:.6g} s"
 
 

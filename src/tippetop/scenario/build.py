@@ -1,4 +1,8 @@
-"""A scenario's tables become a checked Problem, or sentences on all that is wrong with them."""
+"""A scenario's tables become a checked Problem, or sentences on all that is wrong with them.
+
+Tables of TOML go in; `problem` returns a `Problem` or raises InputError. `library` and `runs` call
+it; `stored` does the same with the attributes of a store.
+"""
 
 import math
 from collections.abc import Mapping
@@ -201,7 +205,7 @@ def ending(tables: PlainData, until: Any) -> PlainData:
 
 
 def tables_of(attrs: PlainData) -> PlainData:
-    """Return the tables in a store's root attributes: those of `resolved`."""
+    """Return the scenario in a store's root attributes, as `resolved` made it: tables by name."""
     return {name: attrs[name] for name in TABLES if name in attrs}
 
 

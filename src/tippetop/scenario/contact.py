@@ -1,4 +1,7 @@
-"""Scenarios whose contact may change its phase: their systems, and their faults."""
+"""Scenarios whose contact may change its phase: their systems, and their faults.
+
+`build` calls it: tables go in, a system with phases and sentences come out.
+"""
 
 import math
 from collections.abc import Mapping

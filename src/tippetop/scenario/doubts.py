@@ -1,4 +1,7 @@
-"""Warnings about a scenario that is allowed but hardly meant."""
+"""Warnings about a scenario that is allowed but hardly meant.
+
+A checked problem goes in; sentences come out, which the library issues as warnings.
+"""
 
 import math
 

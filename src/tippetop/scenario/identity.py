@@ -1,4 +1,7 @@
-"""User-defined events and columns: a store keeps digests of them to detect changed definitions."""
+"""User-defined events and columns: a store keeps digests of them to detect changed definitions.
+
+`runs.attributes` and `sweeps.store` store the digests; `build.stored` compares them.
+"""
 
 import contextlib
 import hashlib
@@ -17,6 +20,8 @@ from ..problem import Problem
 
 DIGESTS = "own"  # the root attribute
 STATES = 16  # random states at which a formula is compared
+Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
+"""Events and columns that no registered system has."""
 
 
 def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
@@ -63,7 +68,7 @@ def missing_records(attrs: PlainData, system: System) -> list[str]:
     return [name for of in attrs.get(DIGESTS, {}).values() for name in of if name not in known]
 
 
-def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]]:
+def user_records(system: System) -> Records:
     """Return the events and columns of a system that the registered one does not have."""
     if find(system.name) is None:
         return (), ()

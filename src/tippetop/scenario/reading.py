@@ -1,4 +1,7 @@
-"""TOML text becomes tables: files, presets, and `--set` assignments."""
+"""TOML text becomes tables: files, presets, and `--set` assignments.
+
+`runs.starting` and `library` call it; tables are plain dicts, not checked yet.
+"""
 
 import os
 import re
@@ -35,6 +38,7 @@ def presets() -> dict[str, str]:
 
 @cache
 def _presets() -> dict[str, str]:
+    """Return the TOML text of each preset by name, read once."""
     folder = files("tippetop") / "scenario" / "presets"
     names = sorted(p.name.removesuffix(".toml") for p in folder.iterdir())
     return {name: (folder / f"{name}.toml").read_text(encoding="utf-8") for name in names}

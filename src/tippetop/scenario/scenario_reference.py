@@ -1,4 +1,7 @@
-"""The keys of a scenario, and the columns and events of a run, as tables made from the records."""
+"""The keys of a scenario, and the columns and events of a run, as tables made from the records.
+
+Systems, laws and options go in; `Section`s come out, for `tippetop help` and the manual.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -16,7 +19,7 @@ from ..mechanics.systems import (
     surroundable_systems,
     systems_of_laws,
 )
-from ..problem import ORIENTATION, PSI
+from ..problem.row_columns import every_source
 from .schema import ContactTable, RunTable, StemTable, number_table, tables_of
 
 
@@ -52,6 +55,11 @@ def allowed(schema: Mapping[str, Any]) -> str:
         return f"a list, each {allowed(schema['items'])}"
     bound = f" at least {schema['minimum']:g}" if "minimum" in schema else ""
     return f"{KINDS.get(schema.get('type', ''), 'a table')}{bound}"
+
+
+def keys_section(title: str, table: type[BaseModel], text: str = "") -> Section:
+    """Return the section on the keys of a table."""
+    return Section(title, text, KEYS, keys_of(table))
 
 
 def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
@@ -119,35 +127,23 @@ def scenario() -> list[Section]:
                 for a in system.alternatives
                 if table == "initial"
             ]
-            keys = keys_of(tables[name][table])
-            section = Section(f"[{table}] of {name}", " ".join(words), KEYS, keys)
-            first.setdefault(tuple(key for key, *_ in keys), section)
+            section = keys_section(f"[{table}] of {name}", tables[name][table], " ".join(words))
+            first.setdefault(tuple(key for key, *_ in section.rows), section)
         sections += first.values()
+    air = "The torque about the centre of mass is -(c1 + c2 |omega|) omega."
+    plane = (
+        "A plane that is tilted or vibrates, or that turns: give the numbers of what it does. "
+        "Axes, velocities and spins are those seen from the plane."
+    )
     above = number_table(ABOVE, required=False)
     return [
         *sections,
-        Section(
-            "[initial] of a contact that may open",
-            "In addition to the others.",
-            KEYS,
-            keys_of(above),
-        ),
-        Section("[contact]", "", KEYS, keys_of(ContactTable)),
-        Section("[stem]", "", KEYS, keys_of(StemTable)),
-        Section(
-            "[air]",
-            "The torque about the centre of mass is -(c1 + c2 |omega|) omega.",
-            KEYS,
-            keys_of(number_table(RULES["air"])),
-        ),
-        Section(
-            "[plane]",
-            "A plane that is tilted or vibrates, or that turns: give the numbers of what it does. "
-            "Axes, velocities and spins are those seen from the plane.",
-            KEYS,
-            keys_of(number_table(RULES["plane"])),
-        ),
-        Section("[run]", "", KEYS, keys_of(RunTable)),
+        keys_section("[initial] of a contact that may open", above, "In addition to the others."),
+        keys_section("[contact]", ContactTable),
+        keys_section("[stem]", StemTable),
+        keys_section("[air]", number_table(RULES["air"]), air),
+        keys_section("[plane]", number_table(RULES["plane"]), plane),
+        keys_section("[run]", RunTable),
     ]
 
 
@@ -162,11 +158,10 @@ def friction() -> list[Section]:
     opening = opening_systems().items()
     rolling = {name for name, system in opening if system.opening and system.opening.rounded}
     return [
-        Section(
+        keys_section(
             name,
+            number_table({**law.parameters} | (PARTS if rolling & {*of} else {})),
             f"{_meaning(law)} For {', '.join(of) or 'no system'}.",
-            KEYS,
-            keys_of(number_table({**law.parameters} | (PARTS if rolling & {*of} else {}))),
         )
         for name, (law, of) in laws.items()
     ]
@@ -188,7 +183,7 @@ def systems_table() -> list[Section]:
 
 
 def _with_contact() -> list[System]:
-    """Return the systems whose contact may open, opened."""
+    """Return the systems whose contact may open, with their phases, without and with a stem."""
     return [
         opened(system, LAWS["none"], balls)
         for system in opening_systems().values()
@@ -238,33 +233,22 @@ def columns() -> list[Section]:
     return [*sections, Section("Columns of a contact that may open", text, COLUMNS, new)]
 
 
-def _columns(system: System) -> list[tuple[str, ...]]:
+def _columns(system: System) -> list[tuple[str, str, str]]:
     """Return a row (column, unit, meaning) for each column of a system.
 
     Systems that share a column have equal rows, so that a set of them has each once.
     """
-    names = system.long_names
-    turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
-    if system.undefined_at_poles:
-        turn.insert(0, ("psi", "rad", PSI))
-    units = system.forms["vector"].units if system.vectors else None
-    return [
-        *((n, unit.symbol, names.get(n, "")) for n, unit in system.angles._asdict().items()),
-        *(
-            (n, getattr(units, variables[0]).symbol, f"{names.get(n, '')}, (time, xyz)")
-            for n, variables in system.vectors.items()
-        ),
-        *turn,
-        *(
-            (q.name, q.unit.symbol, ": ".join([q.long_name, ", ".join(q.meanings)]).rstrip(": "))
-            for q in system.quantities
-            if q.is_column
-        ),
-        *(
-            (q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it")
-            for q in system.on_request
-        ),
+    form = "vector" if system.vectors else next(iter(system.forms))
+    rows = []
+    for name, source in every_source(system, form).items():
+        dims = f", (time, {source.dims[0]})" if source.dims else ""
+        flags = f": {', '.join(source.flags)}" if source.flags else ""
+        rows.append((name, source.unit.symbol, f"{source.long_name}{dims}{flags}"))
+    rows += [
+        (q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it")
+        for q in system.on_request
     ]
+    return rows
 
 
 TOPICS = {

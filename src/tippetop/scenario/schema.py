@@ -1,4 +1,7 @@
-"""The shape of a scenario: tables, keys and types, made from the records of its system."""
+"""The shape of a scenario: tables, keys and types, made from the records of its system.
+
+A system and a law go in; pydantic models come out, by which `build` checks tables.
+"""
 
 import types
 from collections.abc import Mapping
@@ -26,6 +29,7 @@ def _number(rule: Number, kind: Any = float) -> Any:
     """Return the type of a number in the interval of its record."""
 
     def within(value: float) -> float:
+        """Return the value, if it lies in the interval of the number."""
         if rule.broken(value):
             raise PydanticCustomError("interval", "{must}", {"must": rule.must(value)})
         return value
@@ -48,7 +52,10 @@ def number_table(rules: Mapping[str, Number], required: bool = True, **more: Any
 
 
 def _kind(hint: Any, rule: Number) -> Any:
-    """Return the type in TOML of an option: a list for a tuple, numbers in an interval."""
+    """Return the type in TOML of an option: a list for a tuple, numbers in an interval.
+
+    `hint` is the annotation of its field, `rule` the `Number` with its interval.
+    """
     if get_origin(hint) in (types.UnionType, Union):
         return Union[tuple(_kind(part, rule) for part in get_args(hint))]  # noqa: UP007
     if get_origin(hint) is tuple:

@@ -1,4 +1,7 @@
-"""Sentences on the errors that pydantic finds: the requirement and the value that was found."""
+"""Sentences on the errors that pydantic finds: the requirement and the value that was found.
+
+`build` and `sweeps.plan` convert the errors of their models by it.
+"""
 
 import re
 from typing import Any

@@ -1,4 +1,7 @@
-"""A scenario with every key that it may have: those of a preset, and the others in comments."""
+"""A scenario with every key that it may have: those of a preset, and the others in comments.
+
+`tippetop new` writes it.
+"""
 
 import json
 from typing import Any
@@ -90,4 +93,5 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
 
 
 def _line(key: str, value: Any, text: str) -> str:
+    """Return a line of a template: key, value, and its meaning as a comment."""
     return f"{f'{key} = {json.dumps(value)}':{WIDTH}}  # {text}"

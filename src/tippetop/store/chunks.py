@@ -1,4 +1,7 @@
-"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw."""
+"""Read the columns of a store in blocks, or thinned to a number of rows that figures can draw.
+
+A path and the name of a group go in; Datasets in memory come out.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -44,9 +47,9 @@ def digest(
 ) -> Any:
     """Return a group as a Dataset of at most about `most` rows. Raises StoreError.
 
-    Of more rows, the one with the least and the one with the largest `key` of each bin are kept,
-    so that no peak is lost.
-    With a window, the rows of these times and the first row of all are kept.
+    Of more rows, the one with the least and the one with the largest `key` (a column) of each bin
+    are kept, so that no peak is lost. With a window (start, until) [s], the rows of these times and
+    the first row of all are kept.
     """
     table = open_group(path, group)
     dim = row_dimension(table)

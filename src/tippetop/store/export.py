@@ -1,4 +1,7 @@
-"""Write tables as one netCDF, CSV or Parquet file, whole or not at all."""
+"""Write tables as one netCDF, CSV or Parquet file, whole or not at all.
+
+Lazy Datasets of a run or a store go in; a file comes out.
+"""
 
 import contextlib
 import warnings
@@ -102,6 +105,7 @@ def _csv(table: Any, path: Path, of: str) -> None:
     """Write a table as CSV, with units in its header."""
 
     def head(column: str) -> str:
+        """Return the name of a column with its unit."""
         name = column if column in table else column.rpartition("_")[0]
         units = table[name].attrs.get("units", "1")
         return column if units in ("", "1") else f"{column} [{units}]"

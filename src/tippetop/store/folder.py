@@ -30,7 +30,10 @@ class NoLocks(OSError):
 
 
 class Folder:
-    """An open folder, and the files in it that are not synced. Every operation raises OSError."""
+    """An open folder, and the files in it that are not synced. Every operation raises OSError.
+
+    `Ledger` has one; names are paths relative to it.
+    """
 
     # files that are synced together share a commit of the journal
     threads = 8
@@ -126,6 +129,7 @@ class Folder:
         names = sorted(self.unsynced)
 
         def work(first: int) -> None:
+            """Sync every `threads`-th file."""
             for name in names[first :: self.threads]:
                 self.sync_one(name)
 

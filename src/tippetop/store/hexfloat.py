@@ -1,4 +1,7 @@
-"""Encode numbers in JSON without loss: as hexadecimal doubles, wider ones as sums of them."""
+"""Encode numbers in JSON without loss: as hexadecimal doubles, wider ones as sums of them.
+
+Snapshots of runs in a store use it, so that a resumed run has the same bits.
+"""
 
 from typing import Any
 
@@ -17,7 +20,7 @@ def encode(value: Any) -> Any:
 
 
 def to_hex(value: Any) -> str:
-    """Return a float of any precision as hexadecimal doubles that add up to it exactly."""
+    """Return a float of any precision as text: hexadecimal doubles that add up to it exactly."""
     pieces = [float(value)]
     while np.isfinite(pieces[-1]) and (value := value - pieces[-1]) != 0.0:
         pieces.append(float(value))
@@ -25,7 +28,7 @@ def to_hex(value: Any) -> str:
 
 
 def from_hex(text: str, kind: Any = float) -> Any:
-    """Return the float that `to_hex` wrote."""
+    """Return the float of type `kind` that `to_hex` wrote."""
     first, *rest = (kind(float.fromhex(piece)) for piece in text.split())
     return sum(rest, first)
 

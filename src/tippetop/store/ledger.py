@@ -55,7 +55,10 @@ class Damaged(ValueError):
 
 @dataclass
 class Acknowledged:
-    """The content of a store according to its ledger: the sum of all records."""
+    """The content of a store according to its ledger: the sum of all records.
+
+    `acknowledged` makes it from the bytes of a ledger; `Ledger` keeps one up to date as `state`.
+    """
 
     header: PlainData
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
@@ -204,6 +207,9 @@ def header(attributes: PlainData, tables: Mapping[str, Mapping[str, PlainData]])
 class Ledger:
     """The locked ledger of a store that is being written; a context that releases the lock.
 
+    `created`, `opened` and `locked` make one. `key` names a chunk, "trajectory/3"; a tail is the
+    rows that fill no chunk.
+
     After an error of the disk nothing more is written: a page that could not be synced may look
     written and be lost.
     """
@@ -340,6 +346,7 @@ class Ledger:
             raise
 
     def _make_folders(self) -> None:
+        """Make the folders of all arrays."""
         for path in self.state.header["members"]:
             self.folder.mkdir(path)
 

@@ -1,4 +1,7 @@
-"""The origin of a store: format, versions, processor."""
+"""The origin of a store: format, versions, processor.
+
+Attributes of every store; resuming compares them with those of the present process.
+"""
 
 import os
 import platform

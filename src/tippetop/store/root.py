@@ -1,7 +1,11 @@
-"""Read the root attributes and the groups of a store, and create new stores."""
+"""Read the root attributes and the groups of a store, and create new stores.
+
+A path goes in; attributes as plain data and groups as Datasets come out. `new_store` makes room for
+a new one.
+"""
 
 import contextlib
-import math
+import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -26,13 +30,11 @@ RUNS = "runs"  # the group of a sweep whose members are stores of runs
 
 def finite(value: Any) -> Any:
     """Return a value as JSON can contain it: numbers that are not finite become None."""
-    if isinstance(value, dict):
-        return {k: finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(v) for v in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value.item() if isinstance(value, np.generic) else value
+
+    def of_numpy(number: Any) -> Any:
+        return float(number) if isinstance(number, np.floating) else number.item()
+
+    return json.loads(json.dumps(value, default=of_numpy), parse_constant=lambda _: None)
 
 
 def attributes(path: str | Path, *, whole: bool = True) -> PlainData:

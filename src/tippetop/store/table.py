@@ -1,4 +1,7 @@
-"""Tables of a store that grow row by row."""
+"""Tables of a store that grow row by row.
+
+Columns of rows go in; full chunks go to the `Ledger`, the rest is its tail.
+"""
 
 from collections.abc import Iterator, Mapping
 
@@ -13,6 +16,8 @@ LATE = "-late"  # ends the name of a table of columns that may change until the 
 
 class Table:
     """Gather rows until they fill a chunk, which goes to the ledger; the others form the tail.
+
+    `runs.recording` makes one for each table of a run.
 
     A late table has columns that may change until the end: it writes no chunk before.
     """
@@ -43,7 +48,10 @@ class Table:
             self._put()
 
     def _put(self) -> None:
-        """Write the waiting rows of one chunk; the last chunk may have fewer."""
+        """Write one chunk from the waiting rows.
+
+        Only the last chunk of a finished table may be shorter.
+        """
         chunk = {}
         for column in self.documents:
             values = self._joined(column)
@@ -58,6 +66,7 @@ class Table:
         return self.waiting[column][0]
 
     def _file(self, column: str, first: int) -> str:
+        """Return the path of the file of a column with the chunk that begins at row `first`."""
         name = zarr3.chunk_name(self.documents[column], first // self.chunk)
         return f"{self.group}/{column}/{name}"
 

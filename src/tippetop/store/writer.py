@@ -1,4 +1,8 @@
-"""Create or continue a store, and write it on a thread that no KeyboardInterrupt enters."""
+"""Create or continue a store, and write it on a thread that no KeyboardInterrupt enters.
+
+The run computes on its own thread, and queues work such as `Ledger.put` here; errors come back at
+the next call.
+"""
 
 import contextlib
 import json
@@ -106,7 +110,7 @@ def begin_or_continue(
 
 
 def _difference(old: Any, new: Any) -> str:
-    """Return in which entries a stored value differs from the present one, in words."""
+    """Return in words how a stored attribute `old` differs from the present one, `new`."""
     if not isinstance(new, dict):
         return f"has {old}, and here is {new}"
     return "differs in " + ", ".join(

@@ -1,4 +1,7 @@
-"""A chunk of a sweep: the task of a worker, and the rows that it returns, without integrators."""
+"""A chunk of a sweep: the task of a worker, and the rows that it returns, without integrators.
+
+Plain data go in and come out, so that they can travel to another process.
+"""
 
 from typing import NamedTuple
 
@@ -8,11 +11,10 @@ from ..arguments import PlainData
 from ..columns import Arrays, Column, column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..ensembles.top_events import event_table
-from ..mechanics.event import Event
-from ..mechanics.system import Quantity
 from ..mechanics.variables import Variables
 from ..problem import Problem
 from ..scenario import build
+from ..scenario.identity import Records
 from ..store import provenance
 
 
@@ -24,12 +26,11 @@ ORIENTATION = "orientation"
 EVENTS = "events"  # the name in `keep` of the table of events, which is left out unless it is named
 
 
-Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
-"""Events and columns that no registered system has."""
-
-
 class Task(NamedTuple):
-    """A chunk to compute."""
+    """A chunk to compute.
+
+    `sweep` makes one for each chunk that is to be done.
+    """
 
     chunk: int
     tables: PlainData  # of the base scenario

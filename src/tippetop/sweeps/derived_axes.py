@@ -1,4 +1,11 @@
-"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario."""
+"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario.
+
+Numbers of axes such as `sigma` go in; numbers of the scenario, (n,) by dotted key, come out.
+
+Symbols
+    base      the scenario, a `Problem`; columns: the other varied numbers of tops, (n,) by key
+    gamma, sigma   I1/I3, m R^2/I3; lambda: Jellett's integral, lambda_s: see `theory.thresholds`
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -36,6 +43,7 @@ def jellett(base: Problem, columns: Numbers) -> np.ndarray:
 
 
 def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
+    """Return I3 and I1 at which sigma = m R^2/I3 has these values, with gamma as it is."""
     b = body(base, columns)
     now = thresholds.shape(b)
     I3 = b.I3 * now.sigma / sigma
@@ -43,11 +51,13 @@ def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
 
 
 def _by_gamma(base: Problem, columns: Numbers, gamma: np.ndarray) -> Numbers:
+    """Return I1 at which gamma = I1/I3 has these values."""
     b = body(base, columns)
     return {"parameters.I1": b.I1 * gamma / thresholds.shape(b).gamma}
 
 
 def _by_lambda(base: Problem, columns: Numbers, ratio: np.ndarray) -> Numbers:
+    """Return omega3 at the start at which lambda/lambda_s has these values."""
     still, turning = (
         jellett(base, {**columns, "initial.omega3": np.full(len(ratio), w)}) for w in (0.0, 1.0)
     )
@@ -80,7 +90,7 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
-    """Return the faults of varying these keys together."""
+    """Return a sentence for each reason why these keys may not vary together; [] if they may."""
     sentences = []
     system = base.system
     known = [name for name, s in SYSTEMS.items() if {"R", "I1"} <= s.parameters.keys()]

@@ -1,11 +1,14 @@
-"""The axes of a sweep: those with numbers form a grid, those with a range are drawn together."""
+"""The axes of a sweep: those with numbers form a grid, those with a range are drawn together.
+
+Checked axes go in; the numbers of any top come out, by its number.
+"""
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from ..columns import Arrays
 from ..mechanics.caching import cached_property
@@ -13,26 +16,59 @@ from ..scenario.schema import Table
 
 
 MOST_TOPS = 10**9
+MOST_VALUES = 10**7  # of linspace and geomspace, which are kept in memory
 
 
-@dataclass(frozen=True)
-class Axis:
-    """A key and its numbers: `values` of a grid, or `between` (low, high) of a drawn axis."""
+# a text is read once the unit of its axis is known
+Number = float | str
+Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
+# an invalid top is marked, and its neighbours run
+AnyNumber = Annotated[float, Field(allow_inf_nan=True)] | str
 
-    key: str
-    values: tuple[float, ...] = ()
-    between: tuple[float, ...] = ()
-    log: bool = False  # spread evenly in the logarithm
+
+class Axis(Table, use_attribute_docstrings=True):
+    """An axis of a sweep, in the words of TOML: its key, and its numbers in one of four ways."""
+
+    model_config = ConfigDict(ignored_types=(cached_property,))
+
+    of: str
+    """a dotted key of parameters, friction, initial, air or plane, or run.until, or a derived \
+number: sigma, gamma, lambda"""
+    values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
+    """the numbers of an axis of a grid; grids form a product"""
+    linspace: Pair | None = None
+    """instead, first and last of n evenly spaced numbers"""
+    geomspace: Pair | None = None
+    """instead, first and last of n numbers with equal ratios"""
+    between: Pair | None = None
+    """instead, bounds of a number that is drawn as in [sample]"""
+    n: Annotated[int, Field(ge=1, le=MOST_VALUES)] | None = None
+    """with linspace or geomspace: how many"""
+    log: bool | None = None
+    """with between: draw the logarithm evenly"""
+
+    @cached_property
+    def numbers(self) -> tuple[float, ...]:
+        """The numbers of an axis of a grid; none where they are drawn."""
+        if ends := self.linspace or self.geomspace:
+            spread: Any = np.linspace if self.linspace else np.geomspace
+            return tuple(spread(*ends, self.n).tolist())
+        return tuple(self.values or ())
+
+    @property
+    def is_log(self) -> bool:
+        """Whether the numbers are spread evenly in the logarithm."""
+        return bool(self.log or self.geomspace)
 
     @property
     def sampled(self) -> bool:
         """True if its numbers are drawn at random."""
-        return not self.values
+        return self.between is not None
 
     @property
     def varies(self) -> bool:
         """Whether tops have different numbers on it."""
-        return self.sampled or len(set(self.values)) > 1
+        return self.sampled or len(set(self.numbers)) > 1
 
 
 class Sample(Table, use_attribute_docstrings=True):
@@ -58,7 +94,10 @@ class Sample(Table, use_attribute_docstrings=True):
 
 @dataclass(frozen=True)
 class Design:
-    """All tops of a sweep: the product of the grid, first axis slowest, and the sample, fastest."""
+    """All tops of a sweep: the product of the grid, first axis slowest, and the sample, fastest.
+
+    `Plan.from_tables` makes it.
+    """
 
     axes: tuple[Axis, ...]
     sample: Sample | None = None
@@ -71,7 +110,7 @@ class Design:
     @cached_property
     def sizes(self) -> dict[str, int]:
         """Dimensions and their lengths, the slowest first; drawn axes share `sample`."""
-        sizes = {axis.key: len(axis.values) for axis in self.grid}
+        sizes = {axis.of: len(axis.numbers) for axis in self.grid}
         return sizes | ({"sample": self.sample.n} if self.sample else {})
 
     @cached_property
@@ -81,24 +120,26 @@ class Design:
 
     @cached_property
     def _drawn(self) -> Arrays:
+        """Return the numbers of drawn axes, by key."""
         axes = [axis for axis in self.axes if axis.sampled]
         points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
-        return {axis.key: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}
+        return {axis.of: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}
 
     def numbers(self, tops: np.ndarray) -> Arrays:
         """Return the numbers of some tops on every axis, by key; tops are counted from 0."""
         indices = np.unravel_index(tops, tuple(self.sizes.values()))
         places = dict(zip(self.sizes, indices, strict=True))
         return {
-            axis.key: self._drawn[axis.key][places["sample"]]
+            axis.of: self._drawn[axis.of][places["sample"]]
             if axis.sampled
-            else np.array(axis.values)[places[axis.key]]
+            else np.array(axis.numbers)[places[axis.of]]
             for axis in self.axes
         }
 
 
 def _spread(axis: Axis, unit: np.ndarray) -> np.ndarray:
     """Spread numbers of [0, 1) over the range of an axis."""
-    low, high = np.log(axis.between) if axis.log else axis.between
+    ends: Any = axis.between
+    low, high = np.log(ends) if axis.log else ends
     spread = low + (high - low) * unit
     return np.exp(spread) if axis.log else spread

@@ -1,4 +1,7 @@
-"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory."""
+"""Maps of a sweep: the fate of its tops over one or two axes, and the borders of theory.
+
+The store of a sweep goes in; a `Map` comes out, which `figures.sweep_map` draws.
+"""
 
 import math
 from dataclasses import dataclass
@@ -36,7 +39,7 @@ SHOWN = (*CLASSES, "near-upright")
 class MapAxis:
     """An axis of a map: its key, label, and the edges of its cells, ascending."""
 
-    key: str
+    of: str
     label: str
     edges: np.ndarray
     log: bool
@@ -95,24 +98,25 @@ def make_map(path: Path, kind: str) -> Map:
         raise InputError(
             f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."
         )
-    axes = tuple(map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
+    axes = tuple(map_axis(plan, axis, table[axis.of].attrs) for axis in varying[:2])
     chosen = column(path, table, "status") != Status.TODO.code
     notes = []
     for axis in varying[2:]:  # the middle number of further axes is shown
         if axis.sampled:
-            notes.append(f"all {greek(axis.key)}")
+            notes.append(f"all {greek(axis.of)}")
             continue
-        chosen &= numbers[axis.key] == _middle(axis)
-        units = units_text(table[axis.key].attrs["units"]).replace("1", "")
+        chosen &= numbers[axis.of] == _middle(axis)
+        units = units_text(table[axis.of].attrs["units"]).replace("1", "")
         number = f"{_middle(axis):.4g} {units}".rstrip()
-        notes.append(f"{greek(axis.key)} = {number} (one of {len(axis.values)})")
+        notes.append(f"{greek(axis.of)} = {number} (one of {len(axis.numbers)})")
     for axis in varying[:2]:
-        chosen &= np.isfinite(numbers[axis.key])
+        chosen &= np.isfinite(numbers[axis.of])
     shape = tuple(len(axis.edges) - 1 for axis in axes)
-    places = [np.searchsorted(a.edges[1:-1], numbers[a.key], side="right") for a in axes]
+    places = [np.searchsorted(a.edges[1:-1], numbers[a.of], side="right") for a in axes]
     cells = np.ravel_multi_index(places, shape)[chosen]
 
     def field(name: str) -> np.ndarray:
+        """Return the values of a column on the cells of the map."""
         values = values_of(path, table, name)
         if kind == "normal-force":
             b = derived_axes.body(plan.base, columns)
@@ -130,7 +134,7 @@ def make_map(path: Path, kind: str) -> Map:
     borders = {}  # none where the tops of a cell have other numbers than its axes
     if not any(axis.sampled for axis in varying[2:]):
         rest = [axis for axis in plan.design.axes if axis not in varying[:2]]
-        borders = borders_of(plan, axes, {axis.key: _middle(axis) for axis in rest})
+        borders = borders_of(plan, axes, {axis.of: _middle(axis) for axis in rest})
     return Map(kind, plan.base.system.title, axes, fields, borders, notes)
 
 
@@ -154,7 +158,7 @@ def borders_of(
     if borders is None:
         return {}
     grids = np.meshgrid(*(axis.span[::every] for axis in axes), indexing="ij")
-    numbers = {axis.key: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
+    numbers = {axis.of: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
     numbers |= {key: np.full(grids[0].size, value) for key, value in further.items()}
     with np.errstate(all="ignore"):
         columns = derived_axes.resolved(plan.base, numbers)
@@ -186,10 +190,11 @@ def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
 
     `attrs` are the attributes of its column, with its name in words and its unit.
     """
-    values = np.unique([v for v in axis.values if np.isfinite(v)] if axis.values else axis.between)
+    given = axis.numbers or axis.between or ()
+    values = np.unique([v for v in given if np.isfinite(v)])
     if not len(values):
-        raise InputError(f"the figure must have numbers on `{axis.key}`, but there are none.")
-    log = axis.log and values[0] > 0
+        raise InputError(f"the figure must have numbers on `{axis.of}`, but there are none.")
+    log = axis.is_log and values[0] > 0
     scaled = np.log(values) if log else values
     if axis.sampled:
         drawn = sum(a.sampled for a in plan.design.axes)
@@ -200,7 +205,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
     else:
         middles = (scaled[1:] + scaled[:-1]) / 2
         edges = np.r_[2 * scaled[0] - middles[0], middles, 2 * scaled[-1] - middles[-1]]
-    return MapAxis(axis.key, labelled(attrs), np.exp(edges) if log else edges, log)
+    return MapAxis(axis.of, labelled(attrs), np.exp(edges) if log else edges, log)
 
 
 def labelled(attrs: PlainData) -> str:
@@ -210,7 +215,8 @@ def labelled(attrs: PlainData) -> str:
 
 
 def _middle(axis: Axis) -> float:
-    return axis.values[len(axis.values) // 2]
+    """Return the middle one of the numbers of an axis."""
+    return axis.numbers[len(axis.numbers) // 2]
 
 
 def _gathered(

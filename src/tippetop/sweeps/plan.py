@@ -1,4 +1,7 @@
-"""The plan of a sweep: a TOML file becomes the checked numbers of many tops."""
+"""The plan of a sweep: a TOML file becomes the checked numbers of many tops.
+
+`Plan.from_toml` and `from_tables` are the entrances; they raise InputError with every fault.
+"""
 
 import contextlib
 import math
@@ -23,15 +26,14 @@ from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
 from ..scenario.doubts import doubts
-from ..scenario.identity import user_records
+from ..scenario.identity import Records, user_records
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived_axes
-from .chunk import Records, base_of, column_names
+from .chunk import base_of, column_names
 from .design import MOST_TOPS, Axis, Design, Sample
 
 
-MOST_VALUES = 10**7  # of linspace and geomspace, which are kept in memory
 CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk of any size takes 0.03 s
 LEAST_CHUNKS = 64  # so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
@@ -45,32 +47,7 @@ Maker = Callable[[PlainData], Problem]
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
 
-# a text is read once the unit of its axis is known
-Number = float | str
-Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
-# an invalid top is marked, and its neighbours run
-AnyNumber = Annotated[float, Field(allow_inf_nan=True)] | str
 Count = Annotated[int, Field(ge=1)]
-
-
-class AxisTable(Table, use_attribute_docstrings=True):
-    """An axis as TOML gives it."""
-
-    of: str
-    """a dotted key of parameters, friction, initial, air or plane, or run.until, or a derived \
-number: sigma, gamma, lambda"""
-    values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
-    """the numbers of an axis of a grid; grids form a product"""
-    linspace: Pair | None = None
-    """instead, first and last of n evenly spaced numbers"""
-    geomspace: Pair | None = None
-    """instead, first and last of n numbers with equal ratios"""
-    between: Pair | None = None
-    """instead, bounds of a number that is drawn as in [sample]"""
-    n: Annotated[int, Field(ge=1, le=MOST_VALUES)] | None = None
-    """with linspace or geomspace: how many"""
-    log: bool | None = None
-    """with between: draw the logarithm evenly"""
 
 
 class PlanTable(Table, use_attribute_docstrings=True):
@@ -80,7 +57,7 @@ class PlanTable(Table, use_attribute_docstrings=True):
     """the top that varies: a preset, a TOML file next to the plan, or tables"""
     set: dict[str, PlainData | str] = Field(default_factory=dict)
     """changes to it: tables as in a scenario"""
-    axis: Annotated[list[AxisTable], Field(min_length=1)]
+    axis: Annotated[list[Axis], Field(min_length=1)]
     """a number that differs from top to top"""
     sample: Sample | None = None
     """how axes with between are drawn"""
@@ -130,7 +107,7 @@ class Plan:
         sentences = []
         keys = [axis.of for axis in shape.axis]
         plain = [key for key in keys if key not in derived_axes.DERIVED]
-        if unknown := key_faults(base, plain, derived_axes.DERIVED):
+        if unknown := key_faults(base, plain, [*derived_axes.DERIVED, *base.rules]):
             raise InputError(unknown)  # a text of an unknown number has no unit
         for i, axis in enumerate(shape.axis, 1):
             rule = base.rules.get(axis.of)
@@ -149,7 +126,7 @@ class Plan:
         for key in tables["run"].keys() & {"events", "columns"}:
             names = {record.name for records in own for record in records}
             tables["run"][key] = [name for name in tables["run"][key] if name not in names]
-        design = Design(tuple(map(_axis, shape.axis)), shape.sample)
+        design = Design(tuple(shape.axis), shape.sample)
         plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, "scenario": tables})
         if sentences := _run_faults(plan) + _keep_faults(plan):
             raise InputError(sentences)
@@ -260,7 +237,7 @@ def _base(shape: PlanTable, folder: Path) -> PlainData:
     return tables
 
 
-def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
+def _read_texts(axis: Axis, name: str, unit: Unit) -> None:
     """Replace texts such as "60 rpm" by numbers in SI units. Raises InputError."""
     for way in WAYS:
         values: Any = getattr(axis, way) or []
@@ -269,16 +246,6 @@ def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
                 values[j] = float(value)
             elif isinstance(value, str):
                 values[j] = number_of(value, f"{name}.{way}.{j}", unit)
-
-
-def _axis(axis: Any) -> Axis:
-    """Return an axis of a sweep, with the values of `linspace` or `geomspace` written out."""
-    values = axis.values or ()
-    if ends := axis.linspace or axis.geomspace:
-        spread: Any = np.linspace if axis.linspace else np.geomspace
-        values = spread(*ends, axis.n).tolist()
-    log = bool(axis.log or axis.geomspace)
-    return Axis(axis.of, tuple(values), tuple(axis.between or ()), log)
 
 
 def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
@@ -314,7 +281,7 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
 
 
 def _sentences(wrong: dict[str, Any]) -> list[str]:
-    """Return the sentences whose condition is true."""
+    """Return the keys of `wrong`, sentences, whose value is true: faults by their conditions."""
     return [sentence for sentence, holds in wrong.items() if holds]
 
 
@@ -375,7 +342,7 @@ def scenario_sentence(error: Any) -> str:
     place = list(error["loc"])
     if place[0] == "axis" and len(place) > 1:
         place[1] += 1
-    models: dict[Any, type[Table]] = {"axis": AxisTable, "sample": Sample}
+    models: dict[Any, type[Table]] = {"axis": Axis, "sample": Sample}
     inner = models.get(place[0]) if len(place) > 1 else None
     key = ".".join(str(p) for p in place if p not in ("float", "str", "dict[str,any]"))
     return error_sentence(error, key, list((inner or PlanTable).model_fields))

@@ -1,19 +1,15 @@
 """The keys of a plan as tables, for `tippetop help plan` and the manual."""
 
-from ..scenario.scenario_reference import KEYS, Section, keys_of
-from .design import Sample
-from .plan import AxisTable, PlanTable
+from ..scenario.scenario_reference import Section, keys_section
+from .design import Axis, Sample
+from .plan import PlanTable
 
 
 def plan() -> list[Section]:
     """Return the keys of the plan of a sweep."""
+    text = "A TOML file that lists how the tops of a sweep differ."
     return [
-        Section(
-            "A plan",
-            "A TOML file that lists how the tops of a sweep differ.",
-            KEYS,
-            keys_of(PlanTable),
-        ),
-        Section("[[axis]]", "", KEYS, keys_of(AxisTable)),
-        Section("[sample]", "", KEYS, keys_of(Sample)),
+        keys_section("A plan", PlanTable, text),
+        keys_section("[[axis]]", Axis),
+        keys_section("[sample]", Sample),
     ]

@@ -1,5 +1,7 @@
 """A sweep on disk: columns with a row per top, written chunk by chunk.
 
+A `Plan` goes in, a locked `Ledger` comes out, into which `sweep` writes chunks.
+
 A finished store does not depend on who computed what or when: equal sweeps make equal files.
 """
 

@@ -1,4 +1,7 @@
-"""Run the tops of a plan into a store, chunk by chunk, on any number of workers."""
+"""Run the tops of a plan into a store, chunk by chunk, on any number of workers.
+
+A `Plan` and a path go in; chunks go to workers as `chunk.Task`, and their columns to the store.
+"""
 
 from __future__ import annotations
 

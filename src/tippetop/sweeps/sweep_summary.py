@@ -1,4 +1,7 @@
-"""The content of a sweep's store, finished or not: counts, worst drift, and faults."""
+"""The content of a sweep's store, finished or not: counts, worst drift, and faults.
+
+The path of a store goes in; plain data and lines come out, for `tippetop info`.
+"""
 
 import json
 from pathlib import Path
@@ -7,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import PlainData
+from ..columns import counted
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
 from ..store import root
@@ -49,7 +53,7 @@ def gridded(table: Any) -> Any:
     names = [*design.sizes]
     shape = [*design.sizes.values()]
     axes = {
-        axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs) for axis in design.grid
+        axis.of: (axis.of, np.array(axis.numbers), table[axis.of].attrs) for axis in design.grid
     }
     columns = {
         name: (names, np.asarray(values).reshape(shape), values.attrs)
@@ -76,8 +80,7 @@ def report(path: str | Path) -> PlainData:
     for name in map(str, table):
         if name in ("status", "class"):
             meanings = table[name].attrs["flag_meanings"].split()
-            found = np.bincount(column(path, table, name), minlength=len(meanings)).tolist()
-            counts[name] = {word: n for word, n in zip(meanings, found, strict=True) if n}
+            counts[name] = counted(column(path, table, name), meanings)
         elif name.startswith("drift_"):
             values = column(path, table, name)
             top = int(np.where(np.isnan(values), -1.0, values).argmax())
@@ -125,10 +128,12 @@ def lines(facts: PlainData) -> list[tuple[str, str]]:
 
 
 def _text(counts: dict[str, int]) -> str:
+    """Return counts in words: "12 inverted, 3 under way"."""
     return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"
 
 
 def _plain(value: Any) -> str:
+    """Return a value as text; a list without brackets."""
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 

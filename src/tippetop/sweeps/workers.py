@@ -41,7 +41,11 @@ class SchedulerLost(Exception):
 
 
 class Workers(NamedTuple):
-    """Workers that chunks are sent to."""
+    """Workers that chunks are sent to.
+
+    `processes` and `connect` make it. `start(again)` provides an executor; `again` after a worker
+    died.
+    """
 
     start: Callable[[bool], AbstractContextManager[Executor]]  # True: again, after some died
     ahead: Callable[[], int]  # chunks in flight: those that are computed, and some that wait
@@ -49,7 +53,7 @@ class Workers(NamedTuple):
 
 
 def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
-    """Compute in this process."""
+    """Yield each task with its columns, computed in this process, or a sentence on its failure."""
     for task in tasks:
         try:
             yield task, chunk.compute_chunk(task, threads)
@@ -58,10 +62,11 @@ def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
 
 
 def on_workers(workers: Workers, tasks: Iterator[Task]) -> Iterator[Outcome]:
-    """Compute on workers. Raises SchedulerLost, and InputError if a process cannot start.
+    """Yield each task with its columns, computed by workers, or a sentence on its failure.
 
-    A worker that dies takes the chunks in flight with it: they are computed again, each alone,
-    once all others are computed. So a chunk that kills its worker fails alone.
+    A worker that dies takes the chunks in flight with it: they are computed again, each alone, once
+    all others are computed. So a chunk that kills its worker fails alone. Raises SchedulerLost, and
+    InputError if a process cannot start.
     """
     suspects: list[Task] = []
     known = -1
@@ -77,7 +82,10 @@ def on_workers(workers: Workers, tasks: Iterator[Task]) -> Iterator[Outcome]:
 def _flow(
     workers: Workers, tasks: Iterator[Task], suspects: list[Task], *, again: bool
 ) -> Iterator[Outcome]:
-    """Compute until all is done or processes died; collect the chunks whose worker died."""
+    """Yield tasks with their results until all are done or processes died.
+
+    Tasks whose worker died are appended to `suspects`; `again` as of `Workers`.
+    """
     flying: dict[Any, Task] = {}
 
     def send() -> None:
@@ -146,6 +154,7 @@ def _prepare(alive: Connection) -> None:
     """Prepare a worker: it ignores Ctrl-C, reports nothing, and ends with its parent."""
 
     def watch() -> None:
+        """End this process when the one that started it has gone."""
         alive.poll(None)  # until the other end is closed, or its process is gone
         os._exit(1)
 
@@ -172,6 +181,10 @@ def connect(scheduler: str) -> Iterator[Workers]:
 
     @contextlib.contextmanager
     def start(again: bool) -> Iterator[Executor]:
+        """Provide dask's executor.
+
+        A lost connection is not made again, so `again` changes nothing.
+        """
         try:
             yield client.get_executor(pure=False)
         except (CancelledError, OSError) as error:  # CommClosedError is an OSError

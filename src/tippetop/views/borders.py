@@ -1,4 +1,7 @@
-"""Thresholds as lines over the map of a page, for each choice of the further axes."""
+"""Thresholds as lines over the map of a page, for each choice of the further axes.
+
+The plan of a sweep goes in; lines come out as plain data for the page.
+"""
 
 import itertools
 from typing import Any
@@ -37,12 +40,12 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
     """
     plane = [axis for axis in axes[:2] if axis.varies]
     further = axes[len(plane) :]
-    choices = [np.unique([v for v in axis.values if np.isfinite(v)]) for axis in further]
+    choices = [np.unique([v for v in axis.numbers if np.isfinite(v)]) for axis in further]
     many = np.prod([len(numbers) for numbers in choices], dtype=float) > MOST
     if not plane or many or any(axis.sampled for axis in further):
         return {"labels": [], "lines": []}
-    spread = tuple(maps.map_axis(plan, axis, table[axis.key].attrs) for axis in plane)
-    keys = [axis.key for axis in further]
+    spread = tuple(maps.map_axis(plan, axis, table[axis.of].attrs) for axis in plane)
+    keys = [axis.of for axis in further]
     ratios = [
         maps.borders_of(plan, spread, dict(zip(keys, numbers, strict=True)), EVERY)
         for numbers in itertools.product(*choices)

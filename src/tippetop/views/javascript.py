@@ -1,4 +1,7 @@
-"""Functions of JavaScript, written from the formulas of this package."""
+"""Functions of JavaScript, written from the formulas of this package.
+
+A formula goes in; the text of an arrow function comes out, by `mechanics.writing`.
+"""
 
 from collections.abc import Callable
 from functools import cache
@@ -30,6 +33,7 @@ def arrow(inputs: dict[str, Any], formula: Callable, *, fills: bool = False, row
     ]
 
     def flat(symbols: list) -> list:
+        """Return the results of the formula as a flat list."""
         rest = iter(symbols)
         given = [next(rest) if r is None else refill(r, rest) for r in inputs.values()]
         return leaves(formula(*given))

@@ -1,4 +1,7 @@
-"""HTML files with their style, one script and data; they fetch nothing."""
+"""HTML files with their style, one script and data; they fetch nothing.
+
+The modules of `page/` and plain data go in; the text of one HTML file comes out.
+"""
 
 import html
 import json
@@ -67,6 +70,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
 
 
 def _module(name: str) -> str:
+    """Return the name of the JavaScript constant that has the exports of a module."""
     return f"module_{name.partition('.')[0]}"
 
 

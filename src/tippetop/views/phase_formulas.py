@@ -1,5 +1,11 @@
 """The formulas of pages, as JavaScript: potentials, and a tippe top that slips, rolls and flies.
 
+Systems and laws go in; modules of JavaScript come out as text.
+
+Symbols
+    y         (q, carried): the state of a flight and its integrals; b: the body; p: its parameters
+    per       force and torque per normal force; v_A, omega: velocities of a contact
+
 The page has one state in all phases, that of flight; what the plane does is added to its rates.
 """
 
@@ -118,6 +124,7 @@ def _of_law(law: Any) -> str:
     frictions = [disc_friction(region.drag, law.torque) for region in law.regions.values()]
 
     def body(p: Sequence[Any]) -> Any:
+        """Return the body of a list of parameters p."""
         by_name = dict(zip(names, p, strict=True))
         return TOP.body_of(by_name, law._make(by_name[name] for name in law.parameters))
 
@@ -132,13 +139,16 @@ def _of_law(law: Any) -> str:
         return [*FLIGHT.enter(moving(lifted), b), *carried]
 
     def rates(y: Any, b: Any) -> list:
+        """Return the rates of a flight y = (q, carried)."""
         q, carried = y
         return [*FORM.rates(q, b), *(one.rate(q, carried, b) for one in VARIABLES.integrals)]
 
     def slip(y: Any, b: Any) -> tuple[Vector, Vector]:
+        """Return v_A and omega of a flight."""
         return velocities(FLIGHT.leave(y[0], b), b)
 
     def point(y: Any, b: Any) -> list:
+        """Return v_A and U^2 of the disc of contact."""
         v, omega = slip(y, b)
         return [*v, patch_speed2(omega, b) if law.regions else 0 * v.x]
 
@@ -146,6 +156,7 @@ def _of_law(law: Any) -> str:
         """Return a formula of force and torque per normal force under the law `of`."""
 
         def per_force(y: Any, b: Any) -> list:
+            """Return force and torque of the law per normal force."""
             v, omega = slip(y, b)
             force, torque = of(omega, v, y[0].uz, b)
             return [*force, *torque]
@@ -153,11 +164,13 @@ def _of_law(law: Any) -> str:
         return arrow({"y": y, "b": b}, per_force)
 
     def normal(y: Any, per: Any, b: Any) -> list:
+        """Return the normal force, if force and torque per normal force are `per`."""
         x = turning(y[0])
         force, _ = sliding(x, lambda *of: per, x.u, b)
         return [force.z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
+        """Return the torque about the centre of mass per normal force."""
         return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]
 
     parts = {
@@ -199,6 +212,7 @@ def _thresholds(b: Touch) -> str:
     known: dict[str, Any] = {}
 
     def values(symbols: Touch) -> list:
+        """Return the values of the thresholds, and keep their names."""
         known.update(thresholds(symbols, poles(b)))
         return [t.value for t in known.values()]
 

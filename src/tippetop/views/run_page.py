@@ -1,4 +1,7 @@
-"""The page of a run: the necessary samples of its rows in one file."""
+"""The page of a run: the necessary samples of its rows in one file.
+
+Columns of a trajectory go in, block by block; the text of an HTML file comes out.
+"""
 
 import math
 from collections.abc import Iterator, Mapping

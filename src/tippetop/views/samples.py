@@ -1,4 +1,7 @@
-"""Samples of a motion from the rows of a run: attitude, velocities, forces, momenta."""
+"""Samples of a motion from the rows of a run: attitude, velocities, forces, momenta.
+
+Columns in SI units go in; an array comes out, as motion.js reads it.
+"""
 
 from collections.abc import Mapping
 from typing import Any

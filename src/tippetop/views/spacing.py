@@ -1,4 +1,11 @@
-"""Choice of the samples that a page keeps, so that the attitude between them stays accurate."""
+"""Choice of the samples that a page keeps, so that the attitude between them stays accurate.
+
+Times and samples go in; the indices of samples come out.
+
+Symbols
+    p, q      quaternions at the ends of an interval of length h; wp, wq: angular velocities there
+    s         fraction of an interval, 0 to 1
+"""
 
 import numpy as np
 

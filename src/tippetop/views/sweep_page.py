@@ -1,4 +1,7 @@
-"""The page of a sweep: the map of its tops, and their motions, integrated in the page."""
+"""The page of a sweep: the map of its tops, and their motions, integrated in the page.
+
+The path of a store goes in; the text of an HTML file comes out.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -72,7 +75,7 @@ def page_of_sweep(path: Path) -> str:
         if movable
         else None,
         "body": shape(build.resolved(plan.base)),
-        "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
+        "axes": [_axis(axis, numbers[axis.of], table[axis.of].attrs) for axis in axes],
         "columns": [
             _column(name, maps.values_of(path, table, name), table[name].attrs) for name in names
         ],
@@ -95,6 +98,7 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
     }
 
     def number(name: str) -> Any:
+        """Return a number of the start: the varied one of each top, or that of all."""
         return columns.get(f"initial.{name}", plan.base.initial.get(name, 0.0))
 
     if "initial.psi_dot" in columns or (
@@ -107,10 +111,10 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return an axis as JSON for the page."""
-    log = axis.log and bool(np.nanmin(numbers) > 0)
+    """Return an axis of the sweep as the page takes it; `numbers`: its value per top, (n,)."""
+    log = axis.is_log and bool(np.nanmin(numbers) > 0)
     return {
-        "key": axis.key,
+        "key": axis.of,
         "label": maps.labelled(attrs),
         "log": log,
         "sampled": axis.sampled,
@@ -119,7 +123,7 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return a column as JSON for the page."""
+    """Return a column as the page takes it: name, words, unit, and values in base64."""
     about: dict[str, Any] = {"name": name, "words": greek(attrs["long_name"]).partition(";")[0]}
     about["unit"] = "" if attrs["units"] == "1" else units_text(attrs["units"])
     if name == "class":

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from measured import written
 
 import tippetop as tt
 from tippetop.friction import Coulomb, Viscous
@@ -100,9 +101,8 @@ def test_both_ways_to_start_are_one_and_lanes_are_runs() -> None:
 def test_numbers_of_a_film_are_fitted_and_an_exported_run_is_compared(tmp_path: Path) -> None:
     t = np.linspace(0.05, 1.0, 20)
     scenario = tt.run(BOAT, Viscous(mu=3.0), start=START, until=1.0, output_times=[*t])
-    header = "t [s],q_w,q_x,q_y,q_z"
-    film = np.column_stack([t, scenario.trajectory.orientation])
-    np.savetxt(tmp_path / "film.csv", film, delimiter=",", header=header, comments="")
+    film = {"t [s]": t, "q_w,q_x,q_y,q_z": scenario.trajectory.orientation}
+    written(tmp_path / "film.csv", film)
     guess = BOAT._replace(delta=1.01 * BOAT.delta), Viscous(mu=3.1)
     problem = tt.run(*guess, start=START, until=1e-3).problem
     free = ["friction.mu", "parameters.delta"]

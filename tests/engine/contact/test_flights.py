@@ -32,7 +32,7 @@ class Flights:
     """Flights of one body after another."""
 
     def __init__(self) -> None:
-        code = compiled_from(FORMULAS, "double", 0.0, 0, True)
+        code = compiled_from(FORMULAS, "double", 0.0, 1, True)
         code.rows.events["ends"] *= np.isin(NAMES, LANDINGS)
         pars = [1.0] * len(code.integrator.pars)
         self.driver = Driver(code, code.rows, pars, np.zeros(14), np.ones(len(NAMES)), 1e9)

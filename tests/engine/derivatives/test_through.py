@@ -67,8 +67,8 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
     assert len(intervals) >= case["phases"]
     units = [*problem.variables.units.values()]
     state = [
-        (Dual(row[0], row[1:]) * made.scales.of(unit)).first[:, 0]
-        for row, unit in zip(made.rows()[:9, :, -1:], units, strict=False)
+        (Dual(*row) * made.scales.of(unit)).first[:, 0]
+        for row, unit in zip(made.rows()[:9, ..., -1:], units, strict=False)
     ]
     ends = np.array([intervals[k].ended for k in case["legs"]])
     times = made.times_of([""] * len(ends), ends).T * problem.unit(SECOND)

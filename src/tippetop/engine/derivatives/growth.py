@@ -1,4 +1,7 @@
-"""Growth of small errors of the start, and the time after which a double has lost its digits."""
+"""Growth of small errors of the start, and the time after which a double has lost its digits.
+
+A problem and times go in, a `Growth` comes out.
+"""
 
 import dataclasses
 import math
@@ -97,7 +100,7 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     rows = followed(given, wrt, times).rows()
     without = {"L3", *NUMBERS}  # L3 is L.3hat
     counted = [i for i, name in enumerate(form.units._fields) if name not in without]
-    moves = rows[counted, 1:].transpose(2, 0, 1)  # (rows, variables, directions)
+    moves = rows[counted, 1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1

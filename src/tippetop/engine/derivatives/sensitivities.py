@@ -1,4 +1,8 @@
-"""Derivatives of every column, and of the times and angles of events, along a run."""
+"""Derivatives of every column, and of the times and angles of events, along a run.
+
+A problem and names of its numbers go in; tables of derivatives as columns in SI units come out, and
+sentences where there are none. `library.derivatives` calls it.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -99,6 +103,7 @@ def differentiate(
     unit = problem.unit(SECOND)
 
     def moved(names: Sequence[str], when: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the times of events by each number, SI, (numbers, events)."""
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)

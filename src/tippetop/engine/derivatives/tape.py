@@ -23,14 +23,15 @@ assert OPERATIONS[RESULT] == "result"
 def _executed(lines, k, registers, least):
     """Execute lines from the k-th on; return the number of the next MOTION, or of the end.
 
-    Return -1 if a comparison turns out otherwise. `registers` are values and, behind them, their
-    derivatives; `least` gets the smallest change along each direction at which a comparison would.
+    Return -1 if a comparison turns out otherwise. Each line is an operation and the places a, b of
+    its operands. `registers` are values and their derivatives;
+    `least` gets the smallest change along each direction at which a comparison would.
     """
     first = len(registers) - len(lines)
     while k < len(lines):
         what, a, b = lines[k]
-        x = registers[a, 0]
-        y = registers[b, 0]
+        x = registers[a, 0, 0]
+        y = registers[b, 0, 0]
         p = 0.0
         q = 0.0
         r = 0.0
@@ -84,12 +85,12 @@ def _executed(lines, k, registers, least):
         else:
             r = x < y if what == LESS else x <= y if what == LESS_EQUAL else x == y
             for j in range(len(least)):
-                change = abs(registers[a, j + 1] - registers[b, j + 1])
+                change = abs(registers[a, 1, j] - registers[b, 1, j])
                 if abs(x - y) < least[j] * change:
                     least[j] = abs(x - y) / change
-        registers[first + k, 0] = r
-        for j in range(1, registers.shape[1]):
-            registers[first + k, j] = p * registers[a, j] + q * registers[b, j]
+        for j in range(len(least)):
+            registers[first + k, 0, j] = r
+            registers[first + k, 1, j] = p * registers[a, 1, j] + q * registers[b, 1, j]
         k += 1
     return k
 
@@ -99,6 +100,8 @@ _execute = Entry(_executed)
 
 class Tape:
     """The recorded operations of a function of numbers, on one branch of its comparisons.
+
+    `through.evaluated` makes tapes, and calls them with other numbers.
 
     Parameters
     ----------
@@ -126,20 +129,20 @@ class Tape:
         Parameters
         ----------
         numbers
-            The inputs and their derivatives, (inputs, 1 + directions).
+            The inputs and their derivatives, (inputs, 2, directions).
         follow
             follow(place, numbers) of the motion that a place stands for.
         """
-        count = len(numbers)
+        count, _, directions = numbers.shape
         first = count + len(self.constants)
-        registers = np.zeros((first + len(self.lines), numbers.shape[1]))
+        registers = np.zeros((first + len(self.lines), 2, directions))
         registers[:count] = numbers
-        registers[count:first, 0] = self.constants
-        least = np.full(numbers.shape[1] - 1, np.inf)
+        registers[count:first, 0] = np.array(self.constants)[:, None]
+        least = np.full(directions, np.inf)
         k = _execute(self.lines, 0, registers, least)
         while 0 <= k < len(self.lines):
             _, a, place = self.lines[k]
-            made = follow(int(registers[place, 0]), registers[a : first + k])
+            made = follow(int(registers[place, 0, 0]), registers[a : first + k])
             registers[first + k : first + k + len(made)] = made
             k = _execute(self.lines, k + 1, registers, least)
         return None if k < 0 else (registers[self.results], least)

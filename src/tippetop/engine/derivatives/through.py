@@ -1,20 +1,30 @@
 """Derivatives of a run through every change of its contact.
 
-A plain run decides which phases follow each other. They are then followed once more: the flow of
-each by its variational equations, one number in each lane; the start, times of events, jumps and
-columns by dual numbers, which the formulas take like any numbers. The end of a phase so moves with
-the numbers, which is the saltation matrix of the textbooks, and no jump needs written derivatives.
-Whole steps in dual numbers would need step control and events a second time.
+`followed(problem, wrt, times)` is the entrance; it returns a `Pass`, from which `sensitivities`
+takes columns, times of events, and how far they are valid. A plain run decides which phases follow
+each other. They are then followed once more: the flow of each by its variational equations, one
+number in each lane; the start, times of events, jumps and columns by dual numbers, which the
+formulas take like any numbers. The end of a phase so moves with the numbers, which is the saltation
+matrix of the textbooks, and no jump needs written derivatives. Whole steps in dual numbers would
+need step control and events a second time.
 
-Between formulas, numbers are the rows of an array: the value, then its derivatives along each
-direction. The time is the last row of a state, so that it moves with the end of a phase too.
+Symbols
+    rows      numbers with derivatives as an array (n, 1 + order, directions, ...): the value, again
+              for each direction, then its derivatives
+    state     such rows of the variables of a phase; its last row is the time, so that the time
+              moves with the end of a phase too
+    direction a change of the numbers of the user, each relative to its size; wrt: their names
+    pace      the rate of an event function; by: its derivatives along the directions
+    motion    a `Motion`: the equations of a phase or of an impact
+    jump, n   jump(x, world) -> n, a `form.Next`; q, b: state and parameters of a phase
 """
 
+import math
 import operator
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import replace
+from contextlib import suppress
+from contextvars import copy_context
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -23,22 +33,21 @@ import numpy as np
 from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
-from ...mechanics.contact.surroundings import by_table, dotted_numbers
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
 from ...mechanics.form import Exit, Phase
 from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
-from ...problem import Problem
+from ...problem import Problem, Problems
 from ..driver import STEPS_PER_SLICE
-from ..expressions import AXES, Formulas, formulas_of, observed, orientation_of
+from ..expressions import AXES, Formulas, formulas_of
 from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, compiled_flow, in_motion
+from ..variational import EXACT, compiled_columns, compiled_flow, in_motion
 from .tape import Tape
 
 
@@ -64,29 +73,18 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def valued(record: Any, values: Any) -> Any:
-    """Return a record with other values, and its derivatives."""
-    pairs = zip(leaves(record), values, strict=True)
-    made = (
-        Dual(float(value), *one.parts[1:]) if isinstance(one, Dual) else float(value)
-        for one, value in pairs
-    )
-    return refill(record, made)
-
-
 def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
-    """Return numbers as rows: values and derivatives, (n, 1 + order * directions)."""
-    rows = np.zeros((len(numbers), 1 + order * directions))
+    """Return numbers as rows: values and derivatives, (n, 1 + order, directions)."""
+    rows = np.empty((len(numbers), 1 + order, directions))
     for row, one in zip(rows, numbers, strict=True):
-        row[0], *moves = parts_of(one, order)
-        for part, by in zip(row[1:].reshape(order, -1), moves, strict=True):
-            part[:] = by
+        for part, given in zip(row, parts_of(one, order), strict=True):
+            part[:] = given
     return rows
 
 
-def duals_of(rows: np.ndarray, order: int = 1) -> list[Dual]:
-    """Return rows (n, 1 + order * directions, ...) as dual numbers: the inverse of `rows_of`."""
-    return [Dual(row[0], *np.split(row[1:], order)) for row in rows]
+def duals_of(rows: np.ndarray) -> list[Dual]:
+    """Return rows as dual numbers: the inverse of `rows_of`."""
+    return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
 class Motion(NamedTuple):
@@ -95,32 +93,29 @@ class Motion(NamedTuple):
     formulas: Formulas
     variables: Variables
     pars: np.ndarray  # as rows
-    body: Any = None  # for states of several times
     phase: Phase | None = None
-    order: int = 1
     tolerance: float = EXACT
+
+    @property
+    def body(self) -> Any:
+        """Return the body with derivatives, for states of several times."""
+        return self.formulas.body(iter(duals_of(self.pars[..., None])))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state after each of these times, (..., times)."""
         size = len(self.variables.names)
-        order = self.order
-        directions = (state.shape[1] - 1) // order
+        _, parts, directions = state.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes, order, self.tolerance
+        key = self.formulas, self.variables, lanes, parts - 1, self.tolerance
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         # the largest decide the errors
-        sizes = np.abs(state[:size, 1 : directions + 1]).max(axis=0).clip(min=1.0)
-        scales = np.array([sizes**k for k in range(order + 1)])
-
-        def in_lanes(rows: np.ndarray) -> np.ndarray:
-            moves = rows[:, 1:].reshape(len(rows), order, directions)
-            values = np.repeat(rows[:, :1, None], directions, axis=2)
-            return (np.hstack([values, moves]) / scales).reshape(-1, directions)
-
-        start = in_lanes(state[:size])
-        known = in_lanes(self.pars)
+        sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
+        scales = np.array([sizes**k for k in range(parts)])
+        start, known = (
+            (rows / scales).reshape(-1, directions) for rows in (state[:size], self.pars)
+        )
         grid, back = np.unique(np.append(0.0, times), return_inverse=True)
-        after = np.repeat(state[..., None], len(grid), axis=2)
+        after = np.repeat(state[..., None], len(grid), axis=-1)
         for first in range(0, directions, lanes):
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             with _one_at_a_time:
@@ -128,62 +123,55 @@ class Motion(NamedTuple):
                 ta.state[:] = start[:, some]
                 ta.pars[:] = known[: len(ta.pars), some]
                 _, rows = ta.propagate_grid(np.repeat(grid[:, None], lanes, axis=1))
-            parts = rows.T.reshape(lanes, size, order + 1, len(grid))
-            after[:size, 0] = parts[0, :, 0]
-            for k in range(1, order + 1):
-                moved = parts[:, :, k] * scales[k, some, None, None]
-                after[:size, some + (k - 1) * directions + 1] = moved.swapaxes(0, 1)
+            moved = np.moveaxis(rows, 0, -1).reshape(size, parts, lanes, len(grid))
+            after[:size, :, some] = moved * scales[:, some, None]
+        after[:, 0] = after[:, 0, :1]  # lanes take their own steps
         return after[..., back[1:]]
 
-    def rates(self, state: np.ndarray) -> np.ndarray:
-        """Return the values of the rates of a state, without derivatives."""
+    def rates(self, values: np.ndarray) -> list:
+        """Return the rates of the variables of states (n, times), without derivatives."""
+        return self.variables.rates(*self.variables.split(values), plain(self.body))
 
-        def rates(b: Any, state: tuple) -> list:
-            return [*self.variables.rates(*self.variables.split(state), b), 1.0]
-
-        return self._evaluated(None, rates, state[:, :1])[: len(state), 0]
-
-    def slopes(self, event: Any, state: np.ndarray, order: int = 0) -> tuple:
-        """Return the rates of a state, and the derivatives of an event function along each
-        direction, and last by time; of order 1, those of its rate too.
+    def functions(self, state: Sequence, b: Any) -> dict[str, tuple]:
+        """Return the event functions of numbers with derivatives, by the name of the event: their
+        values, and their first derivatives.
         """
+        values = self.formulas.functions(*self.variables.split(state), b)
         events = self.formulas.events
+        return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
 
-        def function(b: Any, state: tuple) -> Sequence:
-            """Return the event function at a state, and its first `order` time derivatives."""
-            q, carried = self.variables.split(in_motion(self.variables, state, b, order))
+    def slopes(self, event: Any, state: np.ndarray, order: int = 1) -> tuple:
+        """Return the rates of a state; and an event function and its time derivatives up to an
+        order, as rows. Without an event, there are the rates alone.
+        """
+        count = len(self.pars)
+        size = len(self.variables.names)
+
+        def function(_: Any, numbers: tuple) -> tuple:
+            """Return the rates, then the event function and its time derivatives."""
+            b = self.formulas.body(iter(numbers))
+            moving = in_motion(self.variables, numbers[count:], b, order)
+            q, carried = self.variables.split(moving)
+            events = self.formulas.events
             if event in events:
                 h = self.formulas.functions(q, carried, b)[events.index(event)]
             else:
-                h = event.formula(self.formulas.form.scalars(q, b), b)
-            return parts_of(h, order) if order else [h]
+                h = event.formula(self.formulas.form.scalars(q, b), b) if event else 0.0
+            return [*(parts_of(one, 1)[1] for one in moving), *parts_of(h, order)], None
 
-        rates = self.rates(state)
-        ways = np.column_stack([state, rates])
-        return rates, *self._evaluated((event, order), function, ways)[:, 1:]
-
-    def _evaluated(self, what: Any, function: Callable, state: np.ndarray) -> np.ndarray:
-        """Return the numbers function(body, state) as rows."""
-
-        def of_numbers(_: Any, numbers: tuple) -> tuple:
-            return function(self.formulas.body(iter(numbers)), numbers[count:]), None
-
-        count = len(self.pars)
-        columns = 1 + (self.pars.shape[1] - 1) // self.order
-        size = len(self.variables.names)
-        numbers = np.zeros((count + size, state.shape[1]))
-        numbers[:count, :columns] = self.pars[:, : min(columns, state.shape[1])]
-        numbers[count:] = state[:size]
-        return evaluated((self.formulas, self.variables, what), of_numbers, numbers)[0]
+        numbers = np.concatenate([self.pars, state[:size]])
+        key = self.formulas, self.variables, event, order
+        made, *_ = evaluated(key, function, numbers)
+        return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
         """Return the state as it moves with an event.
 
         `known`: the derivatives of its function, where they are known better than from the state.
         """
-        rates, (*by, pace) = self.slopes(event, state)
+        rates, (h, pace) = self.slopes(event, state)
         moved = state.copy()
-        moved[:, 1:] -= np.outer(rates, by if known is None else known) / pace
+        moved[:, 1] -= np.outer(rates, h[1] if known is None else known) / pace[0]
         return moved
 
     def lost(self, event: Any, state: np.ndarray) -> np.ndarray:
@@ -191,28 +179,28 @@ class Motion(NamedTuple):
 
         There the next extreme of its function comes to zero.
         """
-        _, (*by, pace), (*turns, bend) = self.slopes(event, state, 1)
+        _, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state, 2)
         extreme = pace**2 / (2 * abs(bend))
-        least = extreme / abs(np.array(by) - pace / bend * np.array(turns))
+        least = extreme / abs(by - pace / bend * turns)
         # a disc gives way where the function falls like a square root: it has no extreme there
-        counts = extreme > NOISE and abs(pace / bend) > BRIEF
-        return least if counts else np.full_like(least, np.inf)
+        counts = (extreme > NOISE) & (abs(pace / bend) > BRIEF)
+        return np.where(counts, least, np.inf)
 
 
-@contextmanager
-def noting(directions: int) -> Iterator[list[np.ndarray]]:
-    """Collect the changes along each direction at which comparisons turn out otherwise."""
+def noted(directions: int, function: Callable, *given: Any) -> tuple[Any, np.ndarray]:
+    """Call a function; return its result, and the least change along each direction at which a
+    comparison turns out otherwise.
+    """
     least = [np.full(directions, np.inf)]
 
     def note(one: Dual) -> None:
+        """Collect the change at which the comparison of a number with zero turns out otherwise."""
         if np.shape(one.first) == (directions,):  # otherwise it is along another line
             least.append(abs(one.value) / abs(one.first))
 
-    token = COMPARED.set(note)
-    try:
-        yield least
-    finally:
-        COMPARED.reset(token)
+    context = copy_context()
+    context.run(COMPARED.set, note)
+    return context.run(function, *given), np.fmin.reduce(least)
 
 
 @lru_cache(maxsize=1024)
@@ -247,18 +235,18 @@ def evaluated(
             return *made, tape.about
     if len(tapes) < BRANCHES:
         with suppress(Exception):  # whatever it does that is no line of a tape
-            tape = Tape(function, numbers[:, 0].tolist())
+            tape = Tape(function, numbers[:, 0, 0].tolist())
             if made := tape(numbers, follow):
                 tapes.append(tape)
                 return *made, tape.about
-    directions = numbers.shape[1] - 1
+    directions = numbers.shape[2]
 
     def call(place: int, _: Any, *given: Any) -> list:
+        """Follow a motion, without a tape."""
         return duals_of(follow(place, rows_of(leaves(given), directions)))
 
-    with noting(directions) as least:
-        results, about = function(call, duals_of(numbers))
-    return rows_of(results, directions), np.fmin.reduce(least), about
+    (results, about), least = noted(directions, function, call, duals_of(numbers))
+    return rows_of(results, directions), least, about
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -280,8 +268,18 @@ class Samples(NamedTuple):
     state: np.ndarray  # rows, (n, ..., times)
 
 
+class NoRows:
+    """The `Request` of a run without rows."""
+
+    rows_at_steps = False
+
+    def next_times(self) -> np.ndarray:
+        """Request no rows."""
+        return np.zeros(0)
+
+
 class Pass:
-    """Repeat a run with derivatives.
+    """Repeat a run with derivatives; `followed` makes it.
 
     Parameters
     ----------
@@ -308,8 +306,6 @@ class Pass:
         What could turn out otherwise.
     """
 
-    rows_at_steps = False
-
     @QUIET
     def __init__(
         self,
@@ -326,7 +322,7 @@ class Pass:
         self.times = times
         self.directions = ways.shape[1]
         self.order = order
-        self.motions = dict[str, Motion]()
+        self.motions = dict[Phase, Motion]()
         self.samples = list[Samples]()
         self.between = list[Samples]()  # states in each phase, for what nearly happened
         self.shifts = {0.0: np.zeros(self.directions)}
@@ -335,38 +331,45 @@ class Pass:
             driver = self._plain_run()
         self.driver = driver
         body = driver.world.body if is_hybrid else problem.internal_body
-        with noting(self.directions) as least:
-            self._numbers_of(wrt, body, ways)
-        self.notes = [Note(0.0, "the law of friction", np.fmin.reduce(least))]
+        _, least = noted(self.directions, self._numbers_of, wrt, body, ways)
+        self.notes = [Note(0.0, "the law of friction", least)]
         if is_hybrid:
             self._follow()
             return
         formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        motion = self._motion(formulas, problem.variables, self.body, None, problem.tolerance)
+        pars = self._pars(self.body)
+        motion = Motion(formulas, problem.variables, pars, None, problem.tolerance)
         which = np.arange(len(times))
         self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
-        """Set the numbers of the run, whose world has the body `of_world`, in its units, with
-        derivatives along directions by the relative changes of some.
+        """Set start, body and scales of the run, in internal units, with derivatives.
+
+        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
+        `of_world` is the body of the plain run, whose values are kept bit by bit.
         """
         problem = self.problem
         system = problem.system
-        given: dict[str, Any] = {name: 0.0 for name in wrt if name.startswith("initial.")}
-        for table, numbers in problem.tables.items():
-            given |= {f"{table}.{name}": value for name, value in numbers.items()}
-        self.sizes = np.array([abs(given[n]) or problem.unit(problem.rules[n].unit) for n in wrt])
-        for name, size, way in zip(wrt, self.sizes, ways, strict=True):
-            given[name] = Dual(float(given[name]), size * way, *[0 * way] * (self.order - 1))
-        tables: dict[str, Any] = {t: {} for t in ("initial", "friction", "contact", "stem")}
-        tables |= by_table(given)
-        friction = problem.friction._replace(**tables["friction"])
-        b = system.body_of(tables["parameters"] | dotted_numbers(tables), friction)
+        keys = (name.partition(".")[::2] for name in wrt)
+        given = [float(problem.tables[table].get(key, 0.0)) for table, key in keys]
+        units = [problem.rules[name].unit for name in wrt]
+        self.sizes = np.array(
+            [abs(v) or problem.unit(u) for v, u in zip(given, units, strict=True)]
+        )
+        rest = [np.zeros(self.directions)] * (self.order - 1)
+        changes = self.sizes[:, None] * ways
+        numbers = {
+            name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
+        }
+        tops = Problems(problem, numbers)
+        b = tops.body(lambda value: value)
         mass, length = system.scales(b)
         scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
-        self.scales = _columned(scales)
+        of_scales = rows_of(scales, self.directions, self.order)
+        self.scales = Scales(*duals_of(of_scales[..., None]))
 
         def internal(value: Any, unit: Any) -> Any:
+            """Return an SI value in internal units, with derivatives."""
             return value / scales.of(unit)
 
         units = leaves(system.body_units(problem.law.units()))
@@ -375,11 +378,12 @@ class Pass:
         self.e_n: tuple = ()
         rules = problem.contact
         if rules is not None:
-            rules = rules._replace(**(tables["contact"] | tables["stem"]))
+            for table in {"contact", "stem"} & problem.tables.keys():
+                rules = rules._replace(**tops.given(table))
             self.e_n = (rules.e_n,)
         if system.assembled is not None:
             body, _ = system.assembled(first, rules, internal)
-        data = tables["initial"]
+        data = tops.given("initial")
         theta = data.get("theta", 0.0)
         s = sin(theta)
         z = cos(theta)
@@ -388,44 +392,40 @@ class Pass:
         q, carried = variables.start(data, angles, s, z, b)
         values = [*map(internal, (*q, *carried), variables.units.values())]
         start = variables.join(values[: variables.moving], values[variables.moving :])
-        self.start = rows_of([*start, 0.0], self.directions, self.order)
-        self.start[:-1, 0] = problem.start()
-        self.first = _columned(valued(first, leaves(problem.internal_body)))
-        self.body = valued(body, leaves(of_world))
+
+        def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
+            """Return numbers as rows, with the values that they have in the run."""
+            made = rows_of(numbers, self.directions, self.order)
+            made[:, 0] = np.array(values)[:, None]
+            return made
+
+        self.start = rows([*start, 0.0], [*problem.start(), 0.0])
+        self.first = rows(leaves(first), leaves(problem.internal_body))
+        self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
 
     def _plain_run(self) -> HybridDriver:
         """Return the driver of the run, followed to the last time."""
         driver = HybridDriver(self.problem)
         driver.intervals = list[PhaseInterval]()
+        request: Any = NoRows()
         status = driver.ended
         while status is None and driver.clock[0] <= self.times[-1]:
-            status = driver.advance(self, STEPS_PER_SLICE).status
+            status = driver.advance(request, STEPS_PER_SLICE).status
         if status is None or not driver.intervals:
             driver.last_rows()
         return driver
 
-    def next_times(self) -> np.ndarray:
-        """Request no rows of the plain run."""
-        return np.zeros(0)
-
-    def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Ignore rows of the plain run."""
-
-    def _motion(
-        self, formulas: Formulas, variables: Variables, body: Any, phase: Any, tolerance: float
-    ) -> Motion:
-        """Return equations with the numbers of a body."""
-        pars = rows_of(leaves(body), self.directions, self.order)
-        return Motion(formulas, variables, pars, _columned(body), phase, self.order, tolerance)
+    def _pars(self, body: Any) -> np.ndarray:
+        """Return the numbers of a body as rows."""
+        return rows_of(leaves(body), self.directions, self.order)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the equations of a phase."""
-        if solver.name not in self.motions:
-            b = solver.phase.parameters(self.body)
-            self.motions[solver.name] = self._motion(
-                solver.formulas, solver.variables, b, solver.phase, EXACT
-            )
-        return self.motions[solver.name]
+        """Return the `Motion` of a phase, made when it is first entered."""
+        phase = solver.phase
+        if phase not in self.motions:
+            pars = self._pars(phase.parameters(self.body))
+            self.motions[phase] = Motion(solver.formulas, solver.variables, pars, phase)
+        return self.motions[phase]
 
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives."""
@@ -451,7 +451,7 @@ class Pass:
             if interval.jump is None or not interval.ended <= self.times[-1]:
                 return
             ended = interval.ended
-            self.shifts.setdefault(ended, state[-1, 1:])
+            self.shifts.setdefault(ended, state[-1, 1])
             phase = interval.solver.phase
             exit = interval.jump.exit
 
@@ -475,6 +475,7 @@ class Pass:
             state = numbers[len(self.known) :]
 
             def piece(region: str, *given: Any) -> list:
+                """Integrate a piece of an impact; this replaces `ImpactMotions.piece`."""
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 
@@ -501,7 +502,7 @@ class Pass:
         try:
             (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
         except ArithmeticError:
-            return "", (), state[-1, 1:], state
+            return "", (), state[-1, 1], state
         except (TypeError, AttributeError, ValueError) as error:
             raise InputError(
                 f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
@@ -509,8 +510,8 @@ class Pass:
                 f"{type(error).__name__}: {error}"
             ) from error
         if not exit.smooth:
-            self.notes.append(Note(numbers[-1, 0], f"what follows `{exit.event}`", least))
-        return *about, lasts[1:], np.array(begun)
+            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{exit.event}`", least))
+        return *about, lasts[1], np.array(begun)
 
     def _within(self, began: float, ended: float) -> np.ndarray:
         """Return which of the times lie after one time, or at the start, and not after another."""
@@ -540,8 +541,9 @@ class Pass:
         event = next(iter(events), None)
         stops = []
         if event and event.name == STICK.name:
-            _, (pace,) = motion.slopes(event, last[:, None])
-            stops = [end + speed / pace for speed in PROJECTED_AT]
+            at_end = rows_of(last, self.directions)
+            _, (_, pace) = motion.slopes(event, at_end)
+            stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
             which = self._within(done, stop)
@@ -556,18 +558,19 @@ class Pass:
             if stop < end:
                 state = motion.happens(event, state)
         if is_whole:
-            state[:, 0] = last
+            state[:, 0] = last[:, None]
         if event:
             known = None
             if event.name in zeros and end - interval.began < BRIEF_PHASE:
                 three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one, 1)[-1][:-1] for one in three]
+                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
                 known = (end - interval.began) * (SIMPSON @ paces)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
             state = motion.happens(event, state, known)
         elif exit:  # by the clock
-            state[:, 1:] += np.outer(motion.rates(state), start[-1, 1:] + lasts - state[-1, 1:])
+            rates, _ = motion.slopes(None, state)
+            state[:, 1] += np.outer(rates, start[-1, 1] + lasts - state[-1, 1])
         self.between.append(Samples(motion, np.array([number]), state[..., None]))
         return state
 
@@ -580,18 +583,18 @@ class Pass:
         variables = variables_of(formulas.form, False)
         count = len(formulas.events)
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
-        made = impacts.piece(region, end[0], int(most[0]), *(rows[:, 0] for rows in given))
+        values = (rows[:, 0, 0] for rows in given)
+        made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
         elapsed = np.array([float(driver.reached()[0])])
         state = motion.flow(elapsed, state[: len(variables.names)])[..., 0]
-        results = np.zeros((len(made), numbers.shape[1]))
-        results[:, 0] = made
+        results = rows_of(made, self.directions)
         after = results[3 : 3 + len(state)]
         if made[2] >= 0:
             state[:, 0] = after[:, 0]
             state = motion.happens(formulas.events[int(made[2])], state)
-        after[:, 1:] = state[:, 1:]
+        after[:, 1] = state[:, 1]
         return results
 
     # --- what was found ---------------------------------------------------------------------------
@@ -611,36 +614,36 @@ class Pass:
         if not self.problem.system.is_hybrid:
             return self.samples[0].state[:-1]
         variables = self.problem.variables
-        rows = np.full((len(variables.names), 1 + self.directions, len(self.times)), np.nan)
+        rows = np.full((len(variables.names), 2, self.directions, len(self.times)), np.nan)
         if self.times[0] == 0:  # a phase may begin later
             rows[..., 0] = self.start[:-1]
         for motion, which, state in self._together(self.samples):
-            split = motion.variables.split
-            values = split(state[:, 0])
-            for row, rate in zip(
-                state, motion.variables.rates(*values, plain(motion.body)), strict=False
-            ):
-                row[1:] -= rate * state[-1, 1:]
-            q, carried = split(duals_of(state))
+            for row, rate in zip(state, motion.rates(state[:, 0, 0]), strict=False):
+                row[1] -= rate * state[-1, 1]
+            q, carried = motion.variables.split(duals_of(state))
             read, _ = self.problem.system.read(motion.phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
-                row[0, which], row[1:, which] = parts_of(one, 1)
+                row[0][:, which], row[1][:, which] = parts_of(one, 1)
         return rows
 
     @QUIET
     def read(self) -> dict[str, Any]:
         """Return the columns at all times, by name, in numbers with derivatives."""
-        system = self.problem.system
-        variables = self.problem.variables
-        form = variables.form
-        form = replace(form, scalars=lru_cache(form.scalars))  # they are most of the work
-        given = system, form, *variables.split(duals_of(self.rows(), self.order)), self.first
-        values = observed(*given)
-        if variables.orientation and form.orientation:
-            values |= orientation_of(*given)
+        problem = self.problem
+        order = self.order
+        key = problem.system, problem.variables, problem.law, order
+        wait = "the derivatives of columns are being compiled"
+        names, function = awaited_once(compiled_columns, key, wait)
+        states = self.rows()
+        lanes = states.shape[2:]
+        pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
+        columns = function(states.reshape(-1, math.prod(lanes)), pars=pars[: function.nparams])
+        columns = columns.reshape(len(names), order + 1, *lanes)
+        values = dict(zip(names, duals_of(columns), strict=True))
+        if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
-            values |= zip(QUATERNION, _quaternion(outer(*axes), self.order), strict=True)
+            values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
         return values
 
     @QUIET
@@ -651,20 +654,20 @@ class Pass:
         There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
-        samples = [one for one in self.samples if len(one.which)]
-        begun = np.array([one.which[0] for one in samples])
-        for shift, name, time in zip(shifts.T, names, times.tolist(), strict=True):
+        at = np.searchsorted(self.times, times)
+        for motion, which, states in self._together(self.samples):
+            mine = np.flatnonzero(np.isin(at, which))
+            some = states[:, :2, :, np.searchsorted(which, at[mine])]
+            values = some[:, 0, 0]
+            moving = [*map(Dual, values, motion.rates(values))]
+            in_time = motion.functions(moving, plain(motion.body))
+            for name, (_, by) in motion.functions(duals_of(some), motion.body).items():
+                happens = [names[k] == name for k in mine]
+                shift = some[-1, 1] - by / in_time[name][1]
+                shifts[:, mine[happens]] = shift[:, happens]
+        for k, time in enumerate(times.tolist()):
             if time in self.shifts:
-                shift[:] = self.shifts[time]
-                continue
-            at = np.searchsorted(self.times, time)
-            motion, which, states = samples[np.searchsorted(begun, at, side="right") - 1]
-            column = at - which[0]
-            for event in motion.formulas.events:
-                if event.name == name and column < len(which):
-                    state = states[:, : self.directions + 1, column]
-                    _, (*by, pace) = motion.slopes(event, state)
-                    shift[:] = state[-1, 1:] - np.array(by) / pace
+                shifts[:, k] = self.shifts[time]
         return shifts
 
     @QUIET
@@ -673,21 +676,18 @@ class Pass:
         notes = list(self.notes)
         for motion, which, state in self._together(self.between):
             assert motion.phase is not None
-            q, _ = motion.variables.split(duals_of(state))
-            scalars = motion.phase.form.scalars(q, motion.body)
             exits = {one.event for one in motion.phase.exits if not one.smooth}
-            for event in motion.phase.events:
-                if event.name not in exits or event.sampled:
+            for name, (h, by) in motion.functions(duals_of(state), motion.body).items():
+                if name not in exits:
                     continue
-                h, by = parts_of(event.formula(scalars, motion.body), 1)
                 size = np.abs(h)
                 least = size / np.abs(by)
                 for k in _lows(size, which):
                     interval = self.driver.intervals[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
-                    is_exit = interval.jump and interval.jump.exit.event == event.name
+                    is_exit = interval.jump and interval.jump.exit.event == name
                     if size[k] > NOISE and not (is_end and is_exit):
-                        notes.append(Note(interval.began, f"`{event.name}`", least[:, k]))
+                        notes.append(Note(interval.began, f"`{name}`", least[:, k]))
         return sorted(notes, key=operator.attrgetter("time"))
 
 
@@ -698,37 +698,25 @@ def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: 
     return awaited(follow, "the variational equations are integrated")
 
 
-def _columned(record: Any) -> Any:
-    """Return numbers of a record for arithmetic with arrays."""
-    numbers = (
-        Dual(one.value, *(part[:, None] for part in one.parts[1:]))
-        if isinstance(one, Dual)
-        else one
-        for one in leaves(record)
-    )
-    return refill(record, numbers)
-
-
 def _quaternion(products: Sequence, order: int) -> list[Dual]:
     """Return unit quaternions with their derivatives, of 4 q q^t.
 
     The derivatives of P = 4 q q^t are P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
     """
-    q = quaternion([np.broadcast_arrays(*map(plain, row)) for row in products])
-    turns = []
-    for k in range(1, order + 1):
-        moves = [[parts_of(one, order)[k] for one in row] for row in products]
-        turns.append([sum(map(operator.mul, row, q)) / 4 for row in moves])
+    value, *moves = (
+        np.array([[one.parts[k] for one in row] for row in products]) for k in range(order + 1)
+    )
+    q = np.array(quaternion(value))
+    turns = [np.einsum("ij...,j...->i...", move, q) / 4 for move in moves]
     if order > 1:
-        square = sum(one**2 for one in turns[0])
-        turns[1] = [turn + one * square for turn, one in zip(turns[1], q, strict=True)]
+        turns[1] += q[:, None] * (turns[0] ** 2).sum(axis=0)
     return [Dual(*one) for one in zip(q, *turns, strict=True)]
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Return the indices of local minima of `size`, without those at the starts of phases.
+    """Return the indices of local minima of `size`, (k,), without those at the starts of phases.
 
-    `which` has the number of the phase of each sample.
+    `which` has the number of the phase of each sample, (k,).
     """
     falls = np.append(False, (size[1:] <= size[:-1]) & (which[1:] == which[:-1]))
     rises = np.append((size[1:] > size[:-1]) | (which[1:] != which[:-1]), True)

@@ -1,6 +1,21 @@
-"""The body, and the functions of its state that do not depend on the form. [T 3.3, 4.1, 5.1]
+"""The body, and functions of its motion that are the same in every form. [T 3.3, 4.1, 5.1]
 
-Vectors are those of space: regular everywhere.
+In go a body and its motion, as numbers, arrays or heyoka expressions; out come velocities, forces
+and energies, for equations of motion, events and columns. Any consistent units may be used; the
+docstrings give those of SI. Vectors are in the frame fixed in space, z up, and so regular where
+theta = 0 or pi. [T 3.16] is an equation of the thesis that the README cites.
+
+Symbols
+    b         the body, a `Touch`: a ball of radius R, its centre at c 3hat from the centre of mass
+    u, 3hat   unit vector along its axis; theta: angle from zhat to it, phi: its azimuth
+    e, 2hat   horizontal unit vectors (cos(phi), sin(phi), 0), and zhat x e
+    z         cos(theta); s in (e, s, z, b): sin(theta), and e the record of angles and rates
+    s         in (s, b): a record of scalars, see `Kinematics` and `Scalars`
+    x         a motion in vectors: `Turning` (u, L) or `Moving`; q: the state of a form
+    L         angular momentum about the centre of mass; L3 = L.3hat, Lz = L.zhat
+    A, a      the contact point; the arm, c 3hat - R zhat, from the centre of mass to A
+    v_A       velocity of A, nu_x along e and nu_y along 2hat
+    F, g_n    force of the plane at A; its normal part; friction is -k g_n v_A, k(|v_A|^2, z) >= 0
 """
 
 import math
@@ -24,9 +39,10 @@ from .outline import Ball, Place, at
 
 
 class Touch(NamedTuple):
-    """A body seen from one of its balls, `b` of every formula; the arm is c 3hat - R zhat.
+    """A body seen from one of its balls: the argument `b` of formulas. The arm is c 3hat - R zhat.
 
-    R and c are () in a body with an outline, until `touching_ball` fills them.
+    `Top.seen` makes it, or `seen_from_balls` for a body with a stem. R and c are () in a body with
+    an outline, until `touching_ball` fills them in.
     """
 
     m: Operand  # [kg]
@@ -43,16 +59,18 @@ class Touch(NamedTuple):
 
 
 class Bent(Touch):
-    """A body with an outline: the ball by which it touches the plane depends on its axis."""
+    """A body with an outline: a `Touch` whose touching ball depends on the inclination."""
 
     __slots__ = ()
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
-    """Return the body as a `Touch` of its sphere, and as one of the ball of its stem, if any.
+    """Return the body as a `Touch` of its sphere and, if it has a stem, of the stem's ball.
 
-    `stem` contains the radius of this ball and its distance from the centre of the sphere, or is
-    empty. (The difference of two offsets from the centre of mass would be rounded.)
+    `stem` is (), or (r, h): the radius of the stem's ball, and how far along 3hat its centre lies
+    from that of the sphere. Each Touch has the other ball as `clearance` and `lever`: their
+    difference is taken here, because the difference of two offsets from the centre of mass would be
+    rounded.
     """
     if not stem:
         return (b._replace(clearance=1.0, lever=0.0),)  # no other ball ever touches
@@ -63,7 +81,7 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
 
 
 def seen_from_other(b: Touch) -> Touch:
-    """Return a body seen from its other ball."""
+    """Return the same body as a `Touch` of its other ball; b has `clearance` and `lever`."""
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
@@ -82,28 +100,30 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
 
 
 def shape_of(b: Touch) -> Any:
-    """Return the outline of a body, also if `touching_ball` has replaced it by a `Place`."""
+    """Return the outline of a body: `Ball()` or its shape, also where it is in a `Place`."""
     return getattr(b.outline, "shape", b.outline)
 
 
 def by_axis(u: Any, b: Touch) -> Touch:
-    """Return the touching ball of a body with this axis."""
+    """Return `touching_ball` of a body whose axis is u = 3hat."""
     return touching_ball(u.z, u.x * u.x + u.y * u.y, b)
 
 
 def by_scalars(s: Any, b: Touch) -> Touch:
-    """Return the touching ball at these scalars, if they have sin(theta)^2."""
+    """Return `touching_ball` of a body at the scalars s; the body as it is if they lack s2."""
     return touching_ball(s.z, s.s2, b) if hasattr(s, "s2") else b
 
 
 def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
     """Return a decorator: the formula of a sphere, which other bodies replace by their own.
 
-    The type of the last argument, the body, decides.
+    The decorated formula is used for a `Touch`, `of_outline` for a `Bent`, `of_frame` for an
+    `Asymmetric` body; one that is missing is the same as of a sphere. All have the same arguments.
     """
     others = {Bent: of_outline, Asymmetric: of_frame}
 
     def chosen(of_sphere: Callable) -> Any:
+        """Return the function that chooses among the three."""
         by_type = select(lambda body: others.get(type(body)) or of_sphere)
         return update_wrapper(by_type, formula(of_sphere))
 
@@ -111,7 +131,10 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
 
 
 def as_sphere(b: Touch, **numbers: Any) -> Touch:
-    """Return the touching ball of a body as a sphere, with other numbers."""
+    """Return a body with an outline as a plain `Touch` of the ball by which it touches.
+
+    `numbers` replace fields, such as R and c.
+    """
     return Touch._make(b._replace(**numbers))
 
 
@@ -125,9 +148,9 @@ def as_ball(b: Any) -> Any:
 
 
 def size(b: Any) -> Any:
-    """Return the size of a body [m], by which its other lengths are measured.
+    """Return the length of a body [m] by which small and large distances are measured.
 
-    That of a tip is its distance from the centre of mass.
+    Of a ball it is max(R, |c|), so that a tip, R = 0, has one too.
     """
     return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
 
@@ -143,7 +166,10 @@ class Top(Record, abstract=True):
     resting: ClassVar[str]
 
     def seen(self, friction: Any) -> Any:
-        """Return the body that formulas take, with the record of a friction law."""
+        """Return the body as the `b` of formulas: a `Touch`, `Bent` or `Asymmetric`.
+
+        `friction` is the record of a friction law.
+        """
         raise NotImplementedError
 
     def body(self, law: Any = None) -> Any:
@@ -162,7 +188,7 @@ class Top(Record, abstract=True):
 
 
 def filled(**units: Any) -> Any:
-    """Return a record of a new type, filled with units."""
+    """Return a record of a new type filled with units: the `units` of a form or of angles."""
     return namedtuple("State", units)(**units)
 
 
@@ -172,7 +198,10 @@ FRAME = (*AXIS, "ix", "iy", "iz")
 
 
 def state(lies: tuple[str, ...] = AXIS, /, **units: Any) -> Any:
-    """Return a state filled with units: how a body lies, L about the centre of mass, and more."""
+    """Return the `units` of a state: orientation, L, and the further variables that `units` name.
+
+    `lies` are the names of the variables of the orientation, AXIS or FRAME.
+    """
     turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
     return filled(**dict.fromkeys(lies, ONE), **turning, **units)
 
@@ -193,12 +222,12 @@ class Turning(NamedTuple):
 
 @formula
 def axis_of(q):
-    """Return 3hat, unit vector along the axis of the body, (3,), space frame."""
+    """Return 3hat of a state q that has it as ux, uy, uz, (3,)."""
     return Vector(q.ux, q.uy, q.uz)
 
 
 def frame_of(q):
-    """Return axes 3 and 1 of a body without an axis of symmetry."""
+    """Return the Frame, axes 3 and 1, of a state q of a body without an axis of symmetry."""
     return Frame(q.ux, q.uy, q.uz, q.ix, q.iy, q.iz)
 
 
@@ -208,12 +237,18 @@ axis = select(lambda state: frame_of if "ix" in state._fields else axis_of)
 
 @formula
 def turning(q):
-    """Return 3hat and L, the angular momentum about the centre of mass, space frame [kg m^2/s]."""
+    """Return orientation and momentum of a state q as a `Turning`.
+
+    L is about the centre of mass [kg m^2/s].
+    """
     return Turning(axis(q), Vector(q.Lx, q.Ly, q.Lz))
 
 
 class Moving(NamedTuple):
-    """The common state of all phases: orientation, momentum, velocity and height of a body."""
+    """The common state of all phases, the `x` of jumps: orientation, momentum, velocity and height.
+
+    `Phase.leave` makes it from the state of a phase, `Phase.enter` converts it back.
+    """
 
     u: Any  # 3hat, or a Frame
     L: Vector  # about the centre of mass
@@ -223,14 +258,17 @@ class Moving(NamedTuple):
 
 
 class Reaction(NamedTuple):
-    """Force and torque of the plane on a body."""
+    """Force and torque of the plane on a body, which `Phase.reaction` returns."""
 
     force: Vector
     drilled: Operand = 0  # power that torques of the contact take
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
-    """Return the state with amounts added to integrals, by name; those it lacks are ignored."""
+    """Return the state x with amounts added to the integrals of the run, such as work=..., by name.
+
+    Integrals that the run does not have are ignored. Impulses use it, for they take no time.
+    """
     known = x.carried._fields
     more = {name: getattr(x.carried, name) + integrals[name] for name in integrals if name in known}
     return x._replace(carried=x.carried._replace(**more))
@@ -241,22 +279,25 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 
 @by_body(of_outline=lambda z, b: b.outline.height)
 def height(z, b):
-    """Return the height of the centre of mass above the plane, s_z = R - c z [m].
+    """Return the height of the centre of mass of a body on the plane, s_z = R - c z [m].
 
-    The body touches the plane.
+    z is cos(theta), of the inclination of its axis.
     """
     return b.R - b.c * z
 
 
 @by_body(of_frame=frame.height)
 def height_of(u, b):
-    """Return the height of the centre of mass of a body that touches the plane [m]; u as in x."""
+    """Return the height of the centre of mass of a body on the plane [m]; u is 3hat, or a Frame."""
     return height(u.z, b)
 
 
 @formula
 def gap(x, b):
-    """Return the gap between ball and plane of a moving body [m]."""
+    """Return the gap between the ball of b and the plane [m], negative if it penetrates.
+
+    x is a `Moving`.
+    """
     return x.height - height_of(x.u, b)
 
 
@@ -264,40 +305,40 @@ def gap(x, b):
     of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.outline.height), of_frame=frame.arm
 )
 def arm(u, b):
-    """Return a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
+    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
+
+    u is 3hat.
+    """
     return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
 
 
 @formula
 def arm2(z, b):
-    """Return |a|^2 = R^2 + c^2 - 2 c R z.
-
-    It is the squared distance from the centre of mass to the contact [m^2].
-    """
+    """Return |a|^2 = R^2 + c^2 - 2 c R z [m^2], the square of the arm's length."""
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
 @by_body(of_frame=frame.axis_rate)
 def axis_rate(x, b):
-    """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    """Return 3hat' = L x 3hat/I1, (3,) [1/s]; x is a `Turning` or `Moving`. [T 3.17]"""
     return times(1 / b.I1, cross(x.L, x.u))
 
 
 @by_body(of_frame=frame.angular_velocity)
 def angular_velocity(x, b):
-    """Return omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
+    """Return omega = I^-1 L, (3,) [rad/s]; x is a `Turning` or `Moving`."""
     return angular_velocity_of(x, dot(x.L, x.u), b)
 
 
 @by_body(of_frame=frame.momentum)
 def momentum_of(omega, u, b):
-    """Return L = I omega, (3,)."""
+    """Return L = I omega, (3,) [kg m^2/s], about the centre of mass; u is 3hat."""
     return plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, u), u))
 
 
 @formula
 def angular_velocity_of(x, L3, b):
-    """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat."""
+    """Return omega = L/I1 + (1/I3 - 1/I1) L3 3hat, (3,) [rad/s], where L3 = L.3hat is known."""
     return plus(times(1 / b.I1, x.L), times((1 / b.I3 - 1 / b.I1) * L3, x.u))
 
 
@@ -306,7 +347,7 @@ def angular_velocity_of(x, L3, b):
     of_frame=frame.arm_velocity,
 )
 def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+    """Return omega x a, (3,) [m/s]: the velocity of A relative to the centre of mass."""
     u_dot = axis_rate(x, b)
     w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
@@ -314,37 +355,37 @@ def arm_velocity(x, b):
 
 @formula
 def contact_velocity(x, b):
-    """Return v_A = V + omega x a, (3,) [m/s], of the lowest point of a moving body.
+    """Return v_A = x.velocity + omega x a, (3,) [m/s]; x is a `Moving`, in contact or in flight.
 
-    `gliding.sliding_velocity` sums in another order.
+    `gliding.sliding_velocity` is the same, summed in another order: the bits differ.
     """
     return plus(x.velocity, arm_velocity(x, b))
 
 
 @formula
 def slip_scalars(u, v):
-    """Return v.3hat of the horizontal part of a velocity, (3hat x v).zhat, and its square."""
+    """Return v.3hat, (3hat x v).zhat and v.v of the horizontal part of v.
+
+    u is 3hat, v the velocity of the contact point; they are v_u, v_n and v2 of `Scalars`.
+    """
     return u.x * v.x + u.y * v.y, u.x * v.y - u.y * v.x, v.x * v.x + v.y * v.y
 
 
 @formula
 def velocities(x, b):
-    """Return v_A and omega of a moving body, (3,) each."""
+    """Return v_A and omega, (3,) each; x is a `Moving`."""
     return contact_velocity(x, b), angular_velocity(x, b)
 
 
 @formula
 def centre_velocity(x, v, b):
-    """Return the velocity of the centre of mass, (3,) [m/s].
-
-    The velocity of the contact point is v.
-    """
+    """Return the velocity of the centre of mass, v - omega x a, (3,) [m/s], if A has v."""
     return minus(v, arm_velocity(x, b))
 
 
 @formula
 def of_azimuth(along_e, along_2, phi):
-    """Return the horizontal components in space of a vector along e and 2hat."""
+    """Return x and y of a horizontal vector from its components along e and 2hat."""
     ex = cos(phi)
     ey = sin(phi)
     return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
@@ -352,7 +393,7 @@ def of_azimuth(along_e, along_2, phi):
 
 @formula
 def moment(u, F, b):
-    """Return a x F, (3,) [N m]: the torque of a force at the contact about the centre of mass."""
+    """Return a x F, (3,) [N m]: the torque about the centre of mass of a force F at A."""
     h = height(u.z, b)
     return Vector(
         b.c * (u.y * F.z) + h * F.y,
@@ -363,7 +404,10 @@ def moment(u, F, b):
 
 @formula
 def rolling_velocity(e, s, z, b):
-    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0."""
+    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
+
+    e: record with theta_dot, phi_dot, omega3; s, z: sin(theta), cos(theta).
+    """
     return e.theta_dot * height(z, b), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
 
 
@@ -371,9 +415,9 @@ def rolling_velocity(e, s, z, b):
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
-    """Return a sentence if a moment of inertia exceeds the sum of the others.
+    """Return [], or a sentence if a moment of inertia exceeds the sum of the others.
 
-    About its centre of mass, no rigid body has such moments.
+    `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name.
     """
     moments = {name: parameters.get(name, parameters["I1"]) for name in ("I1", "I2", "I3")}
     name = max(moments, key=moments.__getitem__)
@@ -388,9 +432,10 @@ def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
 
 
 def outside_faults(*centre: float) -> list[str]:
-    """Return a sentence if the centre of mass is outside of the body.
+    """Return [], or a sentence if the centre of mass lies outside of an ellipsoid.
 
-    `centre` is the place of its middle seen from there, by its half axes.
+    `centre` is the vector from the centre of mass to the middle of the body, in units of its half
+    axes.
     """
     if (distance := math.hypot(*centre)) < 1:
         return []
@@ -417,7 +462,7 @@ sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass
 
 @formula
 def kinematics(x, u_dot, b):
-    """Return the kinematics of an axis, its rate and the momentum about the centre of mass."""
+    """Return the `Kinematics` of a motion x, whose axis has the rate u_dot = 3hat', (3,) [1/s]."""
     u = x.u
     L = x.L
     return Kinematics(
@@ -434,7 +479,10 @@ def kinematics(x, u_dot, b):
 
 @formula
 def kinematics_of_angles(e, s, z, b):
-    """Return the kinematics of Euler angles with the rates theta', phi', omega_3."""
+    """Return the `Kinematics` of e, a record with theta_dot, phi_dot, omega3.
+
+    s, z: sin and cos of theta.
+    """
     L3 = b.I3 * e.omega3
     phi_dot_s2 = e.phi_dot * s**2
     axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
@@ -445,21 +493,21 @@ def kinematics_of_angles(e, s, z, b):
 
 @formula
 def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
-    """Return z'' of the axis if no torque acted [1/s^2]: L_3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
+    """Return z'' if no torque acted [1/s^2]: L3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
     return L3 / b.I1 * phi_dot_s2 - z * axis_speed2
 
 
 @by_body(of_outline=lambda s, b: s.s2)
 def sine2(s, b):
-    """Return sin(theta)^2."""
+    """Return sin(theta)^2 from the scalars s."""
     return 1 - s.z * s.z
 
 
 @formula
 def contact_mobility(s, b):
-    """Return the upward acceleration of the contact point per unit of g_n/m; must be positive.
+    """Return the upward acceleration of A per unit of g_n/m, a number without a unit.
 
-    [denominator of T 3.16]
+    It must be positive; otherwise the contact jams. [denominator of T 3.16]
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b) - height(s.z, b) * slip)
@@ -467,36 +515,39 @@ def contact_mobility(s, b):
 
 @by_body(of_outline=lambda z_dot, b: b.g - b.outline.bend * (z_dot * z_dot))
 def pull(z_dot, b):
-    """Return gravity less the upward acceleration of the contact by its bend, c' z'^2 [m/s^2]."""
+    """Return g - c' z'^2 [m/s^2]: gravity, less that by which an outline's ball changes."""
     return b.g
 
 
 @formula
 def g_n(s, b):
-    """Return the normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
+    """Return the normal force g_n [N] of a gliding body, from zhat.(dv_A/dt) = 0.
+
+    [T 3.16, 3.34, 5.6]
+
+    It is `pull` and the free swing of the axis, divided by `contact_mobility`; s are `Scalars`.
+    """
     return b.m * (pull(s.z_dot, b) - b.c * s.z_ddot_free) / contact_mobility(s, b)
 
 
 @formula
 def drag(s, b):
-    """Return -k g_n [kg/s]: the friction is this times v_A."""
+    """Return -k g_n [kg/s], k being the coefficient of the law: friction is this times v_A."""
     return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b))
 
 
 @formula
 def twist(s, b):
-    """Return (3hat x F).zhat of the friction [N].
-
-    L_3' = R twist, L_z' = c twist about the centre of mass.
-
-    [T 3.11, 3.26]
-    """
+    """Return (3hat x F).zhat of the friction [N]: L3' = R twist, Lz' = c twist. [T 3.11, 3.26]"""
     return drag(s, b) * s.v_n
 
 
 @formula
 def push_u(s, b):
-    """Return 3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
+    """Return 3hat.(dv_A/dt) [m/s^2], the acceleration of the contact point along the axis.
+
+    [T 3.32, corrected]
+    """
     h = height(s.z, b)
     turn = s.L3 / b.I3 * s.phi_dot_s2  # omega_3 phi' sin(theta)^2
     swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (h * g_n(s, b) - b.I1 * s.axis_speed2)
@@ -504,27 +555,30 @@ def push_u(s, b):
 
 
 def bent_bias_n(s, b):
-    """Return `bias_n` of a body with an outline."""
+    """Return `bias_n` of a body with an outline: that of a sphere, and more by the bend c'(z)."""
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
     return bias_n(s, as_sphere(b)) + b.outline.bend * (s.z_dot * s.s2 * turn)
 
 
 @by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]."""
+    """Return the part of `push_n` that does not depend on friction [m/s^2]."""
     turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
     return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula
 def mobility_n(s, b):
-    """Return the acceleration of the contact point across the lean, per force [1/kg]."""
+    """Return the acceleration of A along zhat x 3hat per force in that direction [1/kg]."""
     return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
 @formula
 def push_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]. [T 3.33]"""
+    """Return (zhat x 3hat).(dv_A/dt) [m/s^2], the acceleration of A across the lean.
+
+    [T 3.33]
+    """
     return bias_n(s, b) + mobility_n(s, b) * twist(s, b)
 
 
@@ -542,30 +596,28 @@ def friction_power(s, b):
 
 @formula
 def jellett(s, b):
-    """Return Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s].
+    """Return Jellett's integral lambda = -L.a = R Lz - c L3 [kg m^3/s]; s are any scalars. [T 3.18]
 
     It is constant for any force at A.
-
-    [T 3.18]
     """
     return jellett_of(s.Lz, s.L3, b)
 
 
 @formula
 def jellett_of(Lz, L3, b):
-    """Return Jellett's integral by L_z and L_3 about the centre of mass."""
+    """Return Jellett's integral R Lz - c L3 [kg m^3/s] from Lz = L.zhat and L3 = L.3hat."""
     return b.R * Lz - b.c * L3
 
 
 @by_body(of_frame=lambda s, b: s.rotation)
 def rotation_energy(s, b):
-    """Return half omega.L [J], about the centre of mass."""
+    """Return the energy of rotation about the centre of mass, omega.L/2 [J]."""
     return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2
 
 
 @formula
 def height_energy(z, b):
-    """Return the energy of weight m g s_z [J]."""
+    """Return the potential energy m g (R - c z) [J]; z = cos(theta)."""
     return b.m * b.g * height(z, b)
 
 
@@ -588,10 +640,7 @@ def tip_inertia(b):
 
 @formula
 def arm_speed2(s, b):
-    """Return |omega x a|^2 [m^2/s^2].
-
-    It is the square of the speed that the centre of mass would have if the body rolled.
-    """
+    """Return |omega x a|^2 [m^2/s^2], the square of the speed of the centre in rolling."""
     w3 = s.L3 / b.I3
     q = b.c - b.R * s.z
     return (
@@ -603,7 +652,7 @@ def arm_speed2(s, b):
 
 @formula
 def modified_energy(s, b):
-    """Return the modified (rolling) energy E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J].
+    """Return E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J], the energy in rolling.
 
     [T 4.15, 5.23]
     """

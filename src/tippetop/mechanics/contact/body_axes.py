@@ -22,9 +22,9 @@ from .body import axis
 
 @formula
 def transport(f, u, u_dot):
-    """Return f' = -(f.3hat') 3hat [1/s].
+    """Return f' = -(f.3hat') 3hat [1/s]: f stays transverse, without spin about the axis.
 
-    f stays transverse, and its angular velocity has no part along the axis.
+    u is 3hat and u_dot its rate, (3,) each; the rate of the integrals fx, fy, fz.
     """
     return times(-dot(f, u_dot), u)
 
@@ -53,12 +53,18 @@ def axes_of_angles(s, z, phi, psi):
 
 @formula
 def psi_of_axes(first, u):
-    """Return psi in (-pi, pi], of axes 1 and 3; 0/0 in meaning exactly at a pole, as phi."""
+    """Return psi in (-pi, pi] [rad], from axes 1 (`first`) and 3 (u), (3,) each.
+
+    Like phi, it is 0/0 in meaning exactly at a pole.
+    """
     return atan2(u.x * first.y - u.y * first.x, -first.z)
 
 
 def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
-    """Return axis 1 at the start."""
+    """Return axis 1 at the start, (3,).
+
+    s, z are sin(theta), cos(theta), `data` may have phi and psi.
+    """
     phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
     first, _ = axes_of_angles(s, z, phi, psi)
     return first
@@ -76,9 +82,11 @@ def carried_along(axis_rate: Callable, spin: Callable) -> Orientation:
     """
 
     def f(carried: Any) -> Vector:
+        """Return f from the record of integrals, (3,)."""
         return Vector(carried.fx, carried.fy, carried.fz)
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        """Return axes 1 and 3 of the body, (3,) each: f turned by the angle `turn`, and 3hat."""
         return turned(f(carried), carried.turn, axis(q)), axis(q)
 
     text = "transverse unit vector that follows the axis without spin, {} component"
@@ -109,6 +117,7 @@ def by_angles(theta: Callable, rate: Any = None) -> Orientation:
     """
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
+        """Return axes 1 and 3 of the body, (3,) each, from theta, phi and psi."""
         s, z = theta(q)
         phi, psi = (getattr(carried, name, 0 * z) for name in ("phi", "psi"))
         return axes_of_angles(s, z, phi, psi)

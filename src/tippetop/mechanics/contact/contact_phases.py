@@ -1,5 +1,21 @@
-"""The phases of a body in flight, on one of its balls and on both: equations and events, and their
-common state.
+"""The phases of a body under a friction law: flight, on one of its balls, on both, at rest.
+
+`phases_under(law)` returns a `Phase` for each: the equations of motion as a `Form`, the events that
+end it, and `enter` and `leave`, which convert between its state and the common state `Moving`.
+`opening` adds the exits. All phases in contact are made by `on_ball` from one function, the forces
+of the plane, so that energy, work and rows are computed in the same way in all of them.
+
+Symbols
+    b         the body seen from the ball in contact, a `body.Touch`; b.friction: record of the law
+    q         the state of a phase: axis ux, uy, uz, momentum L, and variables of v_A if it slides
+    x         `Turning` (u, L), or the common state `Moving`; u, 3hat: unit vector of the axis
+    s         in (s, b): the scalars of a state, a `Contact`
+    omega     angular velocity; Omega_z: its vertical part
+    v, v_A    velocity of the contact point, w its size, beta its azimuth; G: its acceleration
+    patch     radius of the disc of contact; U = patch Omega_z: speed of its edge
+    region    a name in `law.regions`: a part of the (v_A, U) where one formula of the law is valid
+    side      number of a contact: 0 the sphere, 1 the stem
+    way       a border of a region, see `disc_friction`
 """
 
 from collections import namedtuple
@@ -54,14 +70,17 @@ from .surroundings import mean_gravity, pushing
 
 
 def phase_name(label: str, ball: int, *regions: str) -> str:
-    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
+    """Return the name of a phase: phase_name("slip", 1) == "stem-slip"; regions are appended.
+
+    `label` is one of PHASES, `ball` 0 (sphere) or 1 (stem); one region for each ball in contact.
+    """
     return "-".join((*("stem",) * ball, label, *regions))
 
 
 class Acts(NamedTuple):
-    """The action of the plane: force and torque, with v_A and omega of the body.
+    """The action of the plane at one contact: force [N], torque [N m], v_A and omega, (3,) each.
 
-    It can be used as a `Reaction`.
+    It can be used as a `Reaction`. `on_ball.acts` makes it.
     """
 
     force: Vector
@@ -72,7 +91,7 @@ class Acts(NamedTuple):
 
     @property
     def drilled(self) -> Any:
-        """Return the power that the torque takes."""
+        """Return the power [W] that the torque of the plane takes from the body."""
         return -dot(self.torque, self.omega)
 
 
@@ -86,7 +105,7 @@ OF_FRAME = Orientation(lambda q, carried, b: axis(q).axes[::2])
 
 
 def orientation_of(units: Any) -> Orientation:
-    """Return the orientation of states with these variables."""
+    """Return the `Orientation` of states with these variables: their frame, or 3hat and a turn."""
     return OF_FRAME if "ix" in units._fields else TURN
 
 
@@ -118,15 +137,17 @@ def on_ball(
     """
 
     def in_place(q, b):
+        """Return the motion that `forces` take: a `Moving` on a turntable, or a `Turning`."""
         return leave(q, b) if b.around and b.around.table else turning(q)
 
     def acts(q, b):
+        """Return the action of the plane, an `Acts`: the `reaction` of the phase."""
         x = in_place(q, b)
         force, torque, *sides = forces(x, q, b)
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
-        """Return the rates of 3hat and L under the forces of the plane, and those by `changes`."""
+        """Return the rates of a state: 3hat', L' = a x F + torque, and `changes` of v_A."""
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
@@ -135,22 +156,27 @@ def on_ball(
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
+        """Return the `Contact` of a state, from which the events of the phase are computed."""
         by = acts(q, b)
         return Contact(q.uz, axis_rate(q, b).z, by, by.sides or (by,), q)
 
     def entered(x, b):
+        """Return the state of the phase from the common state x."""
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
 
     def leave(q, b):
+        """Return the common state of a state of the phase."""
         x = turning(q)
         return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height_of(x.u, b))
 
     def power(q, carried, b):
+        """Return the power that friction and surroundings take [W], the rate of `work`."""
         by = acts(q, b)
         power = by.drilled - dot(by.force, by.velocity)
         return power + surroundings_power(leave(q, b), b) if b.around else power
 
     def jellett_lost(q, carried, b):
+        """Return the rate at which torques take Jellett's integral [kg m^3/s^2]."""
         by = acts(q, b)
         torque = plus(by.torque, around_torque(turning(q), b)) if b.around else by.torque
         return dot(torque, arm(axis(q), b))
@@ -167,22 +193,25 @@ def on_ball(
 
 
 def zero_vector(q: Any) -> Vector:
-    """Return a zero vector of the type of the state's numbers."""
+    """Return a zero vector of the type of the state's numbers: v_A of a contact at rest."""
     return times(0, axis(q))
 
 
 def horizontal2(v: Vector) -> Any:
-    """Return the square of the horizontal part of a vector."""
+    """Return v.x^2 + v.y^2, the square of the horizontal part of a vector."""
     return v.x * v.x + v.y * v.y
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
-    """Return an event that ends a phase."""
+    """Return an event that ends a phase, named as its exit.
+
+    It happens where function(s, b) is zero.
+    """
     return Event(name, long_name, function, direction, name)
 
 
 def other_gap(s, b):
-    """Return the gap of the other ball, while this one touches the plane [m]."""
+    """Return the gap [m] of the other ball while this one touches: the function of `touch`."""
     return b.clearance + b.lever * s.z
 
 
@@ -203,7 +232,10 @@ def moving(q: Any, carried: Any = ()) -> Moving:
 
 
 def free_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat, or those in surroundings."""
+    """Return the rates of a flight: 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat.
+
+    Surroundings add torque and push.
+    """
     still = 0 * q.uz
     torque = push = Vector(still, still, still)
     if b.around:
@@ -213,7 +245,10 @@ def free_rates(q, b):
 
 
 def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
-    """Return free flight of a body whose state has these variables of how it lies."""
+    """Return the phase of free flight; `lies` are the names of the variables of the orientation.
+
+    `surrounded`: whether air or plane take energy in flight.
+    """
     units = state(lies, **VELOCITY, height=METRE)
     losses = (
         integral("work", lambda q, carried, b: surroundings_power(moving(q), b)),
@@ -239,6 +274,7 @@ def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
     )
 
     def enter(x: Moving, b: Any) -> Any:
+        """Return the state of a flight from the common state x."""
         return type(units)(*x.u, *x.L, *x.velocity, x.height)
 
     leave = lambda q, b: moving(q)  # noqa: E731
@@ -252,7 +288,7 @@ FLIGHT = flight()
 
 
 def slip_leave(q, b):
-    """Return the common state of a body that slides."""
+    """Return the common state of a state q of slip under a smooth law."""
     velocity = Vector(q.rx_dot, q.ry_dot, -(b.c * axis_rate(q, b).z))
     return Moving(axis(q), turning(q).L, velocity, height(q.uz, b))
 
@@ -284,6 +320,7 @@ def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...]
     general = phase.form.rates
 
     def rates(q, b):  # fewer products than a x F
+        """Return the rates of a body without an axis of symmetry, with fewer products."""
         if b.around:
             return general(q, b)
         return type(phase.form.units)(*axis_rate(q, b), *rolling_torque(turning(q), b))
@@ -302,12 +339,12 @@ STOPS_AT = 2.0**-43
 
 
 def direction(q: Any) -> Vector:
-    """Return n = v_A/|v_A|, (3,)."""
+    """Return n = v_A/|v_A| = (cos(beta), sin(beta), 0) of a state of slip under Coulomb's law."""
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
 def directed_changes(q, G):
-    """Return beta' and w' of v_A = w (cos beta, sin beta), where G = v_A'."""
+    """Return beta' = (zhat x n).G/w and w' = n.G of a state of slip, G = v_A' being given, (3,)."""
     across, along = across_and_along(G, direction(q))
     return across / q.w, along
 
@@ -356,7 +393,7 @@ Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
 def patch_speed2(omega, b):
-    """Return U^2 = (patch Omega_z)^2, never quite zero."""
+    """Return U^2 = (patch Omega_z)^2 [m^2/s^2], plus STILL^2 so that it is never zero."""
     turn = b.friction.patch * omega.z
     return turn * turn + STILL**2
 
@@ -364,7 +401,7 @@ def patch_speed2(omega, b):
 def disc_friction(
     drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2
 ) -> Callable:
-    """Return friction(omega, v, z, b) -> force and torque of a disc, per normal force.
+    """Return friction(omega, v, z, b) -> force and torque of a disc per normal force, (3,) each.
 
     Parameters
     ----------
@@ -377,6 +414,7 @@ def disc_friction(
     """
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
+        """Return force and torque per normal force."""
         by = drag(horizontal2(v), edge_speed2(omega, b))
         return drilling_force(1, v, by, b.friction.mu), torque(by, omega, b.friction)
 
@@ -384,23 +422,23 @@ def disc_friction(
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return force and torque, per normal force, under a law without regions, k(v2, z)."""
+    """Return force -k v_A + zhat and torque per normal force, under a law without regions."""
     k = -slip_coefficient(horizontal2(v), z, b.friction)
     return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
 
 def rest_speed2(b):
-    """Return the square of the speed of its edge below which a disc rests."""
+    """Return the square of the speed of its edge below which a disc rests [m^2/s^2]."""
     return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
 
 
 def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
-    """Return the squares of the speeds of sliding and of the disc's edge."""
+    """Return |v|^2 and U^2 of a contact [m^2/s^2], from which the region of its sliding follows."""
     return Speeds(horizontal2(v), patch_speed2(omega, b))
 
 
 def beyond_rest(s, b):
-    """Return the sum of the squares of all speeds of the contacts, less that of discs at rest."""
+    """Return the sum of |v|^2 + U^2 over the contacts, less that of discs at rest."""
     rests = STILL**2 + rest_speed2(b)
     return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 
@@ -412,6 +450,7 @@ def border(way: Any, side: int) -> Event:
     """Return the event in which the contact `side` crosses the border `way` of its region."""
 
     def beyond(s, b):
+        """Return how far the contact is beyond the border; zero where it crosses it."""
         by = s.sides[side]
         return way.beyond(speeds(by.velocity, by.omega, b), b)
 
@@ -420,13 +459,14 @@ def border(way: Any, side: int) -> Event:
 
 
 def with_slip(events: tuple, pushed: Callable, lies: tuple[str, ...] = AXIS) -> Phase:
-    """Return a phase of sliding, with the components of v_A as variables.
+    """Return a phase of sliding, whose state has the components vx, vy of v_A.
 
     pushed(x, v, b) returns force and torque of the plane, and the actions on both balls, if both
     touch.
     """
 
     def velocity(q):
+        """Return v_A of a state, (3,)."""
         return Vector(q.vx, q.vy, 0 * q.uz)
 
     forces = lambda x, q, b: pushed(x, velocity(q), b)  # noqa: E731
@@ -435,16 +475,20 @@ def with_slip(events: tuple, pushed: Callable, lies: tuple[str, ...] = AXIS) -> 
 
 
 def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
-    """Return friction(omega, v, z, b) of each contact, in these regions of a law if it has any.
+    """Return friction(omega, v, z, b), as of `disc_friction`, for each contact.
 
-    Without regions the law is smooth in the velocity.
+    `names` are the regions of the law in which the contacts slide; of a law without regions they
+    are empty, and its smooth friction is returned twice.
     """
     by_region = [disc_friction(law.regions[name].drag, law.torque) for name in names]
     return by_region or [smooth_friction] * 2
 
 
 def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
-    """Return the events that end sliding in these regions of a law, on each contact."""
+    """Return the events that end sliding in these regions: RESTS, and the borders of each region.
+
+    There is one region for each contact; without regions (`names` empty) there are no such events.
+    """
     ways = [
         border(way, side) for side, name in enumerate(names) for way in law.regions[name].borders
     ]
@@ -452,14 +496,17 @@ def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
 
 
 def slip_under(law: Any, *names: str, lies: tuple[str, ...] = AXIS) -> Phase:
-    """Return the phase of sliding in this region of a law, if it has any, with a torque."""
+    """Return the phase in which one ball slides under a law, in a region if it has some."""
     friction, *_ = frictions_of(law, names)
     pushed = lambda x, v, b: sliding(x, friction, v, b)  # noqa: E731
     return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed, lies)
 
 
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
-    """Return the regions of a body's sliding on balls; empty under a law that has none."""
+    """Return the region in which each ball slides; `bodies` are b for each of them.
+
+    Under a law without regions the result is empty.
+    """
     return tuple(
         region_of(speeds(contact_velocity(x, b), angular_velocity(x, b), b), b)
         for b in bodies
@@ -468,9 +515,9 @@ def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
 
 
 def region_of(s: Any, b: Touch) -> str:
-    """Return the region of sliding at these speeds.
+    """Return the name of the region of the law for these `Speeds`.
 
-    It is the first, by rising x, whose end is not reached; or "", of speeds that are not finite.
+    It is the first, by rising x = |v|/U, whose end is not reached; "" if a speed is not finite.
     """
     for name, region in b.friction.regions.items():
         if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
@@ -502,11 +549,18 @@ REST = without_slip((LIFTOFF, TOUCH, GIVES))
 
 
 def shared(x, v, frictions, total, swing, b):
-    """Return the force of both balls, the torque with which it acts at the contact of the sphere,
-    and the actions on sphere and stem under friction(omega, v, z, b) of each.
+    """Return force and torque of both balls at the sphere's contact, and `Acts` of each.
 
-    The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
-    v is the velocity of the sphere's contact point.
+    Parameters
+    ----------
+    x, v
+        The motion, and the velocity of the sphere's contact point.
+    frictions
+        friction(omega, v, z, b) of each ball, per normal force.
+    total, swing
+        The sum of the normal forces, and (L' x 3hat)_z; or the same of impulses.
+    b
+        The body seen from the sphere.
     """
     u = x.u
     omega = angular_velocity(x, b)
@@ -515,6 +569,7 @@ def shared(x, v, frictions, total, swing, b):
     slips = v, plus(v, cross(omega, apart))
 
     def side(friction, slip, ball):
+        """Return the `Acts` of one ball per normal force, and what it adds to (L' x 3hat)_z."""
         force, torque = friction(omega, slip, u.z, ball)
         lean = cross(plus(cross(arm(u, ball), force), torque), u).z
         return Acts(force, torque, slip, omega), lean
@@ -546,6 +601,7 @@ def slide_on_both(law: Any, *names: str) -> Phase:
     frictions = frictions_of(law, names)
 
     def pushed(x, v, b):
+        """Return what `shared` does for a body whose axis keeps its inclination, z'' = 0."""
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
         if b.around:
             swing = swing - cross(around_torque(x, b), x.u).z
@@ -558,10 +614,10 @@ def slide_on_both(law: Any, *names: str) -> Phase:
 
 
 def rolled(x, b):
-    """Return force and torque on a body that rolls on both, and the actions on each.
+    """Return force and torque (3,) on a body that rolls on both balls, and the `Acts` of each.
 
-    The body turns about the line through both contacts, and that line about the vertical. It does
-    not matter here how the two share the horizontal force.
+    x is a `Turning`. The body turns about the line through both contacts, and that line about the
+    vertical. It does not matter here how the two share the horizontal force.
     """
     u = x.u
     u_dot = contact.axis_rate(x, b)
@@ -575,6 +631,7 @@ def rolled(x, b):
     slows = b.m * b.g * dot(rolls, omega) * share
 
     def rate(a):
+        """Return the rate of a vector that turns about the vertical and slows with the body."""
         return plus(times(slows, a), cross(turn, a))
 
     L_dot = pushed = rate(x.L)
@@ -622,7 +679,17 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 def phases_under(
     law: Any, lies: tuple[str, ...] = AXIS, surrounded: bool = False
 ) -> dict[tuple[str, ...], Phase]:
-    """Return the phases under a law, by label and its regions on each ball in contact."""
+    """Return the phases under a law: {("slip",): Phase, ...}, by label and regions.
+
+    Parameters
+    ----------
+    law
+        The friction law, as the type of its record.
+    lies
+        Names of the variables of the orientation, AXIS or FRAME.
+    surrounded
+        Whether air or plane act in flight too.
+    """
     flies = flight(lies, surrounded)
     if law.set_valued:
         roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
@@ -647,7 +714,7 @@ def phases_under(
 
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
-    """Return the body with impulses that take its last sliding and turning on both balls."""
+    """Return the common state after impulses have stopped sliding and turning on both balls."""
     along = x.u._replace(z=0 * x.u.z)
     omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
     L = momentum_of(omega, x.u, b)
@@ -657,9 +724,10 @@ def without_slip_on_both(x: Moving, b: Touch) -> Moving:
 
 
 def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:
-    """Return the body on both balls with impulses that take theta' and its vertical velocity.
+    """Return the common state after impulses have stopped theta' and the vertical velocity.
 
-    They replace the infinitely many ever smaller hops from one ball to the other.
+    They replace the infinitely many ever smaller hops from one ball to the other. `frictions` are
+    those of `frictions_of`.
     """
     v = contact_velocity(x, b)
     sinks = -(b.m * x.velocity.z)

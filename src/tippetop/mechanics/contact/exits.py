@@ -1,8 +1,20 @@
-"""Every jump of a body whose contact may open: what follows the end of a phase, as a function of
-the common state.
+"""Jumps of a body whose contact may open: the phase that follows the end of another one.
 
-`world` is that of `form.Exit`, of which `body` is the body seen from each ball; in addition it has
-struck(x, b, e_n), an impact of a ball.
+Each jump has the signature jump(x, world) -> Next, see `form.Exit`: in goes the common state in
+which a phase ended, in internal units, out come the name of the next phase, the common state in
+which it begins, and rows of the table of impacts. The table JUMPS, and `begin` at the start of a
+run, are the entrances; `opening.phases_of` attaches them to phases. Jumps are recorded as programs
+(`engine.jump_programs`): each must be a function of its arguments alone.
+
+Symbols
+    x         the common state, a `body.Moving`: axis u, momentum L, velocity, height, integrals
+    world     `body[k]`: the body b seen from ball k; `phases` by name; `phase` that ends; `rules`
+              of impact; `left`: time until the run ends; struck(x, b, e_n): an impact of a ball;
+              rates(phase, q, carried): of the integrals
+    n         the result, a `Next`; cause: its word in the table of phases, one of REASONS
+    ball, k   0: the sphere, 1: the ball of the stem
+    v         velocity of the contact point, v_n its vertical part; of slip w: speed, beta: azimuth
+    q         the state of a phase; F: force of the plane, N its normal part
 """
 
 import math
@@ -104,30 +116,30 @@ impulse, that of friction, energy that the body gained, and how friction ended."
 
 
 def rise(x: Moving, b: Touch) -> Any:
-    """Return the vertical velocity of the lowest point of a ball."""
+    """Return v_n, the vertical velocity of the lowest point of a ball; negative if it falls."""
     return contact_velocity(x, b).z
 
 
-def size(v: Vector) -> Any:
-    """Return the length of the horizontal part of a vector."""
+def horizontal_size(v: Vector) -> Any:
+    """Return the length of the horizontal part of a vector, such as the speed of slip."""
     return sqrt(horizontal2(v))
 
 
 def touching(x: Moving, world: Any) -> list[int]:
-    """Return the balls that touch the plane."""
+    """Return the numbers k of the balls whose gap to the plane is zero, but for rounding."""
     return [k for k, b in enumerate(world.body) if contact.gap(x, b) <= ON_PLANE]
 
 
 def both_rest(x: Moving, world: Any) -> bool:
-    """Return whether both balls touch the plane, and neither moves up or down."""
+    """Return whether both balls touch the plane and neither rises nor falls faster than BOTH_AT."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
     return len(touching(x, world)) > 1 and all(slow)
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return the phase after a ball comes into contact.
+    """Return n with Jellett's integral of the ball that touches now as its reference.
 
-    From here on Jellett's integral is compared with that of this ball.
+    The integral is conserved for one ball only, so its drift is counted from the first touch.
     """
     x = n.x
     b = world.body[world.phases[n.phase].ball]
@@ -148,7 +160,7 @@ def first_touch(n: Next, world: Any) -> Next:
 
 
 def begin(x: Moving, world: Any) -> Next:
-    """Return the phase in which a run begins."""
+    """Return the phase in which a run begins: a flight, or as after a ball touches."""
     there = {k: rise(x, world.body[k]) for k in touching(x, world)}
     ball = min(there, key=there.__getitem__, default=0)
     if not there or there[ball] > CLOSES_AT:
@@ -157,15 +169,15 @@ def begin(x: Moving, world: Any) -> Next:
 
 
 def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
-    """Return the end of a run."""
+    """Return the end of a run in the state x, with its status and the reason as a sentence."""
     return Next(phase_name("flight", ball), x, cause, ends=status, message=message)
 
 
 def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str, others: int = 1) -> Next:
     """Return free flight until the first ball lands.
 
-    `zeros` of the gap of a ball and its derivatives vanish now, and `others` of the other ball that
-    touches too.
+    `zeros` is the number of derivatives of the gap of `ball`, from the gap itself on, that vanish
+    now, and `others` that of the other ball, if it touches too.
     """
     roots = {}
     for k in touching(x, world):
@@ -209,7 +221,10 @@ def gap_rate(x: Moving, b: Any, order: int) -> Any:
         return bias_vector(x, b).z
 
     def gap_acceleration(time: float) -> Any:
-        """Return the acceleration after a short time; it does not depend on the velocity."""
+        """Return the acceleration of the gap after a short time.
+
+        It does not depend on the velocity.
+        """
         u = moved(x.u, contact.axis_rate(x, b), time)
         L = moved(x.L, around_torque(x, b), time) if b.around else x.L
         body = contact.by_axis(u, b)
@@ -233,7 +248,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
     b = world.body[ball]
     law = b.friction
     roots = {"touch": zeros} if len(touching(x, world)) > 1 else {}
-    if not law.set_valued or size(contact_velocity(x, b)) > STOPS_AT:
+    if not law.set_valued or horizontal_size(contact_velocity(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, b))
         phase = world.phases[name]
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
@@ -251,14 +266,17 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
 
 
 def on_edge(x: Moving, ball: int, cause: str, roots: Any = ()) -> Next:
-    """Return rolling on the edge of the friction cone, where by rounding nothing slides."""
+    """Return rolling on the edge of the friction cone, where only rounding makes it slide.
+
+    `roots` are event functions of the phase that are zero now, and their multiplicity.
+    """
     return Next(phase_name("roll", ball), x, cause, zeros={**dict(roots), CONE.name: 1})
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
     """Return the phase after both balls touch and neither rises.
 
-    The body stays on both, if both press, or on the one that does.
+    The body stays on both if both press on the plane, or on the one from which the other rises.
     """
     b = world.body[0]
     law = b.friction
@@ -277,8 +295,9 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
 
 def opening(n: Next, world: Any) -> Any:
-    """Return the second derivative of the gap of the other ball, which touches too, in a phase that
-    begins; infinite in flight.
+    """Return the second derivative of the other ball's gap at the start of the phase n.
+
+    The other ball touches too. In flight the result is infinite.
     """
     phase = world.phases[n.phase]
     if phase.label == "flight":
@@ -295,7 +314,8 @@ def opening(n: Next, world: Any) -> Any:
 def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> Next:
     """Return the phase after an impact of a ball, if it falls by more than `least`.
 
-    The other one strikes too, should it be pressed into the plane.
+    The other ball strikes too if it is pressed into the plane, and so on, MOST_STRIKES times at
+    most.
     """
     hits: list[Any] = []
     makes_energy = False
@@ -323,9 +343,9 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
 
 
 def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
-    """Return the body after an impact of a ball, and the row of the impact.
+    """Return the state after an impact of a ball, its row for the table of impacts, and a flag.
 
-    Return also whether the impact made energy. Raises ArithmeticError if it has no solution.
+    The flag is true if the impact made energy. Raises ArithmeticError if it has no solution.
     """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
@@ -337,9 +357,9 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     if e_n == 0:  # it does not rise by rounding
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
-    slides = (size(v), size(after))
+    slides = (horizontal_size(v), horizontal_size(after))
     mode = IMPACT.mode.index(impact.mode)
-    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
+    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, horizontal_size(p), impact.gained, mode)
     return x, hit, impact.makes_energy
 
 
@@ -358,18 +378,18 @@ def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]
 
 
 def moved(record: Any, rates: Any, time: Any) -> Any:
-    """Return a record after a short time, by its rates: value + time rate."""
+    """Return a record after a short time, each field being value + time rate."""
     return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
 def eighty_bits(value: Any) -> Any:
-    """Return a number of any precision as one of 80 bits."""
+    """Return a number of any precision as a numpy longdouble."""
     high = float(value)
     return np.longdouble(high) + float(value - high)
 
 
 def rounded(record: Any) -> Any:
-    """Return a record of records with its numbers in 80 bits."""
+    """Return a record of records with all numbers as longdoubles."""
     return refill(record, map(eighty_bits, leaves(record)))
 
 
@@ -395,39 +415,42 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     first = len(x.u) + len(x.L)  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
+        """Return a state of the slip and the integrals, from the numbers of the series."""
         *moved, w, beta = values
         carried = x.carried._make(moved[first:])
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
 
-    def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
+    def rates(world: Any, *values: Any) -> list:
         """Return the rates of the state and of its speed w, and w beta'.
 
         The slide is found with the direction beta as the unknown: where w = 0, beta' = 0/0.
         """
-        q, carried = read((*state, beta))
-        speed = 1 + 0 * beta  # of which the forces are independent, but on a table
+        q, carried = read(values)
+        b = world.body[ball]
+        speed: Any = 1.0  # of which the forces are independent, but on a table
         if b.around and b.around.table:
-            speed = np.maximum(q.w, SLOWEST) + 0 * beta
+            speed = np.maximum(q.w, SLOWEST)
         by = phase.form.rates(q._replace(w=speed), b)
-        every = (*by[:first], *wide.rates(phase, q, carried), by.w)
-        return np.array(np.broadcast_arrays(*every)), by.beta * speed
+        return [*by[:first], *world.rates(phase, q, carried), by.w, by.beta * speed]
 
     omega = contact.angular_velocity(x, b)
     weight = b.m * mean_gravity(b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (weight * contact.size(b))))
 
     def lasts(end: np.ndarray) -> bool:
+        """Return whether the ball still presses on the plane, and the other one is above it."""
         q, _ = read(end)
         return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
-    state = np.array([*x.u, *x.L, *x.carried, eighty_bits(w)])
-    slides = first_slip(rates, state, eighty_bits(beta), span, lasts)
+    start = np.array([*x.u, *x.L, *x.carried, eighty_bits(w), eighty_bits(beta)])
+    slides = first_slip(wide.repeated((phase, type(x.carried)), rates, start), start, span, lasts)
     if slides is None:
         return None
     duration, at, is_slow = slides
     delay = number(min(duration, eighty_bits(world.left)))
 
     def series(times: Any) -> tuple[Any, Any]:
+        """Return the states and integrals at times since the start of the slide."""
         return read(at([eighty_bits(one) for one in times]))
 
     q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
@@ -443,12 +466,17 @@ MOVE = 1e-4
 
 
 def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any) -> Next | None:
-    """Return a slow slide of numbers with derivatives: differences of slides with 80 bits."""
+    """Return a slow slide whose numbers have derivatives, as `slide`.
+
+    The slide is repeated for numbers moved along each derivative; differences give those of its
+    end.
+    """
     given = x, world.body, (w,)
     values = plain(given)
     left = plain(world.left)
 
     def begun(numbers: Any, left: Any) -> Next | None:
+        """Return the plain slide of other numbers."""
         x, body, (w,) = numbers
         return slide(x, world._replace(body=body, left=left), ball, plain(beta), cause, w)
 
@@ -461,7 +489,7 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     pattern = known.series([known.delay])
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return how the state at the end changes if numbers and time do."""
+        """Return the rate of the end if the numbers change by `way` and the time by `pace`."""
         total: Any = 0.0
         for k, weight in WEIGHTS.items():
             numbers = map(eighty_bits, leaves(values))
@@ -491,7 +519,7 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
 
 
 def lift_off(x: Moving, world: Any) -> Next:
-    """Return the phase after the normal force vanishes."""
+    """Return the flight after the normal force has vanished: the gap has a triple root."""
     return replace(fly(x, world, world.phase.ball, 3, "liftoff"), logged=("liftoff",))
 
 
@@ -537,6 +565,7 @@ def stick(x: Moving, world: Any) -> Next:
     delay = -q.w / rates.w
 
     def series(t: Any) -> tuple[Any, Any]:
+        """Return the state and integrals at a time since now, with constant rates."""
         return moved(q, rates, t), moved(x.carried, carried, t)
 
     q_end, carried_end = series(delay)
@@ -549,7 +578,9 @@ def slide_on(x: Moving, world: Any) -> Next:
     ball = world.phase.ball
     b = world.body[ball]
     v = contact_velocity(x, b)
-    if size(v) > STOPS_AT and (n := slide(x, world, ball, atan2(v.y, v.x), "", size(v))):
+    if horizontal_size(v) > STOPS_AT and (
+        n := slide(x, world, ball, atan2(v.y, v.x), "", horizontal_size(v))
+    ):
         return n
     x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
     n = on_plane(x, world, ball, "stick")
@@ -558,7 +589,7 @@ def slide_on(x: Moving, world: Any) -> Next:
 
 
 def begin_slip(x: Moving, world: Any) -> Next:
-    """Return the phase after rolling needs more friction than the law allows."""
+    """Return the slip after rolling needs more friction than the law allows, |F_h| > mu N."""
     ball = world.phase.ball
     F = resting(x, world.body[ball])[0]
     n = slide(x, world, ball, atan2(-F.y, -F.x), "slip")
@@ -580,12 +611,17 @@ def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
 def roll_on_both(n: Next, world: Any) -> Next:
     """Return the phase after both contacts have stopped sliding and turning.
 
-    The body rolls on both if friction can give the force, and otherwise passes its rest.
+    The body rolls on both if friction can give the force; otherwise `n`, in which it passes its
+    rest.
     """
     b = world.body[0]
     x = without_slip_on_both(n.x, b)
     F = rolled(x, b)[0]
-    return Next(phase_name("both", 0, "roll"), x, "rests") if size(F) < b.friction.mu * F.z else n
+    return (
+        Next(phase_name("both", 0, "roll"), x, "rests")
+        if horizontal_size(F) < b.friction.mu * F.z
+        else n
+    )
 
 
 def give_way(x: Moving, world: Any) -> Next:
@@ -627,7 +663,7 @@ def at_rest(n: Next, world: Any) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
+    gains = 1 / b.m if horizontal_size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
     if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)

@@ -7,6 +7,7 @@ of Chebyshev: the direction by Newton's rule, everything else by Picard's, by in
 """
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,12 @@ from ..event import zero_of
 
 
 NODES, STEP = 16, 1e-5  # of beta, for a slope
+STEPS = np.repeat([0, -STEP, STEP], NODES)
 SWEEPS = 40
+
+NEAR = 1e-2
+"""Change of a correction, of beta and relative of w, after which the next ones keep its slopes."""
+
 HALVINGS = 40
 
 RESOLVED = 1e-17
@@ -31,30 +37,29 @@ which on an explicit integrator needs a multiple of the steps."""
 
 
 def first_slip(
-    rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
+    rates: Callable, start: np.ndarray, duration: Any, lasts: Callable
 ) -> tuple[Any, Callable, bool] | None:
     """Compute a slow slide as a series in time.
 
     Returns
     -------
     tuple
-        Its duration; at(t) -> the state and beta at times t since its start; and whether it is slow
-        at its end too, or stops there. None if nothing begins to slide.
+        Its duration; at(t) -> the state at times t since its start; and whether it is slow at its
+        end too, or stops there. None if nothing begins to slide.
 
     Parameters
     ----------
     rates
-        rates(state, beta) -> (the state's rate, Q) of slip in the direction beta, an angle from a
-        fixed axis; of arrays (k, n), (n,). The last of the state is the speed w, whose rate is P;
-        Q = w beta' (see `exits.pushed`).
-    state
-        At the start, (k,).
-    beta
-        About the direction there: the force of rolling points against it, or Q = 0.
+        rates(states) -> the rates of states (k, n), (k, n); of the last of a state, its direction
+        beta, an angle from a fixed axis, Q = w beta'. The one before is the speed w (see
+        `exits.pushed`).
+    start
+        The state at the start, (k,). Its beta is about the direction there: the force of rolling
+        points against it, or Q = 0.
     duration
         How long at most. It is halved until the series is resolved and the slide `lasts`.
     lasts
-        lasts(end) -> whether nothing else happens to the contact until this state and beta.
+        lasts(end) -> whether nothing else happens to the contact until this state.
 
     Raises
     ------
@@ -62,13 +67,16 @@ def first_slip(
         There is no such slide: its direction does not follow the forces.
     """
     for _ in range(HALVINGS):
-        found = _swept(rates, state, beta, duration)
+        found = _swept(rates, start, duration)
         if found:
             at, pace, stiffness = found
-            first, *times = BRIEF * duration, *np.linspace(0, duration, 2 * NODES)[1:]
-            if not max(pace(first), pace(times[0])) > 0:  # only rounding moves it
+            times = np.linspace(0, duration, 2 * NODES)
+            times[0] = BRIEF * duration
+            moves = pace(times) > 0
+            if not moves[:2].any():  # only rounding moves it
                 return None
-            stop = zero_of(pace, first, *times)
+            k = 1 + int(np.argmin(moves[1:]))
+            stop = None if moves[k] else zero_of(pace, times[k - 1], times[k])
             end = duration if stop is None else stop
             if lasts(at(end)):
                 return end, at, stop is not None or stiffness > SLAVED
@@ -76,54 +84,72 @@ def first_slip(
     raise ArithmeticError("the direction of a slow slide does not follow the forces")
 
 
-def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> tuple | None:
-    """Return the slide over a whole duration, found by repeated corrections at the nodes.
+def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
+    """Return the slide over a whole duration, found by repeated corrections at Chebyshev nodes.
 
-    They are: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration in
-    units of the time in which the direction follows the forces. None if the corrections do not
+    It is a tuple: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration
+    in units of the time in which the direction follows the forces. None if the corrections do not
     converge, or the series is not resolved.
     """
-    pi = np.arccos(-start.dtype.type(1))
-    nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
-    fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
-    fit[0] /= 2
-    integral = chebval(nodes, chebint(fit, lbnd=-1)) * duration / 2
-    slope = chebval(nodes, chebder(fit)) * 2 / duration
+    nodes, fit, integral, slope = _matrices(start.dtype)
+    integral = integral * duration / 2
+    slope = slope * 2 / duration
     state = np.repeat(start[:, None], NODES, 1)
-    beta = np.full(NODES, beta0)
+    is_far = True
     with np.errstate(all="ignore"):
         for _ in range(SWEEPS):
-            near = np.concatenate([beta, beta - STEP, beta + STEP])
-            by, every = (np.split(one, 3, -1) for one in rates(np.tile(state, 3), near))
-            (Q, below, above), w = every, state[-1]
-            follows = (below - above) / (2 * STEP)
-            equations = np.array(w[:, None] * slope.T + np.diag(follows), float)
-            if not np.isfinite(equations).all():
-                return None
-            rest = np.array(Q - w * (beta @ slope), float)
-            change = np.linalg.lstsq(equations, rest)[0]
-            beta = beta + change
-            state = start[:, None] + by[0] @ integral
-            faster = (state[-1] - w) / np.max(np.abs(state[-1]))
-            if np.max(np.abs([change, faster])) < 1e4 * np.finfo(start.dtype).eps:  # not if NaN
-                break
+            *_, w, beta = state
+            near = np.tile(state, 3 if is_far else 1)
+            if is_far:
+                near[-1] += STEPS
+            by = rates(near)
+            if is_far:
+                _, below, above = np.split(by[-1], 3)
+                follows = (below - above) / (2 * STEP)
+                equations = np.array(w[:, None] * slope.T + np.diag(follows), float)
+                if not np.isfinite(equations).all():
+                    return None
+                inverse = np.linalg.pinv(equations)  # 0 in a plane
+            by = by[:, :NODES]
+            change = inverse @ np.array(by[-1] - w * (beta @ slope), float)
+            state = start[:, None] + by @ integral
+            state[-1] = beta + change
+            faster = (state[-2] - w) / np.max(np.abs(state[-2]))
+            moves = np.max(np.abs([change, faster]))
+            if moves < 1e4 * np.finfo(start.dtype).eps:
+                break  # not if NaN
+            is_far = not moves < NEAR
         else:
             return None
-    values = fit @ np.vstack([state, beta]).T
+    values = fit @ state.T
     if not np.max(np.abs(values[-2:, :-1])) < RESOLVED * np.max(np.abs(values)):
         return None
-    begin = np.append(start, chebval(-1, values[:, -1]))
+    begin = np.append(start[:-1], chebval(-1, values[:, -1]))
     times = duration * (nodes + 1) / 2
-    gained = fit @ ((state[-1] - start[-1]) / times)
+    gained = fit @ ((state[-2] - start[-2]) / times)
 
     def at(t: Any) -> np.ndarray:
+        """Return the state and beta at times t since the start, (k + 1, ...)."""
         moved = chebval(2 * np.asarray(t) / duration - 1, values).T - chebval(-1, values)
         return (begin + moved).T  # exactly the start at 0
 
     def pace(t: Any) -> Any:
-        return start[-1] / t + chebval(2 * t / duration - 1, gained)
+        """Return w/t, the mean acceleration since the start."""
+        return start[-2] / t + chebval(2 * t / duration - 1, gained)
 
     return at, pace, follows[0] * duration / w[0]
+
+
+@cache
+def _matrices(kind: np.dtype) -> tuple[np.ndarray, ...]:
+    """Return the nodes of Chebyshev, and what gives the coefficients of values at them, their
+    integrals and their slopes over a duration of 2.
+    """
+    pi = np.arccos(-kind.type(1))
+    nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
+    fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
+    fit[0] /= 2
+    return nodes, fit, chebval(nodes, chebint(fit, lbnd=-1)), chebval(nodes, chebder(fit))
 
 
 def first_directions(law: Callable) -> Iterator[float]:

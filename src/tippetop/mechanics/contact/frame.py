@@ -1,8 +1,19 @@
 """Bodies without an axis of symmetry: formulas of how they lie, for any convex outline.
 
-Axes 1, 2 and 3 are the principal axes of inertia; the outline may be turned against them. The
-motion in contact takes only five functions of how a body lies: the arm, its rate, the height, the
-angular velocity of an angular momentum, and the rates of the axes.
+Axes 1, 2 and 3 are the principal axes of inertia; the outline may be turned against them. In go
+orientation and momentum; out come arm, velocities and the response at the contact. The motion in
+contact takes only five functions of how a body lies: the arm, its rate, the height, the angular
+velocity of an angular momentum, and the rates of the axes. `body` and `response` choose these
+functions for an `Asymmetric` body (`by_body`), and those of a ball for others.
+
+Symbols
+    b         the body, an `Asymmetric`; b.outline: its shape, such as an `Ellipsoid`
+    u         how it lies, a `Frame`: axes 3 and 1, and so 2, in space
+    x         a `body.Turning` (u, L); L: angular momentum about the centre of mass, in space
+    a         the arm, from the centre of mass to the contact point
+    up, zhat  unit vector upwards, along the axes of the body
+    omega     angular velocity; I: tensor of inertia, diag(I1, I2, I3) along the axes of the body
+    v, w      vectors; "along the axes": components along axes 1, 2, 3; otherwise in space
 """
 
 from typing import Any, NamedTuple
@@ -11,7 +22,7 @@ from ..operand import Operand, Vector, cross, dot, minus, plus, sqrt, times
 
 
 class Asymmetric(NamedTuple):
-    """A body without an axis of symmetry, `b` of every formula."""
+    """A body without an axis of symmetry, `b` of formulas. `systems.ellipsoid` makes it."""
 
     m: Operand  # [kg]
     I1: Operand  # about the centre of mass [kg m^2]
@@ -26,7 +37,10 @@ class Asymmetric(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """How such a body lies: axis 3 as x, y, z, as of other bodies, and axis 1."""
+    """How such a body lies: components in space of axis 3 (x, y, z) and of axis 1 (ix, iy, iz).
+
+    Axis 3 comes first, so that u.x, u.y, u.z are the same as of other bodies.
+    """
 
     x: Operand
     y: Operand
@@ -65,11 +79,11 @@ class Ellipsoid(NamedTuple):
 
     @property
     def size(self) -> Operand:
-        """Return the size [m]."""
+        """Return a length [m] by which small distances are measured: half axis c."""
         return self.c
 
     def half_axes(self, v: Vector) -> Vector:
-        """Return the components of a vector along its half axes."""
+        """Return the components along the half axes a, b, c of a vector along axes 1, 2, 3."""
         along = self.cos * v.x + self.sin * v.y
         return Vector(along, self.cos * v.y - self.sin * v.x, v.z)
 
@@ -79,13 +93,16 @@ class Ellipsoid(NamedTuple):
         return Vector(along, self.a12 * v.x + self.a22 * v.y, self.a33 * v.z)
 
     def edge(self, up: Vector) -> tuple[Vector, Operand]:
-        """Return the highest point seen from its centre, and its height above it."""
+        """Return the highest point from the centre, (3,) [m], and its height above it [m].
+
+        `up` is zhat along axes 1, 2, 3.
+        """
         q = self.squares(up)
         k = sqrt(dot(up, q))
         return times(1 / k, q), k
 
     def arm(self, up: Vector) -> Vector:
-        """Return the arm, by the direction of zhat."""
+        """Return the arm along axes 1, 2, 3, (3,) [m]: by the centre to the lowest point."""
         top, _ = self.edge(up)
         return minus(Vector(self.x, self.y, self.z), top)
 
@@ -96,43 +113,43 @@ class Ellipsoid(NamedTuple):
 
 
 def along_axes(v: Vector, u: Frame) -> Vector:
-    """Return the components of a vector in space along the axes of a body."""
+    """Return the components along axes 1, 2, 3 of a vector v in space."""
     return Vector(*(dot(v, axis) for axis in u.axes))
 
 
 def in_space(v: Vector, u: Frame) -> Vector:
-    """Return a vector in space of its components along the axes of a body."""
+    """Return the vector in space that has the components v along axes 1, 2, 3."""
     one, two, three = u.axes
     return plus(plus(times(v.x, one), times(v.y, two)), times(v.z, three))
 
 
 def up(u: Frame) -> Vector:
-    """Return the components of zhat along the axes of a body."""
+    """Return zhat along axes 1, 2, 3."""
     return Vector(*(axis.z for axis in u.axes))
 
 
 def of_rates(w, b):
-    """Return I w along the axes of the body."""
+    """Return I w along the axes of the body: the momentum of an angular velocity."""
     return Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
 
 
 def over(v: Vector, moments: Vector) -> Vector:
-    """Return the quotients of components."""
+    """Return v divided by `moments`, component by component."""
     return Vector(v.x / moments.x, v.y / moments.y, v.z / moments.z)
 
 
 def rates_of(v, b):
-    """Return I^-1 v along the axes of the body."""
+    """Return I^-1 v along the axes of the body: the angular velocity of a momentum."""
     return over(v, Vector(b.I1, b.I2, b.I3))
 
 
 def turns(x, b):
-    """Return omega = I^-1 L along the axes of the body [rad/s]."""
+    """Return omega = I^-1 L along the axes of the body, (3,) [rad/s]."""
     return rates_of(along_axes(x.L, x.u), b)
 
 
 def local_arm(u, b):
-    """Return the arm along the axes of the body [m]."""
+    """Return the arm along the axes of the body, (3,) [m]."""
     return b.outline.arm(up(u))
 
 
@@ -142,22 +159,22 @@ def arm(u, b):
 
 
 def height(u, b):
-    """Return the height of the centre of mass above the plane that the body touches [m]."""
+    """Return the height of the centre of mass of a body on the plane [m]: minus z of the arm."""
     return -arm(u, b).z
 
 
 def momentum(omega, u, b):
-    """Return L = I omega, (3,)."""
+    """Return L = I omega in space, (3,) [kg m^2/s]; omega in space too."""
     return in_space(of_rates(along_axes(omega, u), b), u)
 
 
 def angular_velocity(x, b):
-    """Return omega, (3,) [rad/s]."""
+    """Return omega in space, (3,) [rad/s]."""
     return in_space(turns(x, b), x.u)
 
 
 def axis_rate(x, b):
-    """Return the rates of axes 3 and 1 [1/s]."""
+    """Return the rates of axes 3 and 1 as a Frame [1/s]."""
     one, two, three = x.u.axes
     omega = turns(x, b)
     third = minus(times(omega.y, one), times(omega.x, two))
@@ -165,12 +182,15 @@ def axis_rate(x, b):
 
 
 def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]."""
+    """Return omega x a in space, (3,) [m/s]."""
     return in_space(cross(turns(x, b), local_arm(x.u, b)), x.u)
 
 
 def turning(torque, a, b):
-    """Return w, where (I + m (a^2 - a a)) w = torque about the contact, along the axes."""
+    """Return w = (I + m (a^2 - a a))^-1 torque: the effect of a torque about the contact at rest.
+
+    All are along the axes of the body.
+    """
     ma2 = b.m * (a.x**2 + a.y**2 + a.z**2)
     about = Vector(b.I1 + ma2, b.I2 + ma2, b.I3 + ma2)
     p = over(a, about)
@@ -179,7 +199,10 @@ def turning(torque, a, b):
 
 
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x = m (x - m w x a), (3,): the force or impulse for x at the contact."""
+    """Return K^-1 x = m (x - m w x a), (3,): the force that gives A the acceleration x.
+
+    x is a vector in space; the impulse that gives the velocity x is the same.
+    """
     a = local_arm(u, b)
     v = along_axes(x, u)
     w = turning(cross(a, v), a, b)
@@ -187,7 +210,7 @@ def mobility_inverse_times(u, x, b):
 
 
 def gyration(omega, b):
-    """Return L x omega along the axes of the body [N m]."""
+    """Return L x omega along the axes of the body [N m]: I omega' of a body without torque."""
     yz = omega.y * omega.z
     zx = omega.z * omega.x
     xy = omega.x * omega.y
@@ -195,7 +218,12 @@ def gyration(omega, b):
 
 
 def swing(x, b):
-    """Return omega x a' - g zhat along the axes of the body [m/s^2]."""
+    """Return omega x a' - g zhat along the axes of the body [m/s^2].
+
+    a' is the rate of the arm in space.
+
+    It is the acceleration of the contact point without a force there and without omega'.
+    """
     n = up(x.u)
     omega = turns(x, b)
     moves = plus(cross(omega, b.outline.arm(n)), b.outline.arm_rate(n, cross(omega, n)))
@@ -209,7 +237,7 @@ def bias_vector(x, b):
 
 
 def rolling(x, b):
-    """Return omega' of a body whose contact point stays at rest, and its force, along the axes."""
+    """Return omega' and the force of the plane on a body that rolls, (3,) each along its axes."""
     a = local_arm(x.u, b)
     more = swing(x, b)
     w = turning(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
@@ -217,12 +245,12 @@ def rolling(x, b):
 
 
 def resting(x, b):
-    """Return the force and torque (3,) on a body whose contact point stays at rest."""
+    """Return the force of the plane on a body that rolls, (3,) in space, and a zero torque."""
     _, F = rolling(x, b)
     return in_space(F, x.u), times(0, F)
 
 
 def rolling_torque(x, b):
-    """Return L' of a body whose contact point stays at rest, (3,) [N m]."""
+    """Return L' of a body that rolls, in space, (3,) [N m]."""
     w, _ = rolling(x, b)
     return in_space(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)

@@ -1,7 +1,17 @@
-"""Bodies without an axis of symmetry: starts, scalars, columns, events and rows.
+"""Bodies without an axis of symmetry: starts, rows, forms, columns and events.
 
-Their phases and jumps are those of other bodies: a state has axes 1 and 3 of the body, so that
-their orientation needs no integral.
+In go the user's numbers and states of phases; out come the common state at the start, rows, and the
+scalars of columns and events. Phases and jumps are those of other bodies (`contact_phases`,
+`exits`); a state has axes 1 and 3 of the body, so that their orientation needs no integral.
+`systems.ellipsoid` makes its systems of these constants.
+
+Symbols
+    b         the body, a `frame.Asymmetric`; b.outline: its shape, with half axes a, b, c
+    u         how it lies, a `frame.Frame`: axes 3 and 1; up: zhat along its axes
+    x         the common state, a `body.Moving`: u, momentum L, velocity, height
+    q         the state of a phase, or a row; carried: the record of integrals; e: record of angles
+    s         in (s, b): record of `Scalars`; in (e, s, z, b): sin(theta), and z: cos(theta)
+    omega     angular velocity; spin: its vertical part; v: velocity of the contact point
 """
 
 from collections import namedtuple
@@ -47,7 +57,11 @@ Begin: Any = namedtuple("Begin", "moving x y")
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the start by the numbers that the user gave; s, z are sin(theta), cos(theta)."""
+    """Return the `Begin` of a start, from the numbers of the user in `data`: `System.start`.
+
+    s, z are sin(theta), cos(theta). The orientation is given by theta, phi and psi, or by tilt,
+    roll and heading; missing numbers are zero.
+    """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
     if any(name in data for name in LYING):
@@ -76,7 +90,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
 
 
 def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of a start, or of angles."""
+    """Return the common state of e: of a `Begin`, or of a record of angles."""
     return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
 
 
@@ -101,7 +115,7 @@ energy of rotation.
 
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
-    """Return the scalars of a row."""
+    """Return the `Scalars` of a row q."""
     x = moving(q)
     u = x.u
     up = frame.up(u)
@@ -149,6 +163,7 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:
+        """Return the `Scalars` of a state of the phase."""
         return row_scalars(rows.row(phase, q, (), b)[0], b)
 
     return replace(
@@ -161,7 +176,10 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
 
 
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg]."""
+    """Return the upward acceleration of the contact point per normal force [1/kg].
+
+    It must be positive.
+    """
     force, torque = smooth_friction(s.v, s.v, s.z, b)
     return gains(s.u, force, torque, b)[0].z
 
@@ -178,7 +196,7 @@ ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
 
 
 def heading(s: Any, b: Asymmetric) -> Any:
-    """Return the azimuth of half axis a."""
+    """Return the azimuth of half axis a [rad]."""
     one, two, _ = s.u.axes
     along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
     return atan2(along.y, along.x)

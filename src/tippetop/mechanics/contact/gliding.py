@@ -1,7 +1,21 @@
-"""A body that glides: initial data, forms, events, quantities.
+"""A body that glides on the plane, of one ball: its forms, start, events and columns.
 
-The vector form is regular everywhere; Euler angles are singular at the poles. [T 3.12, 3.17,
-3.20-3.22, 3.29-3.34, 5.2, 5.14-5.18]
+In go a `Touch`, a state and a friction law; out come the rates of the state and the scalars from
+which events and columns are computed. `systems.tippe_top` and others make their `System` of the
+constants at the end (FORMS, INITIAL, EVENTS, QUANTITIES). There are two forms because angles are
+what users give and read, but singular at the poles; the vector form is regular everywhere. [T 3.12,
+3.17, 3.20-3.22, 3.29-3.34, 5.2, 5.14-5.18]
+
+Symbols
+    b         the body, a `body.Touch`
+    q, e      state of the vector form; of Euler angles: theta, theta', phi', omega_3, nu_x, nu_y
+    carried   record of the integrals: phi, x, y, work, impulse
+    s, z      sin(theta), cos(theta) in (e, s, z, b); but s in (s, b) is a record of `Scalars`
+    u, 3hat   unit vector of the axis; e = (cos(phi), sin(phi), 0), 2hat = zhat x e
+    L, L_3    angular momentum about the centre of mass, L.3hat; r: horizontal place of this point
+    A, a      the contact point; the arm, from the centre of mass to A
+    v_A       velocity of A, nu_x e + nu_y 2hat
+    F, g_n    force of the plane at A; its normal part; friction is -k g_n v_A
 """
 
 from collections.abc import Callable
@@ -71,7 +85,7 @@ VectorState = type(VECTOR_UNITS)
 
 @formula
 def axis_rate(q, b):
-    """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    """Return 3hat' = L x 3hat/I1, (3,) [1/s], of a vector state. [T 3.17]"""
     return contact.axis_rate(turning(q), b)
 
 
@@ -88,9 +102,9 @@ def sliding_velocity(q, b):
 
 @formula
 def vector_scalars(q, b):
-    """Return the scalars of a vector state.
+    """Return the `Scalars` of a vector state.
 
-    L_3 is L.3hat, so that the carried L_3 is under control too.
+    Their L3 is L.3hat, so that the carried L_3 is checked too.
     """
     u = axis(q)
     v = sliding_velocity(q, b)
@@ -103,7 +117,7 @@ def vector_scalars(q, b):
 
 @formula
 def reaction(q, b):
-    """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16]"""
+    """Return g_n (zhat - k v_A), the force of the plane in a vector state, (3,) [N]. [T 3.16]"""
     s = vector_scalars(q, b)
     v = sliding_velocity(q, b)
     k = drag(s, b)
@@ -112,7 +126,10 @@ def reaction(q, b):
 
 @formula
 def vector_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
+    """Return the rates of a vector state: 3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h.
+
+    [T 3.12, 3.17; 5.2]
+    """
     u = axis(q)
     F = reaction(q, b)
     L3_rate = b.R * (u.x * F.y - u.y * F.x)
@@ -142,14 +159,14 @@ EulerState = type(EULER_UNITS)
 
 @formula
 def centre_velocity(e, s, z, b):
-    """Return the components of the velocity of the centre of mass along e and 2hat [m/s]."""
+    """Return the velocity of the centre of mass along e and 2hat [m/s], by angles and rates."""
     along_e, along_2 = rolling_velocity(e, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 
 
 @formula
 def euler_scalars(e, b):
-    """Return the scalars of an Euler-angle state."""
+    """Return the `Scalars` of a state e in Euler angles."""
     s = sin(e.theta)
     z = cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
@@ -159,13 +176,16 @@ def euler_scalars(e, b):
 
 @formula
 def sine_and_cosine(q):
-    """Return sin(theta), cos(theta)."""
+    """Return sin(theta), cos(theta) of a state in angles."""
     return sin(q.theta), cos(q.theta)
 
 
 @formula
 def spins(e, across, b):
-    """Return phi'' and omega_3' of the force `across` at the contact, along 2hat. [T 3.30, 3.31]"""
+    """Return phi'' and omega_3' [rad/s^2] if the force along 2hat at the contact is `across` [N].
+
+    [T 3.30, 3.31]
+    """
     s, z = sine_and_cosine(e)
     turn = e.theta_dot * (b.I3 * e.omega3 - 2 * b.I1 * e.phi_dot * z)
     return (turn + across * (b.c - b.R * z)) / (b.I1 * s), b.R * s * across / b.I3
@@ -173,7 +193,7 @@ def spins(e, across, b):
 
 @formula
 def euler_rates(e, b):
-    """Return the solved equations in Euler angles.
+    """Return the rates of a state e in Euler angles: the equations of motion, solved for them.
 
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
@@ -197,11 +217,13 @@ def psi_rate(q, carried, b):
 
 
 def place_of_angles(centre: Callable) -> tuple[Integral, ...]:
-    """Return the integrals x and y of a state with centre(e, sin(theta), cos(theta), b) along e and
-    2hat.
+    """Return the integrals x and y of a form in angles, which has the velocity `centre`.
+
+    centre(e, sin(theta), cos(theta), b) returns that of the centre of mass along e and 2hat.
     """
 
     def velocity(q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
+        """Return the velocity of the centre of mass along x and y [m/s]."""
         along_e, along_2 = centre(q, *sine_and_cosine(q), b)
         return of_azimuth(along_e, along_2, carried.phi)
 
@@ -213,7 +235,10 @@ def place_of_angles(centre: Callable) -> tuple[Integral, ...]:
 
 @formula
 def axis_and_momentum(e, s, z, I1, I3):
-    """Return 3hat and L of a body with the transverse moment I1 and the axial moment I3."""
+    """Return the `Turning` (3hat, L) of angles e, for moments I1 across and I3 along the axis.
+
+    s, z are sin(theta), cos(theta). L is about the point to which I1 refers [kg m^2/s].
+    """
     ex = cos(e.phi)
     ey = sin(e.phi)
     L3 = I3 * e.omega3
@@ -226,7 +251,10 @@ def axis_and_momentum(e, s, z, I1, I3):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """Return the vector state of angles; s = sin(theta), z = cos(theta), exact at the poles."""
+    """Return the vector state of angles e: `of_angles` of the form.
+
+    s = sin(theta) and z = cos(theta) are given, because they are exact at the poles.
+    """
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
     velocity = of_azimuth(along_e, along_2, e.phi)
@@ -234,20 +262,20 @@ def vector_of_angles(e, s, z, b):
 
 
 def azimuth(q: Any, carried: Any) -> Any:
-    """Return phi in (-pi, pi], of a state that has the axis."""
+    """Return phi in (-pi, pi] [rad], from 3hat of a state."""
     return atan2(q.uy, q.ux)
 
 
 def wrapped_azimuth(q: Any, carried: Any) -> Any:
-    """Return phi in (-pi, pi], of Euler angles."""
+    """Return phi in (-pi, pi] [rad], from theta and the integral phi."""
     s = sin(q.theta)
     return atan2(s * sin(carried.phi), s * cos(carried.phi))
 
 
 def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Callable:
-    """Return to_angles(q, carried, b) of a form.
+    """Return the function to_angles(q, carried, b) of a form; see `Form`.
 
-    The angles are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no
+    At a pole phi is undefined and the angles are exactly 0/0. theta is atan2(sin, cos), so that no
     digits are lost near the poles.
 
     Parameters
@@ -261,7 +289,7 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
     """
 
     def to_angles(q: Any, carried: Any, b: Any) -> Any:
-        """Return the angles and their rates at a state; other fields are carried ones."""
+        """Return the record `units` of a state: angles and rates, the rest from `carried`."""
         c = scalars(q, b)
         s = sqrt(c.s2)
         known = {
@@ -351,13 +379,17 @@ ALTERNATIVES = (
 
 
 def start_of(angles: Any) -> Callable:
-    """Return `start` of a system with these angles: what the user gave, the rest zero.
+    """Return `System.start` of a body: numbers of the user -> the record of angles.
 
-    psi_dot may be given instead of omega3, and centre_at_rest instead of nu_x and nu_y.
+    What the user does not give is zero. psi_dot may be given instead of omega3, and centre_at_rest
+    instead of nu_x and nu_y.
     """
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-        """Return angles and rates of a start from what the user gave."""
+        """Return the record `angles` from the numbers that the user gave.
+
+        s, z are sin(theta), cos(theta).
+        """
         e = type(angles)(*(data.get(name, 0) for name in angles._fields))
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
@@ -376,7 +408,10 @@ NOT_JAMMED = Domain(
 
 
 def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
-    """Return the integrals of friction power and normal force of a form with these scalars."""
+    """Return the integrals `work` [J] and `impulse` [N s] of a form with scalars(q, b).
+
+    Their rates are the friction power and the normal force.
+    """
     return (
         integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
         integral("impulse", lambda q, carried, b: g_n(scalars(q, b), b)),
@@ -424,27 +459,30 @@ LONG_NAMES = {
 
 @formula
 def theta_turns(s, b):
-    """Return z' = -theta' sin(theta): zero at the turning angles, and at a pole."""
+    """Return z' = -theta' sin(theta), the function of the event `turning`.
+
+    It is zero at a pole too.
+    """
     return s.z_dot
 
 
 @formula
 def equator(s, b):
-    """Return z = cos(theta): zero where the axis is horizontal."""
+    """Return z = cos(theta), the function of `equator`: zero where the axis is horizontal."""
     return s.z
 
 
 @formula
 def near_inversion(s, b):
-    """Return z + cos(0.1): falls through zero where theta rises through pi - 0.1."""
+    """Return z + cos(0.1), the function of `inverted`: zero where theta = pi - 0.1."""
     return s.z + COS_INVERTED
 
 
 @formula
 def sliding(s, b):
-    """Return the friction loss less 1e-12, in internal units.
+    """Return the friction loss k |v_A|^2 less 1e-12, in internal units: the function of `settled`.
 
-    Below it the motion is settled, because a solution without sliding is a spinning or a tumbling
+    Below zero the motion is settled, because a solution without sliding is a spinning or a tumbling
     one. [T Theorem 3.3.1]
     """
     return friction_loss(s, b) - 1e-12

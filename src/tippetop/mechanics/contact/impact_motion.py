@@ -1,11 +1,19 @@
-"""An impact as a motion: the forces and torques of sliding, rolling or resting, per normal impulse.
+"""An impact as a motion: its equations, with the normal velocity instead of the time as clock.
 
-dv_A = (K F + (I^-1 T) x a) dp and dL = (a x F + T) dp; F and T are those of the same law in the
-phases of contact, per normal force, and the axis stays. The clock is v_n, which rises; under a law
-that can hold the contact at rest, the clock of sliding is sigma, dp = w dsigma, and the slip is its
-direction and the logarithm of its size w, in which nothing is singular where sliding stops. The
-units of slip and of v_n are powers of two near them, so that steps are as exact for slow impacts as
-for fast ones.
+`stages(law)` returns the equations by region of the law; `engine.impacts` integrates them and
+changes from stage to stage, with the functions at the end. dv_A = (K F + (I^-1 T) x a) dp and dL =
+(a x F + T) dp; F and T are the force and torque of the law in the phases of contact, per normal
+force, and the axis stays. The clock is v_n, which rises; under a law that can hold the contact at
+rest, the clock of sliding is sigma, dp = w dsigma, and the slip is its direction and the logarithm
+of its size w, in which nothing is singular where sliding stops. The units of slip and of v_n are
+powers of two near them, so that steps are as exact for slow impacts as for fast ones.
+
+Symbols
+    q         the motion, a `Motion`; b: its parameters, a `Blow`, with the body b.touch
+    by        the action of the plane, an `Acts`: force and torque per normal impulse
+    p         normal impulse; v_n: normal velocity of the contact point; w: speed of slip
+    way       a border of a region of the law, see `disc_friction`
+    a, K      the arm; acceleration of the contact point per force, see `response`
 """
 
 from collections import namedtuple
@@ -85,12 +93,12 @@ def can_rest(law: Any) -> bool:
 
 
 def speeds(q: Any) -> Speeds:
-    """Return the squares of the speeds of sliding and of the disc's edge, over exp(grown)^2."""
+    """Return |v|^2 and U^2 of a motion, divided by exp(grown)^2, for the borders of regions."""
     return Speeds(q.v_x * q.v_x + q.v_y * q.v_y, q.turn * q.turn)
 
 
 def responses(b: Any, by: Acts) -> tuple[Vector, Vector]:
-    """Return dv_A/dp and domega/dp, p the normal impulse, under the actions of the plane."""
+    """Return dv_A/dp [1/kg] and domega/dp, (3,) each, of the normal impulse p."""
     return gains(b.u, by.force, by.torque, b.touch)
 
 
@@ -105,7 +113,11 @@ def stages(law: Any) -> dict[str, Stage]:
     """
 
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
-        """Return the motion in one region of the law: its form, and the events that end it."""
+        """Return the motion in one region of the law: its form, and the events that end it.
+
+        `friction` is that of the region, None at rest; `follows` has the border for each of its
+        events.
+        """
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):
@@ -169,23 +181,26 @@ def edge_speed2(omega: Vector, b: Any) -> Any:
 
 
 def border(way: Any) -> Event:
-    """Return the event in which a region ends."""
+    """Return the event in which a motion leaves a region of the law by the border `way`."""
     function = lambda q, b: way.beyond(speeds(q), b.touch)  # noqa: E731
     return Event(way.event, "", function, way.direction, way.event)
 
 
 def region_at(q: Any, b: Any) -> str:
-    """Return the region of a motion that slides."""
+    """Return the region of the law in which a motion q slides, "" without regions."""
     return region_of(speeds(q), b.touch)
 
 
-def left(by: Acts, b: Any) -> Any:
-    """Return the `margin` by which friction can hold the contact at rest; negative if it cannot."""
+def holding_margin(by: Acts, b: Any) -> Any:
+    """Return by how much friction can hold the contact at rest, see `margin`.
+
+    The result is negative if it cannot.
+    """
     return margin(by.force, by.torque.z, b.touch.friction)
 
 
 def slide(q: Any, by: Acts, b: Any) -> Any:
-    """Return the motion q with the slip by which a contact at rest begins to slide.
+    """Return the motion q with the first slip of a contact that friction cannot hold at rest.
 
     `by` are the force and torque that would be needed to hold it.
     """

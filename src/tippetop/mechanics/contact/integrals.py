@@ -1,4 +1,11 @@
-"""Integrals of a body on the plane: place, angles, work and impulse of the contact."""
+"""Integrals of a body on the plane: place, angles, work and impulse of the contact.
+
+NAMED contains the unit and the meaning of each; forms make them with their own rates. They are
+integrated together with the state, and are rows and columns of a run.
+
+Symbols
+    q         the state of a form; carried: the record of all integrals; b: the body
+"""
 
 from collections.abc import Callable
 
@@ -22,13 +29,19 @@ NAMED = {
 
 
 def integral(name: str, rate: Callable | None) -> Integral:
-    """Return the integral of this name with rate(q, carried, b)."""
+    """Return the integral of this name, one of NAMED.
+
+    `rate` is rate(q, carried, b), or None in a form of rows only.
+    """
     unit, long_name = NAMED[name]
     return Integral(name, unit, long_name, rate, of="normal_force" if name == "impulse" else "")
 
 
 def place(velocity: Callable) -> tuple[Integral, ...]:
-    """Return the integrals x and y of a body with velocity(q, carried, b) of the centre of mass."""
+    """Return the integrals x and y of the centre of mass.
+
+    velocity(q, carried, b) returns its horizontal velocity, (2,) [m/s].
+    """
     return tuple(
         integral(name, lambda q, carried, b, k=k: velocity(q, carried, b)[k])
         for k, name in enumerate("xy")

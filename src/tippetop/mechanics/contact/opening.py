@@ -1,5 +1,16 @@
-"""Systems whose contact may open and close: the phases of their body, and the exits that lead from
-one to another."""
+"""Systems whose contact may open and close: their phases, and the exits that lead between them.
+
+`opened(system, law, balls, around)` is the entrance: it returns the system of a gliding body with
+phases of slip, rolling, flight and contact of both balls. `phases_of` joins equations and events
+(`contact_phases`) with jumps (`exits`); rows and columns come from `rows` or `framed`.
+`scenario.contact` calls it where a scenario has [contact] or [stem], or a law that can stick.
+
+Symbols
+    opening   the record `Opening` of a system: `planar`, `outlined`, `framed` tell its kind apart
+    law       a friction law, as the type of its record
+    around    the names of the groups of surroundings, () without any
+    x, world  the arguments of a jump; q: the state of a phase; b: the body, a `Touch`
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -87,15 +98,16 @@ TABLES = {
 
 
 def kind_of(law: Any) -> tuple:
-    """Return the attributes of a law that determine the phases of a contact."""
+    """Return the attributes of a law that decide about phases: others may be exchanged."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
 def in_plane(form: Form) -> Form:
-    """Return the form of a motion in a plane: theta is integrated too, and beta' = 0."""
+    """Return a form for a motion in a plane: theta is an integral too, and beta' = 0."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
 
     def rates(q: Any, b: Any) -> Any:
+        """Return the rates of a state, with beta' = 0."""
         return form.rates(q, b)._replace(**{one: 0 * q.w for one in q._fields if one == "beta"})
 
     integrals = theta, *form.integrals
@@ -216,6 +228,10 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     phases = phases_of(opening, law, balls, () if apart else of_axis, around)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+        """Return the record of angles of a start, with gap and nu_z.
+
+        s, z are sin(theta), cos(theta).
+        """
         e = system.start(data, s, z, b)
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 

@@ -64,11 +64,14 @@ class Spheroid(NamedTuple):
 
     @property
     def size(self) -> Operand:
-        """Return the size [m]."""
+        """Return a length [m] by which small distances are measured."""
         return self.a + self.b
 
     def height(self, z: Series, s2: Series) -> Series:
-        """Return the height of the centre of mass, by z and sin(theta)^2."""
+        """Return the height of the centre of mass on the plane [m].
+
+        z is cos(theta), s2 sin(theta)^2.
+        """
         return root(z * z * self.a**2 + s2 * self.b**2) - z * self.c
 
 
@@ -81,16 +84,19 @@ class Rim(NamedTuple):
 
     @property
     def size(self) -> Operand:
-        """Return the size [m]."""
+        """Return a length [m] by which small distances are measured."""
         return self.ring + self.tube
 
     def height(self, z: Series, s2: Series) -> Series:
-        """Return the height of the centre of mass, by z and sin(theta)^2."""
+        """Return the height of the centre of mass on the plane [m].
+
+        z is cos(theta), s2 sin(theta)^2.
+        """
         return root(s2) * self.ring + self.tube - z * self.c
 
 
 def at(z: Operand, s2: Operand, height: Callable) -> Series:
-    """Return the height(z, s2) of an outline with its derivatives by z, s2 being 1 - z^2."""
+    """Return height(z, s2) of an outline, as a Series with its derivatives by z; s2 is 1 - z^2."""
     return height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
 
 

@@ -1,14 +1,25 @@
-"""The response of a body to forces, torques and impulses at its contact; and the forces of a
-contact that slides, that sticks, and of a disc that neither slides nor turns.
+"""The response of a contact to forces and impulses, and the force of a contact that slides or
+sticks.
 
-K is the acceleration of the contact point per force there, or velocity per impulse [1/kg].
-Everything is singular only where the contact jams (Painleve: K_zz - mu n_e K_ez = 0, which
+In go the motion, a force or the acceleration that the contact point would have without one; out
+come accelerations and velocities, or the force and torque that a law requires. `contact_phases`
+makes the equations of motion of these functions, `exits` and `impact_motion` the jumps. Everything
+is singular only where the contact jams (Painleve: K_zz - mu n_e K_ez = 0, which
 `uniqueness.painleve_bound` excludes).
 
 Of a disc at rest neither v_A nor Omega_z changes: a force F and a torque tau zhat see to that. With
 k = I^-1 zhat, t = k x a and k_zz = k.zhat, tau is eliminated, and F is that of sticking with K - t
 t/k_zz instead of K. Friction gives every (|F_h|/(mu N), |tau|/(mu N patch)) within the curve (f(x),
 m(x)), and no other.
+
+Symbols
+    b         the body, a `Touch` or `Asymmetric`; b.friction: record of its law, with mu and patch
+    x         the motion, a `Turning` or `Moving`; but x in K^-1 x is a vector (3,)
+    u, 3hat   unit vector of the axis, or a Frame; L: angular momentum about the centre of mass
+    a         the arm, from the centre of mass to the contact point A; v, v_A: velocity of A
+    omega     angular velocity, Omega_z its vertical part; I: tensor of inertia
+    K         acceleration of A per force there, or velocity per impulse [1/kg], (3, 3)
+    F, N      force of the plane at A, (3,) [N]; its normal part; p, twist: impulses of F and torque
 """
 
 import math
@@ -52,10 +63,10 @@ from .surroundings import braking, mean_gravity, pushing, turned
 
 @formula
 def gains(u, F, torque, b):
-    """Return what a force at the contact and a torque add to the accelerations dv_A/dt and omega'.
+    """Return what a force F at the contact and a torque add to dv_A/dt and to omega', (3,) each.
 
-    They add K F + (I^-1 torque) x a, with K F = F/m + (I^-1 (a x F)) x a, to dv_A/dt, (3,) [m/s^2],
-    and I^-1 (a x F + torque) to omega', (3,) [rad/s^2]. Impulses add to the velocities likewise.
+    They are K F + (I^-1 torque) x a [m/s^2], with K F = F/m + (I^-1 (a x F)) x a, and I^-1 (a x F +
+    torque) [rad/s^2]. Impulses add to the velocities likewise.
     """
     turns = angular_velocity(Turning(u, plus(cross(arm(u, b), F), torque)), b)
     return plus(times(1 / b.m, F), cross(turns, arm(u, b))), turns
@@ -69,19 +80,18 @@ def arm_square(u, b):
 
 @by_body(of_frame=frame.mobility_inverse_times)
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x, (3,): the force that adds the acceleration x to the contact point.
+    """Return K^-1 x, (3,): the force that gives the contact point the acceleration x.
 
-    It is also the impulse that adds the velocity x.
+    It is also the impulse that gives it the velocity x.
     """
     return inverse_times(u, x, b, 0)
 
 
 @formula
 def inverse_times(u, x, b, less):
-    """Return K^-1 x of a ball.
+    """Return K^-1 x of a ball, (3,), with K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat.
 
-    K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat; a torque about the vertical makes the
-    excess less.
+    A torque about the vertical, as on a disc at rest, makes the excess smaller by `less`.
     """
     excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - less
     a = arm(u, b)
@@ -97,7 +107,7 @@ def inverse_times(u, x, b, less):
 
 
 def bent_bias(x, b):
-    """Return `own_bias` of a body with an outline, with omega x (c' z' (3hat - z zhat))."""
+    """Return `own_bias` of a body with an outline, which adds omega x (c' z' (3hat - z zhat))."""
     bends = b.outline.bend * axis_rate(x, b).z
     moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
     return plus(own_bias(x, as_sphere(b)), cross(angular_velocity(x, b), moves))
@@ -105,7 +115,7 @@ def bent_bias(x, b):
 
 @by_body(of_outline=bent_bias, of_frame=frame.bias_vector)
 def own_bias(x, b):
-    """Return `bias_vector` of a body on a level plane in still air."""
+    """Return `bias_vector` on a level plane in still air, (3,) [m/s^2]."""
     u_dot = axis_rate(x, b)
     free = times(b.c / b.I1, cross(x.L, u_dot))
     spin = b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
@@ -113,7 +123,7 @@ def own_bias(x, b):
 
 
 def surrounded_bias(x, b):
-    """Return `bias_vector` with what torque and push of the surroundings add."""
+    """Return the acceleration of A without a force there, in surroundings, (3,) [m/s^2]."""
     bias = own_bias(x, b)
     none = times(0, bias)
     by_torque, _ = gains(x.u, none, around_torque(x, b), b)
@@ -129,7 +139,7 @@ ball changes.
 
 
 def around_torque(x, b):
-    """Return the torque of the surroundings, (3,) [N m]."""
+    """Return the torque of air and turntable on a body, (3,) [N m]; b.around must be given."""
     omega = angular_velocity(x, b)
     torque = braking(omega, b)
     if not b.around.table:
@@ -138,7 +148,7 @@ def around_torque(x, b):
 
 
 def surroundings_power(x, b):
-    """Return the power that the surroundings take from a moving body [W]."""
+    """Return the power that the surroundings take from a moving body [W]; x is a `Moving`."""
     omega = angular_velocity(x, b)
     push = pushing(x.velocity, 0 * omega.z, b)
     rises = (b.g - mean_gravity(b)) * x.velocity.z if b.around.shake else 0 * omega.z
@@ -147,21 +157,24 @@ def surroundings_power(x, b):
 
 @formula
 def contact_acceleration(x, F, torque, b):
-    """Return the acceleration of the contact point, (3,) [m/s^2]."""
+    """Return dv_A/dt under a force F at the contact and a torque, (3,) [m/s^2]."""
     by_force, _ = gains(x.u, F, torque, b)
     return plus(bias_vector(x, b), by_force)
 
 
 @formula
 def work_of(x, p, twist, b):
-    """Return the energy that impulses of a force and a torque at its contact give a body [J]."""
+    """Return the energy [J] that the impulses p [N s] and twist [N m s] give a body."""
     speeds = zip(velocities(x, b), gains(x.u, p, twist, b), strict=True)
     v, omega = (plus(times(2, before), more) for before, more in speeds)
     return (dot(p, v) + dot(twist, omega)) / 2
 
 
 def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
-    """Return the body after impulses of a force and a torque at its contact."""
+    """Return the state x after the impulses p [N s] and twist [N m s] at the contact, (3,) each.
+
+    Its integrals of work, impulse and Jellett's integral are changed too.
+    """
     after = x._replace(
         L=plus(plus(x.L, cross(arm(x.u, b), p)), twist),
         velocity=plus(x.velocity, times(1 / b.m, p)),
@@ -176,7 +189,7 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
 def sliding(x, friction, v, b):
     """Return the force and torque (3,) on a body that slides with the horizontal velocity v.
 
-    friction(omega, v, z, b) gives them per normal force.
+    friction(omega, v, z, b) gives them per normal force, which follows from dv_A/dt.zhat = 0.
     """
     force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
     by_force, _ = gains(x.u, force, torque, b)
@@ -211,9 +224,7 @@ def turning(u, b):
 
 
 def impulses(u, v, Omega_z, b):
-    """Return the impulses (3,) of force and torque that add v to the slip, and Omega_z to the
-    turning of a disc.
-    """
+    """Return the impulses of force and torque (3,) that add v to v_A, and Omega_z to a disc."""
     if isinstance(b, Asymmetric):  # a point, which turns freely
         return mobility_inverse_times(u, v, b), times(0, v)
     along, per, less = turning(u, b)
@@ -222,18 +233,21 @@ def impulses(u, v, Omega_z, b):
 
 
 def stopping(x, b):
-    """Return the impulses that bring the contact point, and the turning of a disc, to rest."""
+    """Return the impulses of force and torque that stop the contact point, and a disc's turning."""
     v, omega = velocities(x, b)
     return impulses(x.u, times(-1, v), -omega.z, b)
 
 
 def own_turn(x, b):
-    """Return Omega_z' of a body with an axis of symmetry, if no torque acts on it."""
+    """Return Omega_z' [rad/s^2] of a body with an axis of symmetry on which no torque acts."""
     return (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z
 
 
 def resting(x, b):
-    """Return the force and torque (3,) on a body whose contact stays at rest."""
+    """Return the force [N] and torque [N m] of the plane, (3,), that keep the contact at rest.
+
+    The caller compares them with `margin` or `cone`: friction may not be able to give them.
+    """
     framed = isinstance(b, Asymmetric)
     if framed and not b.around:
         return frame.resting(x, b)
@@ -261,7 +275,7 @@ def held(u, bias, free, omega, b):
 
 @formula
 def cone(F, body):
-    """Return mu^2 N^2 - |F_h|^2 [N^2]: falls through zero where rolling ends."""
+    """Return mu^2 N^2 - |F_h|^2 [N^2], the function of `slip`: zero where rolling ends."""
     return (body.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
 
 
@@ -269,11 +283,15 @@ HALVINGS = 60  # of the interval in which w/U lies
 
 
 def sliding_at(force: Any) -> Any:
-    """Return x = w/U at which friction gives |F_h|/(mu N), less than 1."""
+    """Return x = |v_A|/U of a disc at which friction gives |F_h|/(mu N) = force, a number below 1.
+
+    U is the speed of the disc's edge; the inverse of the law's f(x).
+    """
     if force <= INSIDE:  # x - x^3/4 = 8 force/(3 pi)
         return 4 / math.sqrt(3) * sin(asin(2 * math.sqrt(3) / math.pi * force) / 3)
 
     def beyond(x: Any, force: Any) -> Any:
+        """Return f(x) - force."""
         return drag(x * x, 1.0).k * x - force
 
     known = plain(force)

@@ -1,4 +1,8 @@
-"""Parameters of a contact that may open: the law of impact, and the stem."""
+"""Parameters of a contact that may open: the law of impact, and the stem.
+
+`scenario.contact` makes a `ContactLaw` of the tables [contact] and [stem]; jumps take it as
+`world.rules`.
+"""
 
 import math
 from typing import NamedTuple
@@ -37,7 +41,7 @@ class ContactLaw(NamedTuple):
 
     @property
     def stem(self) -> bool:
-        """Return whether there is a stem."""
+        """Return whether there is a stem: h is not NaN."""
         return self.h == self.h
 
 
@@ -53,7 +57,10 @@ STEM = {
 
 
 def stem_faults(R: float, r: float, h: float) -> list[str]:
-    """Return the faults of a stem on a sphere of radius R."""
+    """Return [] or a sentence on a stem that does not fit a sphere of radius R.
+
+    r, h of `ContactLaw` [m].
+    """
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
     if not r > LEAST_RADIUS * R:

@@ -1,11 +1,19 @@
-"""A body of revolution whose contact point is at rest, v_A = 0: contact arm a = c*3hat - R*zhat as
-in `gliding`.
+"""A body of revolution that rolls: its contact point is at rest, v_A = 0.
 
-The vector form is regular everywhere; Euler angles are singular at the poles.
+In go a `body.Touch` and a state; out come its rates, the reaction of the plane, events and columns.
+c = alpha R is the rolling tippe top; R = 0, c = -l a top whose tip is fixed. The systems are made
+of the constants at the end. The reaction F = m s'' + m g zhat follows from the motion. The vector
+form is regular everywhere; Euler angles are singular at the poles.
 
-c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. The reaction F = m s''
-+ m g zhat at the contact follows from the motion, and is not vertical. Every formula takes its
-parameters as a `contact.body.Touch`.
+Symbols
+    b         the body, a `body.Touch`
+    q, e      state of the vector form, 3hat and L; of Euler angles: theta, theta', phi', omega_3
+    carried   record of the integrals: phi, x, y, impulse
+    x         a `body.Turning` (u, L); u, 3hat: unit vector of the axis
+    s, z      sin(theta), cos(theta) in (e, s, z, b); s in (s, b): record of `Scalars` or Kinematics
+    L, L3     angular momentum about the centre of mass, L.3hat; s'': acceleration of this point
+    A, a      the contact point; the arm c 3hat - R zhat, from the centre of mass to A
+    F         force of the plane at A: F_z its normal part, F_h its horizontal one
 """
 
 from dataclasses import replace
@@ -44,16 +52,16 @@ horizontal part of the reaction.
 
 @formula
 def motion_terms(s, b):
-    """Return q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z [m/s^2].
+    """Return q |3hat'|^2 + R omega_3 phi' sin(theta)^2, where q = c - R z [m/s^2].
 
-    v_A = 0 requires it of F.3hat, beyond z''.
+    It is the part of F.3hat/m, beyond z'', that the condition v_A = 0 requires.
     """
     return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
 
 
 @formula
 def z_dot2(s, b):
-    """Return z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
+    """Return z'' = cos(theta)'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
     h = contact.height(s.z, b)
     drive = b.c * (contact.pull(s.z_dot, b) * s.s2) + h * motion_terms(s, b)
     return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
@@ -61,50 +69,56 @@ def z_dot2(s, b):
 
 @formula
 def normal_force(s, b):
-    """Return the normal force F_z = m (g - c z''), g of `pull` [N]."""
+    """Return the normal force F_z = m (g - c z'') [N], with g of `body.pull`."""
     return b.m * (contact.pull(s.z_dot, b) - b.c * z_dot2(s, b))
 
 
 @formula
 def push_along(s, b):
-    """Return F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
+    """Return F_h.3hat [N]: the horizontal force along the lean of the axis, times sin(theta)."""
     return b.m * (motion_terms(s, b) - contact.height(s.z, b) * z_dot2(s, b))
 
 
 @formula
 def push_across(s, b):
-    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta)."""
+    """Return (3hat x F).zhat [N]: the horizontal force across the lean, times sin(theta)."""
     return -(contact.bias_n(s, b) / contact.mobility_n(s, b))
 
 
 @formula
 def horizontal_force(s, b):
-    """Return the size of the horizontal part of the reaction, |F_h| [N]."""
+    """Return |F_h| [N], the size of the horizontal force of the plane; s are `Scalars`."""
     return sqrt(s.friction_force2)
 
 
 @formula
 def friction_needed(s, b):
-    """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
+    """Return |F_h|/F_z, the coefficient of Coulomb friction that rolling needs; s are `Scalars`."""
     return horizontal_force(s, b) / normal_force(s, b)
 
 
 @formula
 def reaction(x, b):
-    """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]."""
+    """Return the force of the plane F = m s'' + m g zhat, (3,) [N]; x is a `Turning`."""
     return times(-1, mobility_inverse_times(x.u, bias_vector(x, b), b))
 
 
 @formula
 def scalars(x, u_dot, v, b):
-    """Return the scalars; u_dot is 3hat', v is the velocity of the centre of mass."""
+    """Return the `Scalars` of a `Turning` x with 3hat' = u_dot.
+
+    v: velocity of the centre of mass, (3,).
+    """
     F = reaction(x, b)
     return Scalars(*contact.kinematics(x, u_dot, b), v.x**2 + v.y**2, F.x**2 + F.y**2)
 
 
 @formula
 def scalars_by_kinematics(s, b):
-    """Return the scalars, 0/0 at a pole: the reaction has parts along and across the lean."""
+    """Return the `Scalars` of `Kinematics` s.
+
+    They are 0/0 at a pole, as |F_h| is computed from its two parts.
+    """
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     return Scalars(*s, speed2, (push_along(s, b) ** 2 + push_across(s, b) ** 2) / s.s2)
 
@@ -125,7 +139,7 @@ EulerState = type(EULER_UNITS)
 
 @formula
 def euler_scalars(e, b):
-    """Return the scalars of an Euler-angle state."""
+    """Return the `Scalars` of a state e in Euler angles."""
     s = sin(e.theta)
     z = cos(e.theta)
     return scalars_by_kinematics(kinematics_of_angles(e, s, z, b), b)
@@ -133,7 +147,7 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """Return the equations in Euler angles. [equal to T 4.2-4.4]"""
+    """Return the rates of a state e in Euler angles. [equal to T 4.2-4.4]"""
     s = sin(e.theta)
     c = euler_scalars(e, b)
     theta_dot2 = -((z_dot2(c, b) + e.theta_dot**2 * c.z) / s)
@@ -142,7 +156,7 @@ def euler_rates(e, b):
 
 @formula
 def vertical_force(q, carried, b):
-    """Return the normal force of a state in Euler angles [N]."""
+    """Return the normal force of a state q in Euler angles [N]: the rate of `impulse`."""
     return normal_force(euler_scalars(q, b), b)
 
 
@@ -157,41 +171,38 @@ VectorState = type(VECTOR_UNITS)
 
 @formula
 def velocity(q, carried, b):
-    """Return the velocity of the centre of mass, -(omega x a), (3,) [m/s]."""
+    """Return the velocity of the centre of mass of a vector state, -(omega x a), (3,) [m/s]."""
     return times(-1, arm_velocity(turning(q), b))
 
 
 @formula
 def vector_scalars(q, b):
-    """Return the scalars of a vector state."""
+    """Return the `Scalars` of a vector state."""
     return scalars(turning(q), axis_rate(q, b), velocity(q, None, b), b)
 
 
 @formula
 def force(q, b):
-    """Return the reaction, (3,) [N]."""
+    """Return the force of the plane in a vector state, (3,) [N]."""
     return reaction(turning(q), b)
 
 
 @formula
 def vector_rates(q, b):
-    """Return 3hat' = L x 3hat/I1, L' = a x F."""
+    """Return the rates of a vector state: 3hat' = L x 3hat/I1, L' = a x F."""
     return VectorState(*axis_rate(q, b), *moment(axis(q), force(q, b), b))
 
 
 @formula
 def spin(q, b):
-    """Return omega_3 = L.3hat/I3 [rad/s].
-
-    L is about the centre of mass or about a point of the axis.
-    """
+    """Return omega_3 = L.3hat/I3 [rad/s] of a vector state; L about any point of the axis."""
     x = turning(q)
     return dot(x.L, x.u) / b.I3
 
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """Return the vector state of angles; s = sin(theta), z = cos(theta), exact at the poles."""
+    """Return the vector state of angles e; s, z: sin(theta), cos(theta), exact at the poles."""
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     return VectorState(*u, *L)
 

@@ -1,7 +1,17 @@
 """The rows of a run in any phase, and the columns that are functions of their `Scalars`.
 
-A row is the common state with the reaction of the plane, the ball in contact, or last in contact,
-and the phase. User-defined events are functions of the scalars too.
+`row` converts the state of a phase to a `Row`, which is the same record in all phases: the common
+state with the force of the plane, the ball in contact (or last in contact) and the phase. Columns,
+and events of the user, are functions of the `Scalars` of a row, so that a column has one formula.
+ROW, DISC_ROW and PLANAR_ROW are the forms of rows; `opening` chooses one.
+
+Symbols
+    q         a `Row`, or the state of a phase in `row`; carried: the record of integrals
+    b         the body, a `body.Touch` seen from its first ball, the sphere
+    x         the common state, a `body.Moving`: axis u, momentum L, velocity, height
+    s         in (s, b): record of `Scalars`; in (e, s, z, b): sin(theta), and z: cos(theta)
+    e         record of angles, ANGLES
+    v, v_A    velocity of the contact point, or of the lowest point in flight
 """
 
 from collections.abc import Callable
@@ -123,23 +133,26 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 
 def ball_of(q, b):
-    """Return the body as the ball that touches, with its R and c from a row or its scalars."""
+    """Return the body as a `Touch` of the ball that touches, by R and c of a row."""
     return contact.as_sphere(b, R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
-    """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
+    """Return v_A of a row, (3,) [m/s]: the velocity of the lowest point of its ball."""
     return contact.contact_velocity(moving(q, ()), ball_of(q, b))
 
 
 def motion(x, v, power, gap, b):
-    """Return the scalars `MOTION` of a common state x; v is v_A, `power` what friction takes."""
+    """Return the scalars MOTION, in order, of a common state x; v is v_A, (3,).
+
+    power: that friction takes [W]; gap: of the ball in contact [m].
+    """
     moves = kinematics(x, contact.axis_rate(x, b), b)
     return *moves, *slip_scalars(x.u, v), v.z, dot(x.velocity, x.velocity), power, gap
 
 
 def row_scalars(q, b):
-    """Return the scalars of a row."""
+    """Return the `Scalars` of a row q."""
     v = lowest_velocity(q, b)
     power = q.drilled - (q.Fx * v.x + q.Fy * v.y)
     gap = q.height - q.radius + q.offset * q.uz
@@ -161,7 +174,7 @@ PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n n
 
 
 def row_of_angles(e, s, z, b):
-    """Return the row of the angles, its reaction not yet known.
+    """Return the row of angles e; the force of the plane in it is zero, not yet known.
 
     s, z are sin(theta), cos(theta), exact at the poles.
     """
@@ -182,7 +195,7 @@ def row_of_angles(e, s, z, b):
 
 
 def planar_angles_of_row(q, carried, b):
-    """Return the angles of a row of a motion in a plane."""
+    """Return the record PLANAR_ANGLES of a row of a motion in a plane."""
     v = lowest_velocity(q, b)
     c = planar_scalars(q, b)
     theta, *others = carried[:4]
@@ -190,7 +203,7 @@ def planar_angles_of_row(q, carried, b):
 
 
 def planar_theta_dot(q, b):
-    """Return theta' [rad/s] of an axis in the x-z plane."""
+    """Return theta' = L_y/I1 [rad/s] of an axis in the x-z plane."""
     return q.Ly / b.I1
 
 
@@ -242,7 +255,7 @@ PLANAR_ROW = replace(
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for rows, which have R and c of the ball in contact."""
+    """Return a formula(s, b) of a gliding body as one for rows: b becomes the ball in contact."""
     return lambda s, b: function(s, ball_of(s, b))
 
 

@@ -1,4 +1,16 @@
-"""Systems in surroundings: gliding ones lose their theory, rolling ones get further integrals."""
+"""Systems in surroundings: air, and a plane that is tilted, vibrates or turns.
+
+A system goes in, and comes out with a body in surroundings, without the theory of a level plane at
+rest, and in rolling with further integrals. Where the equations depend on an integral of the run
+(time on a shaker, place on a turntable), the state ends with a copy of it: see `present_body`.
+
+Symbols
+    around    names of the groups of surroundings, see `surroundings.GROUPS`
+    q         the state of a form; carried: the record of integrals; e: record of angles
+    b         the body; b.around: its record of surroundings
+    x         the common state, a `body.Moving`
+    s         in (s, b): record of scalars; in (e, s, z, b): sin(theta), and z: cos(theta)
+"""
 
 from dataclasses import replace
 from functools import cache
@@ -62,6 +74,7 @@ def rolling_form(angles: Any) -> Form:
     phase = without_slip(())
 
     def scalars(q: Any, b: Any) -> Any:
+        """Return the `Scalars` of a state q."""
         x = phase.leave(q, b)
         F = phase.reaction(q, b).force
         v = x.velocity
@@ -94,6 +107,7 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
         start = start_of(angles)
 
     def changed(records: Any) -> Any:
+        """Return records of quantities or events with the formulas NEEDED in surroundings."""
         return tuple(
             replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
         )

@@ -1,7 +1,15 @@
 """Surroundings of a body: air that brakes its rotation; a plane that is tilted, vibrates or turns.
 
-Everything is seen from the plane: z is its normal, and x and y turn with it. A body has the gravity
-across the plane as `g`, and the rest in its record of surroundings.
+Numbers of the tables [air] and [plane] go in; out come the record b.around of a body, and from it
+the torque, acceleration and gravity by which `response` changes forces and equations. Everything is
+seen from the plane: z is its normal, and x and y turn with it. A body has the gravity across the
+plane as `g`, and the rest in its record of surroundings.
+
+Symbols
+    b         the body; b.g: gravity across the plane; b.around: a `Surroundings`
+    groups    names in GROUPS: the sets of numbers that are given together
+    omega, L  angular velocity and momentum, (3,), seen from the plane; Omega: that of a turntable
+    carried   the record of integrals of the run, with the phase of the vibration and the place x, y
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -229,7 +237,7 @@ COPY = "at_"
 
 
 def at_present(b: Any, known: Any) -> Any:
-    """Return the body with the gravity on a shaker and the place on a turntable at one time.
+    """Return the body at one time: g of a vibrating plane, and its place on a turntable, filled in.
 
     `known` is a record of integrals at that time, or a state with copies of them.
     """

@@ -1,4 +1,12 @@
-"""Up to which friction the contact of a body has exactly one answer."""
+"""Up to which friction, or rolling resistance, the contact of a body has exactly one answer.
+
+In goes a body; out comes the bound of mu or mu_r, over all its poses on a grid of theta (and psi).
+`scenario.contact` compares the friction of a scenario with it.
+
+Symbols
+    b         the body, a `body.Touch` or `frame.Asymmetric`, in numbers
+    K         acceleration of the contact point per normal force there [1/kg], (3,)
+"""
 
 import math
 from typing import Any
@@ -16,9 +24,10 @@ THETA = np.linspace(0, np.pi, 2_001)[1:-1]
 
 
 def mobility(b: Any) -> tuple[Vector, Any, Any]:
-    """Return the acceleration of the contact point per normal force, in every pose of a body.
+    """Return K, the lever [m] of the normal force and the height [m] of the centre of mass by pose.
 
-    Return also the lever of that force and the height of the centre of mass.
+    K is the acceleration of the contact point per normal force, (3,) [1/kg]; each number is an
+    array over the poses of the body.
     """
     theta = THETA
     psi: Any = 0.0

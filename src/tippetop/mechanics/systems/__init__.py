@@ -1,5 +1,9 @@
 """The registry of systems: those of the package, registered ones, and those of entry points.
 
+`SYSTEMS` contains each `System` by name, `find` and `add` read and extend it. A module for
+each kind of body has its class (`TippeTop`, ...) and its systems; `outlook` has the predictions of
+theory.
+
 Entry points are loaded when an unknown name is used (a scan takes 10 to 70 ms): the group
 `tippetop.systems` contains System records, `tippetop.friction` contains friction laws under the
 name of the entry point.
@@ -110,7 +114,7 @@ def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
 
 
 def opening_systems() -> dict[str, System]:
-    """Return the systems whose contact may open, by name."""
+    """Return the systems whose contact may open, by name: those with an `Opening`."""
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
 

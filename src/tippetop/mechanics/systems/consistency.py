@@ -1,4 +1,7 @@
-"""Checks of a user-defined system: its records fit together, and its functions work."""
+"""Checks of a user-defined system: its records fit together, and its functions work.
+
+`systems.add` calls `check`: a `System` goes in; InputError has a sentence for each fault.
+"""
 
 import math
 from collections import Counter

@@ -1,10 +1,15 @@
 """The eccentric cylinder, gliding or with the modified reaction. [T ch. 6]
 
-Its motion is planar, and theta is unbounded.
+`Cylinder` takes the numbers of the user, GLIDING_CYLINDER is the `System`. Its motion is planar,
+and theta is unbounded. It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so
+their quantities serve; there are no poles. The state has sin(theta), cos(theta), and theta is an
+integral: a count of turns does not cost digits.
 
-It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve;
-there are no poles. The state has sin(theta), cos(theta), and theta is an integral: a count of turns
-does not cost digits.
+Symbols
+    b         the body, a `contact.body.Touch` with c = alpha R, I1 = I; law: record of b.friction
+    q         a state: s = sin(theta), z = cos(theta), theta', nu_x; carried: record of integrals
+    c         in (c, b): the `Scalars` of a state; e: record of angles
+    nu_x, v_A velocity of the contact point; F_x, F_z: force of the plane there
 """
 
 from collections import ChainMap
@@ -61,7 +66,10 @@ class Cylinder(Top):
     g: Number = reuse(tippe_top.TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body: c = alpha*R, I1 = I; I3 plays no part."""
+        """Return the body as the `b` of formulas, a `Touch` with c = alpha R, I1 = I.
+
+        I3 plays no part. `friction` is the record of a law.
+        """
         return Touch(self.m, self.R, self.alpha * self.R, self.I, self.I, self.g, friction)
 
 
@@ -137,7 +145,7 @@ State = type(UNITS)
 
 @formula
 def scalars(q, b):
-    """Return the scalars of a state."""
+    """Return the `Scalars` of a state."""
     along = q.nu_x + q.theta_dot * contact.height(q.z, b)
     w2 = q.theta_dot**2
     return Scalars(
@@ -159,14 +167,14 @@ def scalars(q, b):
 
 @formula
 def standard_force(c, b, law):
-    """Return F_x and F_z of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
+    """Return F_x and F_z [N] of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
     N = contact.g_n(c, b)
     return -(slip_coefficient(c.v2, c.z, law) * N * c.nu_x), N
 
 
 @formula
 def modified_force(c, b, law):
-    """Return F_x and F_z of the modified reaction."""
+    """Return F_x and F_z [N] of the law `Modified`."""
     h = contact.height(c.z, b)
     share = kappa(c.v2, law)
     turn = (
@@ -185,7 +193,7 @@ contact_force = select(lambda law: modified_force if isinstance(law, Modified) e
 
 
 def contact_mobility(c, b):
-    """Return the number that is positive unless the contact jams.
+    """Return a number that is positive unless the contact jams.
 
     Under the modified reaction it never does.
     """
@@ -194,10 +202,7 @@ def contact_mobility(c, b):
 
 @formula
 def rates(q, b):
-    """Return the rates of I theta'' = (a x F)_y and m r'' = F_x.
-
-    [T 6.1, 6.2]
-    """
+    """Return the rates of a state, from I theta'' = (a x F)_y and m r'' = F_x. [T 6.1, 6.2]"""
     c = scalars(q, b)
     Fx, N = contact_force(c, b, b.friction)
     h = contact.height(q.z, b)
@@ -212,14 +217,15 @@ def rates(q, b):
 
 @formula
 def of_angles(e, s, z, b):
-    """Return the state of an angle record."""
+    """Return the state of angles e; s, z are sin(theta), cos(theta)."""
     return State(s, z, e.theta_dot, e.nu_x)
 
 
 def to_angles(units: Any) -> Callable:
-    """Return to_angles(q, carried, b) of a form whose state and integrals have these angles."""
+    """Return to_angles(q, carried, b) of a form whose angles are state and integrals."""
 
     def angles(q: Any, carried: Any, b: Any) -> Any:
+        """Return the record of angles: the state and the integrals."""
         known = {**q._asdict(), **carried._asdict()}
         return type(units)(*(known[name] for name in units._fields))
 
@@ -227,7 +233,10 @@ def to_angles(units: Any) -> Callable:
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """Return the angle record of the given initial values; centre_at_rest may replace nu_x."""
+    """Return the record of angles from the user's numbers `data`.
+
+    centre_at_rest may replace nu_x.
+    """
     e = type(ANGLES)(*(data.get(name, 0) for name in ANGLES._fields))
     return (
         e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))
@@ -252,13 +261,13 @@ def friction_power(c, b):
 
 @formula
 def turning(c, b):
-    """Return theta'."""
+    """Return theta', the function of the event `turning`."""
     return c.theta_dot
 
 
 @formula
 def sliding(c, b):
-    """Return |v_A|^2 less 1e-12 in internal units: below it the cylinder rolls."""
+    """Return |v_A|^2 less 1e-12, in internal units: the function of `settled`."""
     return c.v2 - 1e-12
 
 

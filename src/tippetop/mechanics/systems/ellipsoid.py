@@ -1,4 +1,8 @@
-"""Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry."""
+"""Ellipsoids with three moments of inertia: rattlebacks, and balls without an axis of symmetry.
+
+`Ellipsoid` takes the numbers of the user; ELLIPSOID and ROLLING_ELLIPSOID are the `System`s, whose
+formulas are those of `contact.framed`. `friction` is the record of a law.
+"""
 
 from collections.abc import Mapping
 from functools import partial
@@ -73,7 +77,7 @@ class Ellipsoid(Top):
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Asymmetric:
-        """Return the body that formulas take."""
+        """Return the body as the `b` of formulas, an `Asymmetric`, with the record of a law."""
         k, s = cos(self.delta), sin(self.delta)
         a2, b2 = self.a**2, self.b**2
         squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2, self.c**2

@@ -13,9 +13,7 @@ from .tippe_top import SOURCE
 
 @formula
 def Lz_rate(push_n, b):
-    """Return L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding.
-
-    push_n is (zhat x 3hat).(dv_A/dt).
+    """Return Lz' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] about the tip; push_n: see `body.push_n`.
 
     [T 5.19]
     """
@@ -24,7 +22,7 @@ def Lz_rate(push_n, b):
 
 @formula
 def own_Lz_rate(s, b):
-    """Return L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
+    """Return Lz' about the tip [kg m^2/s^2] of a gliding state with the scalars s. [T 5.19]"""
     return Lz_rate(contact.push_n(s, b), b)
 
 

@@ -1,10 +1,16 @@
 """Heavy symmetric tops, and the one whose tip is fixed. [T ch. 2]
 
-Mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter.
+`HeavyTop` takes the numbers of the user: mass m, distance l from the tip to the centre of mass, I1
+and I3 about the latter. HEAVY_TOP is the `System` with a fixed tip; the other one glides on a
+plane: `gliding_heavy_top`. Both are bodies with R = 0, c = -l.
 
-They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glides on a plane:
-`gliding_heavy_top`. L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x
-3hat'.
+Symbols
+    b         the body, a `contact.body.Touch`; I1* = I1 + m l^2: transverse moment about the tip
+    q         a state of the vector form: 3hat and L_A; e: one of angles; s, z: sin, cos of theta
+    s         in (s, b): the scalars of a state, about the centre of mass
+    L_A       angular momentum about the tip; L = L_A - m l^2 3hat x 3hat' about the centre of mass
+    L3, Lz    L.3hat, the same about both points; L_A.zhat
+    V, E~     effective potential V(z, Lz, L3), energy E~ = I1* theta'^2/2 + V; z = cos(theta)
 """
 
 from dataclasses import replace
@@ -49,7 +55,10 @@ class HeavyTop(Top):
     g: Number = reuse(TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body: R = 0, c = -l."""
+        """Return the body as the `b` of formulas, a `Touch` with R = 0 and c = -l.
+
+        `friction` is the record of a law.
+        """
         return Touch(self.m, 0 * self.l, -self.l, self.I1, self.I3, self.g, friction)
 
 
@@ -70,9 +79,9 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V of both heavy tops in the variables of the landscape, seen upside down.
+    """Return V of both heavy tops, seen upside down, in q = cot(theta/2)^2.
 
-    q is cot(theta/2)^2, and the momenta are (L3, Lz).
+    The momenta are (L3, Lz); see `PotentialCoefficients`.
     """
     zero = 0 * b.m
     one = 1 + 0 * b.m
@@ -122,13 +131,16 @@ def theta_inertia(z, b):
 
 @formula
 def L3(s, b):
-    """Return L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
+    """Return L3 = I3 omega_3 [kg m^2/s] from the scalars; constant for any force at the tip.
+
+    [T 2.37, 5.7]
+    """
     return s.L3
 
 
 @formula
 def Lz(s, b):
-    """Return L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed.
+    """Return Lz = L_A.zhat [kg m^2/s] from the scalars; constant where the tip is fixed.
 
     [T 2.36, 5.19]
     """
@@ -137,13 +149,13 @@ def Lz(s, b):
 
 @formula
 def tip_axis_rate(q, b):
-    """Return 3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
+    """Return 3hat' = L_A x 3hat/I1*, (3,) [1/s], of a state q. [T 2.24]"""
     return times(1 / tip_inertia(b), cross(turning(q).L, axis(q)))
 
 
 @formula
 def momentum_about_centre(q, b):
-    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
+    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s], of a state q."""
     return plus(turning(q).L, times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
 
 
@@ -152,10 +164,7 @@ def momentum_about_centre(q, b):
 
 @formula
 def fixed_scalars(q, b):
-    """Return the scalars of a state about the fixed tip.
-
-    They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
-    """
+    """Return the scalars of a state q: those of a body that rolls with R = 0."""
     x = contact.Turning(axis(q), momentum_about_centre(q, b))
     u_dot = tip_axis_rate(q, b)
     return rolling.scalars(x, u_dot, times(b.c, u_dot), b)
@@ -163,7 +172,10 @@ def fixed_scalars(q, b):
 
 @formula
 def fixed_rates(q, b):
-    """Return 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
+    """Return the rates of a state q: 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat).
+
+    [T 2.24]
+    """
     u = axis(q)
     u_dot = tip_axis_rate(q, b)
     weight = b.m * b.g * b.c
@@ -189,7 +201,7 @@ ANGLES = contact.filled(**rolling.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEW
 
 
 def vector_of_angles(e, s, z, b):
-    """Return the state about the fixed tip of the angles."""
+    """Return the state q of angles e; s, z are sin(theta), cos(theta)."""
     return rolling.vector_of_angles(e, s, z, b._replace(I1=tip_inertia(b)))
 
 

@@ -1,6 +1,12 @@
 """Predictions of theory for a start, by system: thresholds, the regime in a sentence, the fate.
 
-Each takes the body in SI and the quantities of the start by name.
+Each function takes the body and the quantities of the start, and returns an `Outlook`; a `System`
+has one as its field `outlook`, which `runs.forecast` calls before a run.
+
+Symbols
+    b         the body in SI units, a `contact.body.Touch` or `Asymmetric`, with its law b.friction
+    start     quantities and angles at the start by name, SI; at_pole: whether theta is 0 or pi
+    law       the rules of a contact that may open, a `ContactLaw`
 """
 
 import math

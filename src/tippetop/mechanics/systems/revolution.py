@@ -1,4 +1,9 @@
-"""Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim."""
+"""Bodies of revolution by their outline: eggs and lentils, and discs with a rounded rim.
+
+`Spheroid` and `Disc` take the numbers of the user. `systems` makes the gliding and the rolling
+`System` of such a body of those of a ball (`contact.gliding`, `contact.rolling`): its formulas get
+the ball by which the body touches (`contact.outlined`). `both` serves `ellipsoid` too.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -24,7 +29,10 @@ class Outlined(Top, abstract=True):
     faults = staticmethod(contact.inertia_faults)
 
     def seen(self: Any, friction: Any) -> Bent:
-        """Return the body that formulas take."""
+        """Return the body as the `b` of formulas, a `Bent` with its outline.
+
+        `friction` is the record of a law.
+        """
         shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
         return Bent(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 

@@ -1,6 +1,10 @@
 """The rolling cylinder: the eccentric cylinder of `cylinder`, whose contact point is at rest.
 
 [T 6.11]
+
+Symbols
+    b         the body, a `contact.body.Touch`
+    q         a state: s = sin(theta), z = cos(theta), theta'; e: record of angles
 """
 
 from ..contact import body as contact
@@ -32,7 +36,7 @@ def rolling_acceleration(s, z, theta_dot, b):
 
 @formula
 def rolling_scalars(q, b):
-    """Return the scalars of a rolling state: v_A = 0, and the horizontal part of the reaction."""
+    """Return the `cylinder.Scalars` of a state, with v_A = 0 and the horizontal force."""
     Fx = b.m * (
         rolling_acceleration(q.s, q.z, q.theta_dot, b) * contact.height(q.z, b)
         + b.c * q.theta_dot**2 * q.s
@@ -43,7 +47,7 @@ def rolling_scalars(q, b):
 
 @formula
 def rolling_rates(q, b):
-    """Return theta'' of pure rolling. [T 6.11]"""
+    """Return the rates of a state. [T 6.11]"""
     return RollingState(
         q.z * q.theta_dot, -(q.s * q.theta_dot), rolling_acceleration(q.s, q.z, q.theta_dot, b)
     )
@@ -51,7 +55,7 @@ def rolling_rates(q, b):
 
 @formula
 def rolling_of_angles(e, s, z, b):
-    """Return the rolling state of an angle record."""
+    """Return the state of angles e; s, z are sin(theta), cos(theta)."""
     return RollingState(s, z, e.theta_dot)
 
 

@@ -1,8 +1,17 @@
 """The tippe top: a sphere that rolls and glides. [T ch. 3, 4]
 
-Its radius is R, its centre of mass lies alpha*R below its centre.
+`TippeTop` takes the numbers of the user; the constants at the end are the `System` TIPPE_TOP, whose
+equations are those of `contact.gliding`. The functions are quantities and the effective potential,
+which the theory of the thesis has and other bodies do not. With alpha < 0 it is a peg: its centre
+of mass lies above the centre of the sphere where theta = 0.
 
-With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
+Symbols
+    b         the body, a `Touch`: radius R, c = alpha R, moments I1, I3 about the centre of mass
+    s         the scalars of a state: z = cos(theta), L3 = L.3hat, and others; z_dot = z'
+    D         Routh's function; lambda, lam: Jellett's integral; both constant in pure rolling
+    d(z)      a number that relates D to L3, see `spinning.d`; gamma = I1/I3, sigma = m R^2/I3
+    E~, V     modified energy g(z) theta'^2 + V(z, D, lambda), and the effective potential
+    v_A       velocity of the contact point; 3hat: the axis of the body
 """
 
 from collections.abc import Mapping
@@ -66,7 +75,10 @@ class TippeTop(Top):
     g: Number = number(METRE_PER_SECOND2, "acceleration of gravity", symbol="g", above=0)
 
     def seen(self, friction: Any) -> Touch:
-        """Return the body: c = alpha*R."""
+        """Return the body as the `b` of formulas, a `Touch` with c = alpha R.
+
+        `friction` is the record of a law.
+        """
         return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
 
 
@@ -86,9 +98,7 @@ def routh(s, b):
 
 @formula
 def routh_rate(z, push, b):
-    """Return D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2].
-
-    push is (zhat x 3hat).(dv_A/dt).
+    """Return D' = gamma m R/sqrt(d) push [kg m^2/s^2], push = (zhat x 3hat).(dv_A/dt).
 
     [T 4.17]
     """
@@ -97,7 +107,7 @@ def routh_rate(z, push, b):
 
 @formula
 def theta_inertia(z, b):
-    """Return g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2].
+    """Return g(z) [kg m^2], the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda).
 
     [T 4.11]
     """
@@ -106,9 +116,9 @@ def theta_inertia(z, b):
 
 @formula
 def X(z, D, lam, b):
-    """Return X(z) = lambda sqrt(d(z)) + R(alpha - z) D. [T 4.9]
+    """Return X(z) = lambda sqrt(d(z)) + R(alpha - z) D, from which phi' follows. [T 4.9]
 
-    It determines phi' sin(theta)^2 = X/(R I1 sqrt(d)).
+    phi' sin(theta)^2 = X/(R I1 sqrt(d)).
     """
     return lam * sqrt(d(z, b)) + (b.c - b.R * z) * D
 
@@ -129,10 +139,11 @@ def potential(z, D, lam, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V in the variable of the landscape, q = tan(theta/2)^2.
+    """Return V in the variable of the landscape, q = tan(theta/2)^2: see `PotentialCoefficients`.
 
-    With a body of decimals no digit is lost, although the marked lines cancel. The coefficients of
-    a peg are those of the body with its axis reversed, where D is -D.
+    `landscape.landscape_body` calls it with a body of decimals, by which no digit is lost, although
+    the marked lines cancel. The coefficients of a peg are those of the body with its axis reversed,
+    where D is -D.
     """
     turned = b.c < 0
     b = b._replace(c=abs(b.c))
@@ -179,7 +190,7 @@ QUANTITIES = (*MOMENTA, *gliding.QUANTITIES)
 
 @formula
 def own_routh_rate(s, b):
-    """Return D' [kg m^2/s^2] of the state itself. [T 4.17]"""
+    """Return D' [kg m^2/s^2] of a gliding state with these scalars. [T 4.17]"""
     return routh_rate(s.z, contact.push_n(s, b), b)
 
 

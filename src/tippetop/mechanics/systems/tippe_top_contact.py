@@ -1,10 +1,16 @@
-"""The rolling tippe top by its angular momentum about the contact: regular everywhere.
+"""The rolling tippe top by its angular momentum about the contact: the form `contact`.
 
-No reaction enters M' = m g a x zhat - m a' x s' of M = L - m a x s', and omega follows from M by
-division, since lambda = -a.M and D determine the rest.
+It is regular everywhere. No reaction enters M' = m g a x zhat - m a' x s', and omega follows from M
+by division, since lambda = -a.M and D determine the rest. The scalars take 3hat and L, not D and
+lambda: that D and lambda of these stay constant remains a check.
 
-The scalars take 3hat and L, not D and lambda: that D and lambda of these stay constant remains a
-check.
+Symbols
+    b         the body, a `contact.body.Touch`; R, c, I1, I3, m, g are its numbers
+    q         a state of the form: 3hat, M_x, M_y, D, lambda (`lam`); carried: record of integrals
+    e         record of angles and rates; s, z: sin(theta), cos(theta)
+    M, L      angular momentum about the contact, about the centre of mass; M = L - m a x s'
+    a, s'     the arm, to the contact point; the velocity of the centre of mass, (3,)
+    D         Routh's function; lambda: Jellett's integral; u = 3hat: the axis; z = u_z
 """
 
 from ..contact import body as contact
@@ -35,21 +41,21 @@ ContactState = type(CONTACT_UNITS)
 
 @formula
 def spin(q, b):
-    """Return omega_3 [rad/s]."""
+    """Return omega_3 [rad/s] of a state, from D."""
     return spin_momentum(q.uz, q.D, b) / b.I3
 
 
 @formula
 def tipping_inertia(q, b):
-    """Return I1 + m |a|^2 [kg m^2], about a horizontal line through the contact."""
+    """Return I1 + m |a|^2 [kg m^2], the moment about a horizontal line through the contact."""
     return b.I1 + b.m * contact.arm2(q.uz, b)
 
 
 @formula
 def angular_velocity(q, b):
-    """Return omega, (3,), space frame [rad/s].
+    """Return omega of a state, (3,) in space [rad/s].
 
-    From M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m (a.omega) a.
+    It solves M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m (a.omega) a.
     """
     w3 = spin(q, b)
     excess = (b.I3 - b.I1) * w3
@@ -65,19 +71,19 @@ def angular_velocity(q, b):
 
 @formula
 def axis_rate(q, b):
-    """Return 3hat' = omega x 3hat [1/s]."""
+    """Return 3hat' = omega x 3hat of a state, (3,) [1/s]."""
     return cross(angular_velocity(q, b), axis(q))
 
 
 @formula
 def momentum(q, b):
-    """Return L about the centre of mass, (3,), space frame [kg m^2/s]."""
+    """Return L about the centre of mass of a state, (3,) in space [kg m^2/s]."""
     return plus(times(b.I1, angular_velocity(q, b)), times((b.I3 - b.I1) * spin(q, b), axis(q)))
 
 
 @formula
 def centre_velocity(q, b):
-    """Return s' = -(omega x a) without its vertical part, (3,) [m/s]."""
+    """Return the horizontal part of s' = -(omega x a), (3,) [m/s]: the rates of x and y."""
     w = angular_velocity(q, b)
     u_dot = axis_rate(q, b)
     return Vector(b.R * w.y - b.c * u_dot.x, -(b.R * w.x) - b.c * u_dot.y, 0)
@@ -85,10 +91,10 @@ def centre_velocity(q, b):
 
 @formula
 def contact_rates(q, b):
-    """Return the time derivatives of the state.
+    """Return the rates of a state.
 
-    3hat' = omega x 3hat, M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y), D' = lambda' = 0.
-    `0 * q.D` is a zero of the type of the state's numbers.
+    3hat' = omega x 3hat, M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y), D' = lambda' = 0. `0
+    * q.D` is a zero of the type of the state's numbers.
     """
     w = angular_velocity(q, b)
     u_dot = axis_rate(q, b)
@@ -117,20 +123,20 @@ def vertical_force(q, carried, b):
 
 @formula
 def contact_scalars(q, b):
-    """Return the scalars of a state about the contact."""
+    """Return the scalars of a state, `rolling.Scalars`."""
     x = contact.Turning(axis(q), momentum(q, b))
     return rolling.scalars(x, axis_rate(q, b), centre_velocity(q, b), b)
 
 
 @formula
 def vectors(q, b):
-    """Return the vector state: 3hat, and L about the centre of mass."""
+    """Return the state of the vector form: 3hat, and L about the centre of mass."""
     return VectorState(*axis(q), *momentum(q, b))
 
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """Return the state about the contact of the angles."""
+    """Return the state q of angles e: `of_angles` of the form."""
     v = rolling.vector_of_angles(e, s, z, b)
     x = gliding.turning(v)
     k = contact.kinematics(x, contact.axis_rate(x, b), b)
@@ -144,10 +150,7 @@ def contact_of_angles(e, s, z, b):
 
 @formula
 def angles_of_contact(q, carried, b):
-    """Return the angles of a state about the contact.
-
-    They are 0/0 exactly at a pole, where phi is undefined.
-    """
+    """Return the record of angles of a state; 0/0 exactly at a pole, where phi is undefined."""
     return rolling.angles_of_vector(vectors(q, b), carried, b)
 
 

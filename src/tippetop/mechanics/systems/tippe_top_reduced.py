@@ -1,8 +1,14 @@
-"""The rolling tippe top reduced by its integrals: z moves, Routh's D and lambda are numbers.
+"""The rolling tippe top reduced by its integrals: the form `reduced`, in which z moves only.
 
 Singular at the poles, like Euler angles. Rounding reaches the energy through z and z' alone: over
 very long runs it drifts less than in vector form, in which every component of L is rounded at every
 step.
+
+Symbols
+    b         the body, a `contact.body.Touch`
+    q         a state of the form: z = cos(theta), z', D, lambda (`lam`); carried: its integrals
+    e         record of angles and rates; s in (e, s, z, b): sin(theta)
+    D         Routh's function; lambda: Jellett's integral; L3, Lz: L.3hat, L.zhat
 """
 
 import math
@@ -44,7 +50,7 @@ def spin_momentum(z, D, b):
 
 @formula
 def reduced_kinematics(q, b):
-    """Return the kinematics of a reduced state."""
+    """Return the `Kinematics` of a state."""
     z = q.z
     s2 = (1 - q.z) * (1 + q.z)
     L3 = spin_momentum(z, q.D, b)
@@ -57,26 +63,26 @@ def reduced_kinematics(q, b):
 
 @formula
 def reduced_scalars(q, b):
-    """Return the scalars of a reduced state."""
+    """Return the scalars of a state, `rolling.Scalars`."""
     return rolling.scalars_by_kinematics(reduced_kinematics(q, b), b)
 
 
 @formula
 def reduced_rates(q, b):
-    """Return z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
+    """Return the rates of a state: z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
     return ReducedState(q.z_dot, rolling.z_dot2(reduced_kinematics(q, b), b), 0 * q.D, 0 * q.lam)
 
 
 @formula
 def phi_rate(q, carried, b):
-    """Return phi' [rad/s]."""
+    """Return phi' [rad/s], the rate of the integral phi."""
     s = reduced_kinematics(q, b)
     return s.phi_dot_s2 / s.s2
 
 
 @formula
 def psi_rate(q, carried, b):
-    """Return psi' = omega_3 - phi' cos(theta) [rad/s]."""
+    """Return psi' = omega_3 - phi' cos(theta) [rad/s], the rate of the integral psi."""
     s = reduced_kinematics(q, b)
     return s.L3 / b.I3 - s.phi_dot_s2 / s.s2 * q.z
 
@@ -89,7 +95,7 @@ def sine_and_cosine(q):
 
 @formula
 def velocity(q, carried, b):
-    """Return x', y' of the centre of mass [m/s]."""
+    """Return x', y' of the centre of mass [m/s], the rates of these integrals."""
     s = reduced_kinematics(q, b)
     sine = sqrt(s.s2)
     e = rolling.EulerState(0, -(q.z_dot / sine), s.phi_dot_s2 / s.s2, s.L3 / b.I3)
@@ -99,13 +105,13 @@ def velocity(q, carried, b):
 
 @formula
 def reduced_of_angles(e, s, z, b):
-    """Return the reduced state of the angles."""
+    """Return the state of angles e: `of_angles` of the form; s, z are sin(theta), cos(theta)."""
     c = rolling.euler_scalars(e, b)
     return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b))
 
 
 def azimuth(q: Any, carried: Any) -> Any:
-    """Return phi in (-pi, pi]."""
+    """Return phi in (-pi, pi] [rad], from the integral phi."""
     return atan2(sin(carried.phi), cos(carried.phi))
 
 

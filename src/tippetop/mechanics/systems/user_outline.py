@@ -1,4 +1,8 @@
-"""User-defined bodies of revolution, by the height of their centre of mass on the plane."""
+"""User-defined bodies of revolution, by the height of their centre of mass on the plane.
+
+Numbers and a height(z, s2, numbers) go in; `body_by_height` returns a class like `Spheroid`, whose
+`shape` is an outline as in `contact.outline`.
+"""
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
@@ -31,6 +35,7 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
     z = np.cos(THETA)
 
     def height(shape: Any) -> list[np.ndarray]:
+        """Return the height and its first derivatives by z on a grid."""
         return [part + 0 * z for part in at(z, s * s, shape.height).parts]
 
     f = height(shape)
@@ -82,6 +87,7 @@ def body_by_height(numbers: Mapping[str, Number], height: Callable) -> type[Outl
         )
 
     def faults(parameters: Mapping[str, float]) -> list[str]:
+        """Return sentences on parameters of which there is no such body."""
         own = shape._make(parameters[name] for name in numbers)
         return inertia_faults(parameters) + outline_faults(own, lengths)
 

@@ -1,6 +1,12 @@
 """Rest, spins at the poles and steady rolling of a body of revolution with an outline.
 
-At a pole it moves as the ball by which it touches there.
+A body in SI units goes in; out come limits by name, as `Threshold`s with their meaning, which
+`systems.outlook` reports. At a pole the body moves as the ball by which it touches there.
+
+Symbols
+    b         the body, a `contact.body.Bent`; z: cos(theta), 1 or -1 at the poles
+    high      height of the centre of mass on the plane [m]
+    rolls     whether the contact is at rest, or slides under friction
 """
 
 import math
@@ -44,6 +50,7 @@ def limits(b: Touch) -> dict[str, Threshold]:
     found = {}
 
     def rest(name: str, theta: float, more: str = "") -> None:
+        """Add the height of the centre of mass at rest at theta, if the body can rest there."""
         high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
         words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
         if high > 0:  # a thick disc touches with its other edge there

@@ -1,4 +1,7 @@
-"""The swing of the heavy top with a fixed tip, and the names of its motions."""
+"""The swing of the heavy top with a fixed tip, and the names of its motions.
+
+Conserved numbers of a motion in SI units go in; heights z = cos(theta), or words, come out.
+"""
 
 import math
 

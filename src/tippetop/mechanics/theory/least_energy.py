@@ -2,9 +2,14 @@
 
 [T 3.43, 3.44]
 
-At given lambda and z = cos(theta) no state has less energy than the one that turns about the arm of
-the contact, omega = -lambda a/(a.I a), with its centre of mass at rest. Its critical points are the
-spinning and tumbling states.
+At given lambda and z no state has less energy than the one that turns about the arm of the contact,
+omega = -lambda a/(a.I a), with its centre of mass at rest. Its critical points are the spinning and
+tumbling states, where a gliding top can end.
+
+Symbols
+    b         the body in SI units, a `contact.body.Touch`; a: the arm, I: tensor of inertia
+    z         cos(theta); lam, lambda: Jellett's integral [kg m^3/s]
+    s_z       height of the centre of mass [m]
 """
 
 import math
@@ -62,6 +67,7 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     """
 
     def state(kind: str, z: float, phi_dot: float, omega3: float, stable: bool) -> AsymptoticState:
+        """Return a critical point with its energy."""
         with np.errstate(over="ignore"):
             energy: Any = least_energy(z, np.float64(lam), b)
         return AsymptoticState(kind, math.acos(z), phi_dot, omega3, float(energy), stable)

@@ -160,7 +160,7 @@ class Equation:
         self.values: Any = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
 
     def square(self, z: Any, t: Any, step: complex = 0.0) -> Any:
-        """Return Q(z, t) = z'^2; its imaginary part is that of a step of t."""
+        """Return Q(z, t) = z'^2; its imaginary part is that of a step of t by `step`."""
         energy, *momenta = (self.values(t) + step * self.values(t, 1)).T
         potential = self.system.potential
         inertia = self.system.theta_inertia
@@ -169,11 +169,11 @@ class Equation:
         return (1 - z) * (1 + z) * (energy - potential(z, *momenta, self.b)) / inertia(z, self.b)
 
     def slope(self, z: Any, t: Any) -> Any:
-        """Return Q_z."""
+        """Return Q_z, the derivative of Q by z, by a complex step."""
         return self.square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
 
     def drift(self, z: Any, t: Any) -> Any:
-        """Return Q_t."""
+        """Return Q_t, the derivative of Q by t, by a complex step."""
         return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
 
     def piece(
@@ -206,6 +206,7 @@ class Equation:
         follows = FOLLOWS / (period * fastest**2)
 
         def rates(t: float, y: np.ndarray) -> list[float]:
+            """Return the rates of z, z' and the correction r of z'', for scipy."""
             z, speed, r = y
             rest = self.drift(z, t) / 2 - r * speed
             return [speed, self.slope(z, t) / 2 + r, follows * speed * rest]

@@ -1,4 +1,11 @@
-"""Linear modes near a spinning state."""
+"""Linear modes near a spinning state: how fast a small lean grows, and whether the spin is stable.
+
+Symbols
+    b         the body in SI units, a `contact.body.Touch`; h: its height at the pole
+    omega3    spin about the axis [rad/s]; up: cos(theta) of the pole, 1 or -1
+    p         rate of a mode, u_x + i u_y ~ exp(p t) [1/s]; u: the axis
+    slip      the coefficient k of friction at rest [s/m]
+"""
 
 import math
 from typing import Any

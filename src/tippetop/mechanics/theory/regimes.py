@@ -1,4 +1,7 @@
-"""Which asymptotic states are stable for a value of Jellett's integral."""
+"""Which asymptotic states are stable for a value of Jellett's integral.
+
+A value of lambda and a body b in SI units go in, a `Regime` comes out.
+"""
 
 from typing import NamedTuple
 
@@ -22,7 +25,7 @@ class Regime(NamedTuple):
         return words + (["the inverted spin"] if self.inverted else [])
 
     def sentence(self) -> str:
-        """Describe which states are stable."""
+        """Return a sentence on which states are stable."""
         states = self.attractors
         if not states:
             return "no spinning or tumbling state is stable"

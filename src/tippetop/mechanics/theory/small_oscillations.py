@@ -1,4 +1,9 @@
-"""Small oscillations of an ellipsoid that rolls and spins about its half axis c, a vertical."""
+"""Small oscillations of an ellipsoid that rolls and spins about its half axis c, a vertical.
+
+Symbols
+    b         the body in SI units, a `contact.frame.Asymmetric`
+    q         a state of the form `framed.ROLLS`; u: axis 3, L: angular momentum
+"""
 
 import numpy as np
 

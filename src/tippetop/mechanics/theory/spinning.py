@@ -1,7 +1,12 @@
 """The spinning states theta = 0, pi of a tippe top: marked lines on the minimal surface.
 
-The minimal surface is F(D, lambda) = inf V(z, D, lambda) over z = cos(theta).
-In every formula z = +1 or -1 is cos(theta) of the state. [T 4.23-4.28]
+The minimal surface is F(D, lambda) = inf V(z, D, lambda) over z = cos(theta). [T 4.23-4.28]
+
+Symbols
+    b         the body, a `contact.body.Touch`; gamma = I1/I3, sigma = m R^2/I3, alpha = c/R
+    z         +1 or -1: cos(theta) of the state; in `d` any cos(theta)
+    lam       Jellett's integral lambda [kg m^3/s]; D: Routh's function [kg m^2/s]
+    E~        energy of the state; X(z): see `tippe_top.X`
 """
 
 from ..contact.body import height, height_energy
@@ -25,27 +30,24 @@ def d(z, b):
 
 @formula
 def slope(z, b):
-    """Return rho = D/lambda on the marked line [1/m]: where X(z) = 0."""
+    """Return rho = D/lambda of a spinning state [1/m], by X(z) = 0: the marked line."""
     return sqrt(d(z, b)) / (b.R * z - b.c)
 
 
 @formula
 def momentum(z, lam, b):
-    """Return D of the spinning state [kg m^2/s]. [T 4.24, 4.25]"""
+    """Return D = rho lambda of a spinning state [kg m^2/s]. [T 4.24, 4.25]"""
     return slope(z, b) * lam
 
 
 @formula
 def energy(z, lam, b):
-    """Return E~ of the spinning state [J], the end value V(z) on the marked line. [T 4.26-4.28]"""
+    """Return E~ of a spinning state [J]: the end value V(z) on the marked line. [T 4.26-4.28]"""
     return height_energy(z, b) + b.I3 * spin(z, lam, b) ** 2 / 2
 
 
 def lambda_pi(b):
-    """Return |lambda| from which on the highest spin lies on the minimal surface [kg m^3/s].
-
-    That is the spin with the centre of mass highest.
-    """
+    """Return |lambda| [kg m^3/s] from which on the highest spin lies on the surface."""
     high = -sense(b)
     h = height(high, b)
     return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * d(high, b)) / (1 + b.m * b.R * h / b.I3)

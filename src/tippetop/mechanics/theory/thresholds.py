@@ -1,10 +1,16 @@
 """Numbers that separate the regimes of a top: lambda_u, lambda_s, gamma_c and others.
 
-Bodies are `contact.body.Touch` records of floats, SI; thresholds also take arrays.
+A body goes in, numbers come out; `thresholds` returns all of them with unit and meaning, for
+`systems.outlook`. Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis
+turned round: alpha, theta, omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi'
+and all energies stay. `shape`, `sense` and `poles` make that change for all of theory.
 
-Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis turned round: alpha,
-theta, omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi' and all energies stay.
-`shape`, `sense` and `poles` make that change for all of theory.
+Symbols
+    b         the body in SI units, a `contact.body.Touch` of floats, or of arrays
+    lambda    Jellett's integral [kg m^3/s]; E~: energy
+    alpha, gamma, sigma, beta   see `Shape`; alpha = c/R without sign there
+    spins     states with a vertical axis: upright (theta = 0) and inverted (theta = pi); the lowest
+              and the highest one by the height of the centre of mass
 """
 
 import math
@@ -35,7 +41,7 @@ class Shape(NamedTuple):
 
 
 def shape(b: Touch) -> Shape:
-    """Return the numbers that decide about a tippe top."""
+    """Return the numbers on which thresholds depend, a `Shape`; beta in kg m^3/s."""
     alpha = np.abs(b.c) / b.R
     return Shape(
         alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3)
@@ -52,7 +58,10 @@ def sense(b: Touch) -> Any:
 
 
 def poles(b: Touch) -> tuple[str, str]:
-    """Return the names of the spinning states whose centre of mass is lowest and highest."""
+    """Return the names of the spins with the centre of mass lowest and highest.
+
+    Of a peg they are exchanged.
+    """
     low, high = SPINS
     return (high, low) if np.all(b.c < 0) else (low, high)
 
@@ -89,28 +98,25 @@ def _over_root(number: Any, x: Any) -> Any:
 
 
 def lambda_de(b: Touch) -> Any:
-    """Return |lambda| above which the highest spin has less energy E~ than the lowest one.
-
-    [T 4.29]
-    """
+    """Return |lambda| above which the highest spin has less energy E~ than the lowest. [T 4.29]"""
     alpha = b.c / b.R
     return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
 
 
 def gamma_c(alpha: float) -> float:
-    """Return gamma above which, and only there, lambda_s > lambda_u."""
+    """Return gamma_c(|alpha|): lambda_s > lambda_u if and only if gamma > gamma_c."""
     return (1 - alpha**2) * (1 + 3 * alpha**2) / (1 + 6 * alpha**2 + alpha**4)
 
 
 def gamma_plus(alpha: float) -> float:
-    """Return gamma from which on, and only there, all tumbling states are stable."""
+    """Return gamma_plus(|alpha|): all tumbling states are stable iff gamma >= gamma_plus."""
     return (1 - alpha) * (7 + alpha + sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
 def gamma_de(alpha: Any) -> Any:
-    """Return gamma above which, and only there, lambda_s > lambda_de.
+    """Return gamma_de(|alpha|): lambda_s > lambda_de if and only if gamma > gamma_de. [T 4.31-4.34]
 
-    It is below 1 - alpha for alpha > 3 - sqrt(8). [T 4.31-4.34]
+    It is below 1 - alpha for alpha > 3 - sqrt(8).
     """
     return (1 + alpha) * (1 - 3 * alpha) / (1 - alpha) ** 2
 
@@ -152,6 +158,7 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
     alpha, gamma, *_ = shape(b)
 
     def spin_at(state: str, lam: Any) -> Any:
+        """Return |omega_3| of a spinning state that has this value of lambda."""
         return np.abs(spin(SPINS[state], lam, b))
 
     at_low = f"spin_{low}"

@@ -1,5 +1,9 @@
 """Tumbling states of a tippe top, and every asymptotic state as curves over lambda.
 
+Symbols
+    b         the body in SI units, a `contact.body.Touch`; alpha, gamma, beta: see `Shape`
+    z         cos(theta); lam, lambda: Jellett's integral [kg m^3/s]
+
 Theorem 3.3.2 of the source is used as corrected: below gamma_+ some tumbling states near the
 upright are unstable, and below gamma_c the upright spin outlives the inverted one.
 """
