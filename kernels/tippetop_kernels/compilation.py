@@ -87,7 +87,7 @@ class Entry:
 
     @functools.cached_property
     def compiled(self) -> Any:
-        """Return numba's dispatcher, which compiles the function when it is first called."""
+        """Return numba's dispatcher, which compiles the function for each new kind of arguments."""
         import numba
 
         jit = functools.partial(numba.njit, self.function, error_model="numpy", nogil=True)

@@ -29,7 +29,10 @@ STEPS, MOST_STEPS = 2, 8
 
 @kernel
 def scanned(prepare, slope, value, x, y, r, status, j):
-    """Return F and q of a point that needs a closer look, and write status[j]."""
+    """Return F and q of the lowest minimum at a point (x, y), found by a scan; write status[j].
+
+    For a point where the iteration did not converge, or the function has several minima.
+    """
     p = prepare(x, y, r)
     turns = np.empty(MOST_EXTREMES)
     last = extremes(slope, p, r, turns)

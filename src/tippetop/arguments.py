@@ -150,7 +150,10 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as TOML contains it: numbers of Python and lists. Raises InputError."""
+    """Return a value, or a tree of dicts and lists, as TOML contains it: numbers of Python.
+
+    Arrays become lists. Raises InputError for what TOML does not have.
+    """
     import numpy as np
 
     if hasattr(value, "__array__") and not isinstance(value, str | Mapping):

@@ -51,7 +51,7 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     result = Future[Result]()
 
     def done() -> None:
-        """Do the work, and keep its result or its exception."""
+        """Do the work in the thread, and keep its result or its exception in `result`."""
         try:
             result.set_result(context.run(work))
         except BaseException as error:

@@ -93,12 +93,15 @@ def column(
 
 
 def without_rows(columns: dict[str, Column]) -> dict[str, Column]:
-    """Return columns of the same kind without a row."""
+    """Return columns of the same names, dimensions and types without a row."""
     return {name: each._replace(values=each.values[:0]) for name, each in columns.items()}
 
 
 def on_sphere(trajectory: Any) -> np.ndarray:
-    """Return at which rows of a run the sphere itself touches the plane."""
+    """Return at which rows of a run the sphere itself touches the plane, (n,) of bool.
+
+    `trajectory` is a Dataset; without the columns `phase` and `ball` it always touches.
+    """
     away = np.zeros(len(trajectory["time"].values), bool)
     for name, words in (("ball", "stem"), ("phase", "flight")):
         away |= flagged(trajectory[name], words) if name in trajectory else away

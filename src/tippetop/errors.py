@@ -43,7 +43,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 def sentence(key: str, must: str, given: Any) -> str:
-    """Return the sentence on a value that is wrong: the condition and the value found."""
+    """Return the sentence on a wrong value: "`key` must ..., but is ...", cut if it is long."""
     words = "a table" if isinstance(given, dict) else repr(given)
     return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
 
@@ -188,7 +188,10 @@ def warn(sentences: Iterable[str], level: int) -> None:
 
 
 def _leaves(record: Any) -> Iterable[Any]:
-    """Yield the numbers of arguments that are records of records."""
+    """Yield the numbers of a record of records, depth first, as `operand.leaves` does.
+
+    This module is below `mechanics`, and cannot import it.
+    """
     for field in record:
         yield from _leaves(field) if isinstance(field, tuple) else (field,)
 

@@ -58,7 +58,7 @@ class Bar:
             self.bar.stop()
 
     def update(self, done: float, of: float) -> None:
-        """Show how much is done."""
+        """Show how much is done, `done` of `of`; it draws a few times per second at most."""
         if not self.visible or time.monotonic() < self.due:
             return
         self.due = time.monotonic() + AGAIN_AFTER

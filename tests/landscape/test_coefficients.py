@@ -21,7 +21,7 @@ def test_coefficients_give_the_potential_of_the_system(name: str, rng: np.random
     t = landscape_body.top(numbers(name), name)
     scale = np.sqrt(t.body.m * t.body.g * max(t.body.R, -t.body.c) * t.body.I3)
     q = np.exp(rng.uniform(-6, 6, 50))
-    z = landscape_labels.cosine(q, t.upright)
+    z = landscape_labels.cosine(q, t.bottom_z)
     values = {"routh": scale, "jellett": scale * t.body.R, "L3": scale, "Lz": scale}
     momenta = {m.column: values[m.column] * rng.uniform(-5, 5, 50) for m in t.landscape.momenta}
     V = formulas.value(q, formulas.at_momenta(*momenta.values(), t.coefficients), t.coefficients)

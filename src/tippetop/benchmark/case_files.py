@@ -176,7 +176,7 @@ def export(
     made = []
 
     def write(name: str, text: str) -> None:
-        """Write a text file, and note it as made."""
+        """Write a text file of the folder, and append its path to `made`."""
         disk.write_text(root / name, text, overwrite=overwrite)
         made.append(root / name)
 
@@ -323,7 +323,7 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
 
 
 def _csv(columns: Mapping[str, Any]) -> str:
-    """Return columns as CSV."""
+    """Return columns, by header, as the text of a CSV file with 12 digits."""
     from pandas import DataFrame
 
     return DataFrame(columns).to_csv(index=False, float_format="%.12g", lineterminator="\n")

@@ -106,7 +106,7 @@ def case(name: str | Path) -> Case:
 
 
 def _own(path: Path) -> Case:
-    """Return a scenario as a case. Raises InputError."""
+    """Return a scenario, a TOML file or a preset, as a case; it is run. Raises InputError."""
     problem = replace(starting.load(path), orientation=True)
     require_still(problem.tables, f"`{path}`", tilted=True)
     if path.stem in names():

@@ -48,7 +48,7 @@ def _arms(problem: Problem, motion: Truth) -> np.ndarray:
 
 
 def _gaps(motion: Truth, arms: np.ndarray) -> np.ndarray:
-    """Return the gap of each lowest point (1 or 2, rows) [m]."""
+    """Return the height of each lowest point above the plane, (1 or 2, rows) [m]; see `_arms`."""
     return motion.position[:, 2] + arms[:, :, 2]
 
 

@@ -347,7 +347,7 @@ def _unseen(t: np.ndarray, until: float) -> tuple[float, float] | None:
 
 
 def _checked(path: Path, each: Case) -> Table:
-    """Read a result. Raises InputError."""
+    """Return the table of a result of the case `each`. Raises InputError if it cannot be scored."""
     table = read(path, gaps=False)
     needed = VECTORS["quaternion"]
     if missing := [name for name in needed if not table.has(name)]:
@@ -418,7 +418,10 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 
 
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
-    """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
+    """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing.
+
+    `there` is the result and `exact` its reference at the same times.
+    """
     body = each.problem.body()
     apart = differences(there, exact)
     spins = []

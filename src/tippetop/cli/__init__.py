@@ -35,7 +35,7 @@ _received: list[int] = []  # exit codes of the signals that came
 
 
 def _interrupt(*_: Any) -> NoReturn:
-    """Handle Ctrl-C: raise KeyboardInterrupt; exit immediately at the second signal."""
+    """Handle SIGINT: raise KeyboardInterrupt; exit immediately if a signal came before."""
     if _received:
         os._exit(_received[0])  # a second signal: exit now; acknowledged data are on the disk
     _received.append(INTERRUPTED)
@@ -80,7 +80,10 @@ def _warn(message: Warning | str, *_: Any) -> None:
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
-    """Call the command and return its exit code; errors become sentences on stderr."""
+    """Call the command and return its exit code; errors become sentences on stderr.
+
+    `arguments` are the words of the command line, by default those of the process.
+    """
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:
         from .application import called

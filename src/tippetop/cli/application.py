@@ -43,7 +43,7 @@ WITHOUT_ENGINE = {"export", "systems", "presets", "new", "help", "completion"}
 
 
 def application() -> App:
-    """Return the application."""
+    """Return the application of cyclopts, with all commands; their modules are not imported."""
     app = App(
         name="tippetop",
         help=PURPOSE,

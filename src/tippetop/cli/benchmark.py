@@ -91,7 +91,10 @@ def _score(
     overwrite: bool,
     as_json: bool,
 ) -> int:
-    """Print the score of results, and draw the figures."""
+    """Print the score of results, and draw the figures; return the exit code.
+
+    The arguments are those of `benchmark`.
+    """
     from itertools import groupby
 
     from ..arguments import choice, measured

@@ -186,7 +186,7 @@ def fit(
 
 
 def _print(result: Any, figure: Path | None, overwrite: bool, as_json: bool) -> int:
-    """Draw and print a comparison or a fit."""
+    """Draw and print a `Comparison` or a `Fitted`; return the exit code."""
     if figure is not None:
         result.plot(figure, overwrite=overwrite)
     if as_json:

@@ -180,7 +180,10 @@ def potential(
 
 
 def picture(store: Path, attrs: PlainData, look: Look) -> Any:
-    """Draw the store of `surface` or `potential`."""
+    """Draw the store of `surface` or `potential`, whose root attributes are `attrs`.
+
+    Return the figure.
+    """
     from ..landscape import landscape_body, surface
     from ..sampling import spread
     from ..store import root
@@ -195,7 +198,10 @@ def picture(store: Path, attrs: PlainData, look: Look) -> Any:
 
 
 def describe(attrs: PlainData, as_json: bool) -> int:
-    """Print the content of the store of `surface` or `potential`."""
+    """Print the content of the store of `surface` or `potential`; return the exit code.
+
+    `attrs` are the root attributes of the store.
+    """
     if as_json:
         return print_json(attrs)
     from .text import plain, table
@@ -207,7 +213,10 @@ def describe(attrs: PlainData, as_json: bool) -> int:
 
 
 def _surface(grid: Any, top: Top, look: Look = PLAIN) -> Any:
-    """Draw a surface with the lines of both spinning states."""
+    """Draw a surface, a Dataset of `surface.minimal_surface`, with lines of both spinning states.
+
+    Return the figure.
+    """
     from ..figures import drawing, landscape_figures
     from ..landscape import marked_lines
 
@@ -216,7 +225,11 @@ def _surface(grid: Any, top: Top, look: Look = PLAIN) -> Any:
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
-    """Draw a potential with its minimum."""
+    """Draw a potential with its minimum; return the figure.
+
+    `V` is a Dataset of `potential.potential`, `least` one of `surface.minimal_surface` for the same
+    D and lambda.
+    """
     from ..figures import drawing, well
 
     D = float(least["D"])
@@ -243,7 +256,11 @@ def _tippe_top(scenario: str) -> Top:
 
 
 def _axis(name: str, text: str, unit: Unit) -> Any:
-    """Return min:max:n as an array. Raises InputError."""
+    """Return the text min:max:n as n evenly spaced numbers, ascending, SI, (n,). Raises InputError.
+
+    `name` is the option, for messages. min and max are SI numbers, or texts with a unit that
+    converts to `unit`.
+    """
     import numpy as np
 
     wrong = InputError(

@@ -75,7 +75,11 @@ def plot(
 def _drawn(
     stores: list[Path], kind: str | None, window: tuple[float | None, float | None], look: Look
 ) -> Any:
-    """Return the figure of some stores, or of a scenario."""
+    """Return the figure of the kind `kind` of some stores, or of a scenario, as matplotlib's Axes.
+
+    `kind` None is the first kind that the store has; `window` is the part of a run, (start, end)
+    [s]. Raises InputError.
+    """
     from ..figures import drawing
     from ..library.stored_run import StoredRun
     from ..store import root

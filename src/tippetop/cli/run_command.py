@@ -203,7 +203,19 @@ def _interruptible(
 def _print(
     attrs: PlainData, seconds: dict[str, float], places: dict[str, Any], as_json: bool
 ) -> int:
-    """Print the result of a run; return its exit code."""
+    """Print the result of a run; return its exit code.
+
+    Parameters
+    ----------
+    attrs
+        The root attributes of its store.
+    seconds
+        Times of compiling and of integrating.
+    places
+        Paths that were written, by their name in the output.
+    as_json
+        Whether to print one JSON object.
+    """
     from ..runs.attributes import headline_of
     from ..runs.certificate import broken_promises
     from ..runs.results import summary_of

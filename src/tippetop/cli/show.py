@@ -109,7 +109,7 @@ def check(
 
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
-    """Print a checked scenario or plan."""
+    """Print facts on a checked scenario or plan; return exit code 0. `units` are those of keys."""
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})

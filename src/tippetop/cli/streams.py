@@ -62,7 +62,10 @@ def complain(sentences: list[str], code: int) -> int:
 
 
 def flush(code: int) -> int:
-    """Write the rest of the output at the end of the process; return the exit code."""
+    """Write the rest of the output at the end of the process.
+
+    Return the exit code: `code`, or another one if standard output cannot be written.
+    """
     try:
         sys.stdout.flush()
     except OSError as error:

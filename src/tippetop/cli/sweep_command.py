@@ -69,7 +69,7 @@ def sweep(
 
 
 def describe(report: PlainData, as_json: bool) -> int:
-    """Print the content of a sweep's store."""
+    """Print the content of a sweep's store, a `sweep_summary.report`; return exit code 0."""
     from ..sweeps.sweep_summary import lines
 
     if as_json:

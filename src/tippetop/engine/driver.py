@@ -99,7 +99,10 @@ class Request(Protocol):
 
 
 def view(array: np.ndarray) -> Any:
-    """Return an array as numbers of Python, which takes half the time of NumPy's."""
+    """Return a view of an array that reads and writes numbers of Python, in half NumPy's time.
+
+    It shares the memory of the array, which the loop in C writes too.
+    """
     return memoryview(array)  # type: ignore[arg-type]
 
 
@@ -182,7 +185,10 @@ class Driver:
         self.set_end(end)
 
     def stepper_of(self, code: Compiled) -> Stepper:
-        """Return the object or machine code that makes the steps of an integrator."""
+        """Return the object or machine code that makes the steps of an integrator.
+
+        `Workspace` calls it; a driver of wider numbers overrides it.
+        """
         return code.machine
 
     def allocate_tallies(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
@@ -213,7 +219,10 @@ class Driver:
         )
 
     def findings(self) -> tuple[Tallies, PassageLog, Samples]:
-        """Return the arrays into which the loop of a phase writes: tallies, log and samples."""
+        """Return the arrays into which the loop of a phase writes: tallies, log and samples.
+
+        `Workspace` binds a loop to them; pools of tops, which have others, override it.
+        """
         return self.tallies, self.log, self.samples
 
     def set_output(self, rows: Rows) -> None:
@@ -223,21 +232,27 @@ class Driver:
         self.delivered = 0
 
     def set_workspace(self, workspace: Workspace) -> None:
-        """Make the next steps with the integrator and arrays of this phase."""
+        """Make the next steps with the integrator and arrays of this phase; it copies no state."""
         self.workspace = workspace
         self.motion = workspace.motion
         self.loop = workspace.loop
         self.stepper = workspace.stepper
 
     def set_parameters(self, workspace: Workspace, body: Sequence[Any]) -> None:
-        """Copy the numbers of the body, or as many as an integrator has, to its parameters."""
+        """Copy the numbers of the body, or as many as an integrator has, to its parameters.
+
+        Wider numbers are not copied to the arrays of the loop but to heyoka: an override.
+        """
         pars = workspace.motion.pars[:, 0]
         pars[:] = body[: len(pars)]
 
     # --- steps -----------------------------------------------------------------------------------
 
     def advance(self, request: Request, most: int) -> Slice:
-        """Make a slice of at most `most` steps; rows go to the request."""
+        """Make a slice of at most `most` steps; rows go to the request.
+
+        Everything in the slice is copied: the arrays of the loop are used again by the next one.
+        """
         self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
         steps, when, last, ended = self.run(most)
         logged = slice(self.logged[0])
@@ -270,7 +285,7 @@ class Driver:
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def clear_counts(self) -> None:
-        """Reset the counters before a phase or a piece of an impact: running, no step made."""
+        """Reset status, `upto`, `tiny` and `steps` before a phase or a piece of an impact."""
         self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
     def clear_findings(self) -> None:
@@ -278,7 +293,11 @@ class Driver:
         self.logged[0] = self.sampled_so_far[0] = 0
 
     def drive(self, most: int) -> int:
-        """Provide room for rows while at most `most` steps are made; return their number."""
+        """Make at most `most` steps, with new room for rows when it is full; return their number.
+
+        The loop stops where its room is full, and goes on after `request_rows`; a run that has
+        ended may still have rows in its last step.
+        """
         steps = 0
         while True:
             if self.made[0] == self.output.length:
@@ -288,7 +307,7 @@ class Driver:
                 return steps
 
     def request_rows(self) -> None:
-        """Hand over the rows that are filled, and make room for the next ones."""
+        """Hand over the rows that are filled, and make room for the next ones, as requested."""
         self.deliver_rows()
         times = self.request.next_times()
         n = len(times)
@@ -316,7 +335,10 @@ class Driver:
         return states[:, : self.variables]
 
     def make_steps(self, most: int) -> int:
-        """Let the loop in C make at most `most` steps and their rows; return their number."""
+        """Let the loop in C make at most `most` steps and their rows; return their number.
+
+        Of a run of several phases it also makes changes of phase: an override.
+        """
         self.loop.fill(self.output)
         return self.loop.drive(most)
 
@@ -353,7 +375,7 @@ class Driver:
         return self.motion.state[:, 0]
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state, padded with zeros, and the time."""
+        """Set the state, internal, padded with zeros, and the internal time as (high, low)."""
         self.motion.state[: len(state), 0], self.motion.state[len(state) :] = state, 0.0
         self.motion.high[0], self.motion.low[0] = clock
 
@@ -394,7 +416,10 @@ class Driver:
         return self.log.states.shape[1]
 
     def snapshot(self) -> dict[str, Any]:
-        """Return plain data from which a run continues bit by bit, for `restore`."""
+        """Return plain data from which a run continues bit by bit, for `restore`.
+
+        Stores contain them: another name or another order of numbers is another format of stores.
+        """
         return {
             "state": self.state.copy(),
             "time": list(self.clock),
@@ -413,9 +438,10 @@ class Driver:
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue from a snapshot `kept`.
+        """Continue from a snapshot `kept`, of a run with the same equations.
 
-        Its state and time are also given, in the working precision.
+        Its `state` and `clock` (high, low) are passed in the working precision, which plain data
+        do not have.
         """
         self.set_state(state, clock)
         self.clear_findings()

@@ -344,7 +344,11 @@ class PhaseSolver:
             self.ahead = copy.deepcopy(code_for(problem, self.formulas, run.stop).integrator)
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
-        """Return the records of all events of the run; only those of this phase are searched."""
+        """Return the records of all events of the run; only those of this phase are searched.
+
+        `mine` are the records of its events, in their order. This also writes the scale and
+        `extremes` of these events to `run.all_events`, which reports read.
+        """
         known = run.all_events.events
         records = np.zeros_like(run.all_events.events)
         for (number, event), record in zip(self.events.items(), mine, strict=True):
@@ -362,14 +366,18 @@ class PhaseSolver:
         return records
 
     def value(self, number: int, state: Any, b: Any) -> Any:
-        """Return the event function of this number in a state, with these parameters."""
+        """Return the value of the event function `number` in a state of the phase, internal units.
+
+        `state` are its variables, b the parameters of the phase.
+        """
         functions = self.formulas.functions(*self.variables.split(state), b)
         return functions[[*self.events].index(number)]
 
     def notes(self, number: int, before: Any, state: Any, b: Any) -> bool:
-        """Return whether an event is noted that happens in the jump from the phase `before`.
+        """Return whether event `number` is logged if a jump from phase `before` passes its zero.
 
-        `state` and `b` are those where that phase ended.
+        A turning is logged if its function was not at zero where that phase ended, in `state` with
+        parameters b; a lasting event always; any other one is logged by jumps, if at all.
         """
         event = self.events[number]
         if event.lasting or not event.sense:
@@ -418,7 +426,7 @@ class PhaseSolver:
 
 
 def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[Any, Any]:
-    """Return bodies as jumps take them, in internal units, and the phases of their system.
+    """Return bodies as jumps take them, in internal units, and the phases of their system by name.
 
     Parameters
     ----------
@@ -427,14 +435,14 @@ def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[A
     tops
         The run again, or the `Problems`, whose numbers are arrays.
     rules
-        Their contact.
+        Their contact, a `ContactLaw`, SI.
     number
         Converts numbers or arrays to the working precision.
     """
     system = base.system
 
     def internal(value: Any, unit: Any) -> Any:
-        """Return SI values in internal units."""
+        """Return SI values of this unit in internal units, in the working precision."""
         return number(np.asarray(value, base.exact) / tops.scales.of(unit))
 
     if system.assembled is None:
@@ -523,7 +531,11 @@ class HybridDriver(Driver):
             self.first = self.rows_of(np.array([self.solver.at]), self.series(self.number(0)))
 
     def _start(self, state: tuple) -> None:
-        """Make the jump from the start to the first phase."""
+        """Make the jump from the start, at time 0, to the first phase.
+
+        `state` are the variables at the start, internal. If it is the end of another run, the
+        `joint` names the phase. A jump that names none leaves it to `begin_in_first`.
+        """
         system = self.problem.system
         world = self.world._replace(left=self.end)
         phase = completed(system.phase, self.problem.variables)
@@ -556,7 +568,7 @@ class HybridDriver(Driver):
         return self.solvers[name]
 
     def add_solver(self, solver: PhaseSolver) -> None:
-        """Add a phase, and the programs of its exits."""
+        """Add a phase, and the programs of its exits; pools override it to add a pool."""
         self.solvers[solver.name] = solver
         if self.jump_programs:
             self.jump_programs.add_loop(solver.at, solver.workspace.loop)
@@ -568,15 +580,25 @@ class HybridDriver(Driver):
         return tuple(self.solver_of(name).workspace.compiled for name in self.phases)
 
     def set_phase(self, solver: PhaseSolver, began: float) -> None:
-        """Make the next steps in a phase that begins at this internal time."""
+        """Make the next steps in a phase that begins at an internal time; its state is not set."""
         self.solver = solver
         self.began = began
         self.set_workspace(solver.workspace)
 
     def _enter(self, begun: tuple, now: Any, before: PhaseSolver | None) -> None:
-        """Begin a phase by the result of a jump, which was made at an internal time.
+        """Begin a phase by the result of a jump, which was made at the internal time `now`.
 
-        `before` is the phase that has ended; None at the start.
+        It sets phase, state, time and signs of event functions, and logs the events that the jump
+        passed; the caller makes the jump, and logs its `logged` events.
+
+        Parameters
+        ----------
+        begun
+            The result of `Jump`: the Next, its solver, the state there and its event functions.
+        now
+            The time of the jump; its `delay` is added here.
+        before
+            The phase that has ended; None at the start.
         """
         n, solver, state, values = begun
         time = min(now + self.number(n.delay), self.end)
@@ -603,7 +625,11 @@ class HybridDriver(Driver):
     def keep_interval(
         self, solver: PhaseSolver, began: float, ended: Any, state: Iterable, jump: Jump | None
     ) -> None:
-        """Append a phase that has ended to `intervals`; the state begins with its variables."""
+        """Append a phase that has ended to `intervals`, if they are kept (for derivatives).
+
+        `began` and `ended` are internal times, `state` its last one, whose first numbers are the
+        variables of the phase, and `jump` that by which it ended, or None.
+        """
         if self.intervals is not None:
             last = [float(one) for one in islice(state, len(solver.variables.names))]
             self.intervals.append(PhaseInterval(solver, began, float(ended), last, jump))
@@ -616,7 +642,10 @@ class HybridDriver(Driver):
         return replace(super().advance(request, most), tables=self.tables.take_rows())
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
-        """Advance by at most `most` steps, through as many phases as they take."""
+        """Advance by at most `most` steps, through as many phases as they take, at most PER_SLICE.
+
+        Returns what `Driver.run` does: steps, internal time, state, status or None.
+        """
         self.changes = 0
         steps = 0
         while True:
@@ -669,16 +698,19 @@ class HybridDriver(Driver):
             self.status[0] = Status.FINISHED.code
 
     def next_end(self) -> tuple[Any, Any]:
-        """Return the internal time at which the next steps end, and why, for `end_next`."""
+        """Return the internal time at which the next steps end, and the number of the event that
+        ends them: a sampled one, or that of the clock, also for the end of the run.
+        """
         ends = [(min(self.end, self.until), self.clock_number)]
         if self.solver.sampled:
             ends += sampled_in_next_step(self)
         return min(ends, key=itemgetter(0))
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
-        """Make the jump by which a phase ends, and begin the next one.
+        """Make the jump by which a phase ends at the internal time `when`, and begin the next one.
 
-        Return the status of a run that ends here, or None.
+        It begins in `self.last`, which `run` has set. Return the status of a run that ends here,
+        with the reason in `sentence`, or None.
         """
         shortest = CHATTER * max(self.began, 1.0)
         if float(self.until) > self.began:  # it was to last some time
@@ -731,7 +763,7 @@ class HybridDriver(Driver):
                 self.add(inside, self.series(*inside) if self.series else first)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Write rows at times that lie in no step.
+        """Write rows at internal times that lie in no step; there must be room for them.
 
         `states` are of the present phase, (k, variables).
         """
@@ -742,7 +774,10 @@ class HybridDriver(Driver):
         rows.states[part, : states.shape[1]] = states
 
     def _note(self, number: int, time: Any, sign: int, solver: Any, state: np.ndarray) -> None:
-        """Log an event that no step has found, in a state of this phase; None: in a row."""
+        """Log event `number` that no step has found, at an internal time, +1 rising or -1 falling.
+
+        `state` are the variables of the phase of `solver`, or a row if that is None.
+        """
         at = self.logged[0]
         loop = solver.workspace.loop if solver else self.loop
         phase = solver.at if solver else AS_ROW
@@ -753,7 +788,10 @@ class HybridDriver(Driver):
         self.times[at], self.log.states[at, : len(state)] = time, state
 
     def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
-        """Return states at internal times in a jump that takes time."""
+        """Return states (times, variables) of the present phase in a jump that takes time.
+
+        `series` is that of the Next, whose time 0 is the internal time `began`.
+        """
         values = self.solver.variables.join(*series(np.array(times, self.number) - began))
         return np.array([[self.number(one) for one in value] for value in values]).T
 
@@ -778,7 +816,10 @@ class HybridDriver(Driver):
         return every[0]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
-        """Log an event that happens in the jump from the phase `before` at the time `now`."""
+        """Log event `number`, whose function passed zero in the jump from `before` at time `now`.
+
+        `sign` is that of the function after it. In a jump that takes time its zero is searched.
+        """
         solver = self.solver
         during = self.series
         if during:
@@ -791,9 +832,10 @@ class HybridDriver(Driver):
             self._note(number, now, sign, before, self.last)
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
-        """Return states of phases, by number (k,), as rows in the variables of the run.
+        """Return states (k, width) of phases, by number (k,), as rows (k, variables) of the run.
 
-        They are those of the tops in these slots, where a loop has many.
+        The numbers `AS_ROW` and that after the last phase mark states that are rows already.
+        `slots` are those of the tops, (k,), where a loop has many.
         """
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
@@ -811,7 +853,10 @@ class HybridDriver(Driver):
     def read(
         self, rows: np.ndarray, some: Any, solver: PhaseSolver, states: np.ndarray, b: Any
     ) -> None:
-        """Write rows[some] from states[some] of a phase with parameters b; `some` are indices."""
+        """Write rows[some] from states[some] of a phase with parameters b, in place.
+
+        `some` is an index, or an array of them.
+        """
         variables = self.problem.variables
         q, carried = solver.variables.split(states[some].T)
         read, _ = self.problem.system.read(solver.phase, q, carried, b)
@@ -822,13 +867,18 @@ class HybridDriver(Driver):
     # --- where the run is ------------------------------------------------------------------------
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
-        """End the present phase with the run; return the last rows of its tables."""
+        """End the present phase with the run; return the last rows of its tables, SI.
+
+        Only for a run that ends between slices, as a settled one does; others end in `run`.
+        """
         self.keep_interval(self.solver, self.began, self.clock[0], self.state, None)
         self.tables.end(float(self.clock[0]))
         return self.tables.take_rows()
 
     def joint(self, names: Iterable[str]) -> PlainData:
-        """Return the data with which another run continues in the present phase."""
+        """Return the data with which another run continues in the present phase: fields of a Next
+        as `next`, and how long the phase has `lasted`, besides those of `Driver.joint`.
+        """
         joint = super().joint(self.numbers)
         lasts = float(self.until - self.now)
         sides = {name: sign for name, sign in joint["signs"].items() if sign}
@@ -850,9 +900,10 @@ class HybridDriver(Driver):
         return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Continue in the phase of a snapshot `kept`.
+        """Continue in the phase of a snapshot `kept`, as `Driver.restore` does.
 
-        Its state and time are in the working precision.
+        The phase is set first, because state and time are those of its integrator, and rows in the
+        tables since the start of this process are dropped.
         """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]

@@ -74,7 +74,7 @@ def measure(
     total = int(tops.valid.sum())
 
     def ended() -> None:
-        """Report that one more top has ended."""
+        """Report that one more top has ended; threads call it."""
         if progress is not None:
             with lock:
                 progress(next(counted), total)

@@ -21,7 +21,7 @@ from .outcomes import SWINGS, Outcomes
 
 
 def problem_of(tops: Problems, top: int) -> Problem:
-    """Return the problem of one top, to run alone."""
+    """Return the problem of one of the tops, by its number, to run alone; unchecked."""
 
     def numbers(table: str) -> dict[str, Any]:
         """Return the numbers of this top in a table of the scenario."""
@@ -66,7 +66,7 @@ def faults_of(problem: Problem) -> list[str]:
 
 
 def checked(outcomes: Outcomes, top: int) -> Problem | None:
-    """Return the problem of a top; mark a top that cannot be integrated as invalid."""
+    """Return the problem of a top by its number; mark an invalid one in `outcomes`: None."""
     problem = problem_of(outcomes.tops, top)
     if faults := faults_of(problem):
         outcomes.refuse(top, faults[0])
@@ -101,7 +101,7 @@ def run_each(
 
 
 def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
-    """Run a top and write its row, in internal units."""
+    """Run a top and write its row of `outcomes`, in internal units; `logs`: and its events."""
     internal = outcomes.times[top]
     wanted = internal >= 0
     times = internal[wanted] * problem.unit(SECOND)

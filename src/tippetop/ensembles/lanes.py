@@ -65,7 +65,7 @@ class PoolOfOne(Pools):
         code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
 
         def reads(*names: str) -> bool:
-            """Return whether a requested column begins with one of these names."""
+            """Return whether all columns are wanted, or one that begins with one of these names."""
             return wanted is None or any(name.startswith(names) for name in wanted)
 
         rows = watched(code.rows, base, reads)
@@ -85,7 +85,7 @@ class PoolOfOne(Pools):
         self.add_pool(0, self.loop, range(numbers))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states of the tops in slots as rows."""
+        """Return states of the tops in slots as rows (k, variables); see `Driver.rows_of`."""
         return states[:, : self.variables]
 
 
@@ -175,7 +175,10 @@ class Lanes:
     # --- starts of tops --------------------------------------------------------------------------
 
     def _begin(self, queue: Iterator[int], free: list[int]) -> bool:
-        """Begin tops in free slots. Return whether the queue may have more."""
+        """Begin tops in slots of the list `free`, which are removed from it.
+
+        Return whether the queue may have more.
+        """
         taken = list(islice(queue, len(free)))
         is_more = len(taken) == len(free)
         problems: Any = self._checked(taken) if self.is_hybrid else dict.fromkeys(taken)
@@ -240,7 +243,10 @@ class Lanes:
         return is_settled and stays(problem, view.evaluate(last))
 
     def _look(self) -> None:
-        """Compare the invariants of sampled states with the start, and empty samples and log."""
+        """Compare the invariants of sampled states with the start, and empty samples and log.
+
+        The loop stops where they are full, so it is called after each `step`.
+        """
         pools = self.pools
         if count := int(pools.samples.filled[0]):
             slots, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
@@ -254,7 +260,7 @@ class Lanes:
             pools.log.filled[0] = 0
 
     def _write(self, slots: np.ndarray) -> None:
-        """Write the rows of tops that have ended."""
+        """Write the rows of `outcomes` of the tops in these slots, which have ended."""
         pools = self.pools
         outcomes = self.outcomes
         columns = outcomes.columns

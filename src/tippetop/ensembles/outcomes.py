@@ -110,13 +110,16 @@ class Outcomes:
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     def refuse(self, top: int, sentence: str) -> None:
-        """Mark a top as invalid, and store the reason."""
+        """Mark a top, by its number, as invalid, and store the reason as a sentence."""
         self.status[top] = Status.INVALID.code
         self.faults.append((top, sentence))
 
 
 def _conclude(outcomes: Outcomes) -> None:
-    """Compute SI units, theta at the end and the class of each top from its end."""
+    """Compute theta at the end and the class of each top from its end, and convert to SI, in place.
+
+    It must be called once, when all tops have ended.
+    """
     tops = outcomes.tops
     columns = outcomes.columns
     for name, (empty, unit, _) in outcomes.forms.items():
@@ -169,7 +172,7 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
 
 
 def table(outcomes: Outcomes) -> dict[str, Column]:
-    """Return the rows as columns along `top`, by name."""
+    """Return the rows as columns along `top`, by name, SI; for outcomes of `ensemble.measure`."""
     given = {name: (outcomes.columns[name], *form[1:]) for name, form in outcomes.forms.items()}
     for name, worst in outcomes.drift.items():
         given[f"drift_{name}"] = worst, ONE, f"worst relative drift: {name}"

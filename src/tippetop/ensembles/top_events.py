@@ -20,14 +20,14 @@ TOP = {"units": "1", "long_name": "number of the top"}
 
 
 def log_of(tops: Problems, top: int) -> EventLog:
-    """Return an empty log of one top."""
+    """Return an empty log of one of the tops, by its number, which converts its zeros to rows."""
     problem = problem_of(tops, top)
     tallies = new_tallies(event_rows((), (), ()), np.ones((0, 1)))
     return EventLog(Observables(problem), problem.start()[None], tallies)
 
 
 def log_events(measured: Outcomes) -> None:
-    """Write the event table of each top from the zeros that lanes found."""
+    """Write `measured.events`, the event table of each top, from the zeros that lanes found."""
     tops = measured.tops
     rows, states = map(np.concatenate, zip(*measured.passages, strict=True))
     order = np.argsort(rows["phase"], kind="stable")  # of one top they ascend

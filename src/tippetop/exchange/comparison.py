@@ -164,7 +164,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
 
 
 def reference(run: Solution) -> Arrays:
-    """Return the columns of a run, and further quantities of a table, SI."""
+    """Return the columns of a run by name, and quantities that a table may have instead, SI."""
     problem = run.problem
     body = problem.body()
     columns = {name: column.values for name, column in run.columns().items()}
@@ -194,7 +194,10 @@ def reference(run: Solution) -> Arrays:
 
 
 def _attitude(motion: Arrays, body: Any) -> Any:
-    """Return the orientation or the axis, as `shape.lies` takes it; None if it is missing."""
+    """Return the orientation (rows, 4) or the axis (rows, 3), as `shape.lies` takes it, or None.
+
+    `motion` are columns by name, `body` the `b` of formulas in SI.
+    """
     name = "orientation" if hasattr(body, "I2") else "axis"
     return motion.get(name) if hasattr(body, "outline") else None
 
@@ -216,7 +219,10 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
 
 
 def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
-    """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
+    """Return the differences of two motions by quantity, (rows,) each, not negative; NaN in gaps.
+
+    Both are columns by name, SI: `there` of the other program, `columns` of the reference.
+    """
     result: Arrays = {}
     for name in there.keys() & columns:
         off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
@@ -256,12 +262,15 @@ def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
 
 
 def _relative(values: np.ndarray) -> np.ndarray:
-    """Return the changes since the first known value, relative to it."""
+    """Return the changes of values (rows,) since the first finite one, relative to it."""
     return values / values[np.isfinite(values)][0] - 1
 
 
 def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
-    """Return how deep the other motion penetrates the floor, and how high it rises from it [m]."""
+    """Return how deep the other motion penetrates the floor, and how high it rises from it [m].
+
+    {} if `there`, its columns by name, has no height or attitude; `body` is `b` in SI.
+    """
     attitude = _attitude(there, body)
     if problem.system.name == "heavy-top" or attitude is None or "place" not in there:
         return {}
@@ -300,7 +309,7 @@ def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
 
 
 def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) -> str:
-    """Return a message if the first row differs from the start of the reference."""
+    """Return a message if the first row differs from the start of the reference, or ""."""
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:

@@ -162,7 +162,10 @@ def fit(
         expected = min(starts, n + MET - (ends[0].searches if ends else 0))
 
         def report(done: int, before: int = n * count, total: int = expected * count) -> None:
-            """Report the progress of one search as part of all."""
+            """Report the progress of one search, of which `done` windows are done, as part of all.
+
+            `before` and `total` are bound when the search begins.
+            """
             progress(before + done, total)
 
         report(0)
@@ -229,7 +232,10 @@ def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
 
 
 def _excess(parts: Arrays) -> float:
-    """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
+    """Return the excess of squared autocorrelations over those of noise, in standard deviations.
+
+    `parts` are residuals by kind of measurement, (rows, parts).
+    """
     lags = np.arange(1, LAGS + 1)
     worst = 0.0
     for rho in _autocorrelations(parts):
@@ -393,7 +399,10 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
 def _undecided(
     space: Space, values: dict[str, float], sigma: np.ndarray, correlations: np.ndarray
 ) -> list[str]:
-    """Return sentences on the numbers that the data do not decide."""
+    """Return sentences on the numbers that the data do not decide.
+
+    `values` and standard errors `sigma` (free,) are in SI; `correlations` are (free, free).
+    """
     reasons = []
     widths = []
     for (name, value), scale, s in zip(values.items(), space.scales, sigma, strict=True):
@@ -418,7 +427,10 @@ def _undecided(
 
 
 def _rivals(space: Space, ends: Sequence[Minimum], where: str = "") -> list[str]:
-    """Return a sentence where other numbers than those of the first end fit nearly as well."""
+    """Return [] or a sentence, if other numbers than those of the first end fit nearly as well.
+
+    `ends` are minima, best first; `where` is appended to the sentence.
+    """
     best = ends[0]
     near = [
         space.values(end.point) for end in ends[1:] if end.cost - best.cost < RIVAL * best.variance

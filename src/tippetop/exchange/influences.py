@@ -89,7 +89,10 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
 
 
 def _residuals(misfit: Misfit, changes: PlainData, values: Mapping[str, float]) -> np.ndarray:
-    """Return residuals under changed tables; NaN if these are refused."""
+    """Return the residuals (numbers,) of a scenario with changed tables; NaN if it is refused.
+
+    `values` are those of the free numbers by dotted name, SI.
+    """
     observation = copy.copy(misfit.observation)
     try:
         problem = changed(observation.problem, changes)

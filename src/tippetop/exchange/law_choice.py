@@ -52,7 +52,10 @@ def under(problem: Problem, law: str | Mapping[str, Any], until: float) -> Probl
 
 
 def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
-    """Return the numbers of a law under which a motion slides about as far."""
+    """Return the table `friction` of the law `name`, under which a motion slides about as far.
+
+    Its mu takes the same energy up to `until` [s] as the law of the problem. Raises InputError.
+    """
     rows = solve(with_rows_at(problem, np.linspace(0, until, ROWS))).columns()
     power, force = (rows[column].values for column in ("friction_power", "normal_force"))
     slip = [rows[column].values for column in ("nu_x", "nu_y") if column in rows]

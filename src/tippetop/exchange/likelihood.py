@@ -78,7 +78,7 @@ class LogLikelihood:
         return (values, slopes) if given.ndim > 1 else (float(values[0]), slopes[0])
 
     def _values(self, points: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the likelihood at each point.
+        """Return the logarithm of the likelihood at each of the points (points, free), (points,).
 
         It is -inf outside the interval of a number, and where a measured time is before the start.
         """

@@ -169,31 +169,40 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return vectors v (..., 3), rotated by unit quaternions q (..., 4)."""
+    """Return vectors v (..., 3) in body axes as components in space, (..., 3).
+
+    q (..., 4) are unit quaternions wxyz, body to space. Leading axes broadcast: one vector may be
+    turned by n quaternions, or n vectors by one.
+    """
     parts = rotated(Quaternion(*np.moveaxis(q, -1, 0)), Vector(*np.moveaxis(v, -1, 0)))
     return np.stack(parts, axis=-1)
 
 
 def in_body_axes(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return the components along body axes of vectors v (..., 3) in space, as `turned`."""
+    """Return the components along body axes of vectors v (..., 3) in space: inverse of `turned`.
+
+    q (..., 4) are unit quaternions wxyz, body to space.
+    """
     return turned(q * [1, -1, -1, -1], v)
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:
-    """Return the axis of symmetry in space, (3,) or (n, 3), of unit quaternions q, (4,) or (n,
-    4).
-    """
+    """Return the axis of symmetry in space, (..., 3), of unit quaternions wxyz q, (..., 4)."""
     return turned(q, np.array([0.0, 0.0, 1.0]))
 
 
 def theta_of(q: np.ndarray) -> np.ndarray:
-    """Return the inclination of the axis [rad], (n,), of unit quaternions q (n, 4)."""
+    """Return the inclination theta of the axis [rad], (n,), of unit quaternions wxyz q (n, 4)."""
     w, x, y, z = q.T
     return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
 
 def angle_in_picture(axis: np.ndarray, name: str) -> np.ndarray:
-    """Return the angles [rad], (...), of axes (..., 3) in the picture of the camera of a column."""
+    """Return the angles [rad], (...), of axes (..., 3) in the picture of a camera.
+
+    They are 0 upwards in the picture and positive to the right, in (-pi, pi]. `name` is the column,
+    `camera_AZIMUTH` or `camera_AZIMUTH_ELEVATION` [degrees], which determines the camera.
+    """
     match = CAMERA.fullmatch(name)
     assert match is not None
     a, e = np.deg2rad([float(angle or 0) for angle in match.groups()])
@@ -202,8 +211,9 @@ def angle_in_picture(axis: np.ndarray, name: str) -> np.ndarray:
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the angles of rotation [rad], (n,), between orientations q and p (n, 4), in 0 to
-    pi.
+    """Return the angles of rotation [rad], (n,), in 0 to pi, between orientations q and p.
+
+    They are unit quaternions (n, 4); q and -q are the same orientation.
     """
     near = np.minimum(np.linalg.norm(q - p, axis=1), np.linalg.norm(q + p, axis=1))
     return 4 * np.arcsin(np.clip(near / 2, 0, 1))

@@ -155,11 +155,11 @@ class Observation:
         return Predictions(problem, own)
 
     def rule(self, name: str) -> Number:
-        """Return unit and interval of a free number."""
+        """Return the `Number` of a free number: its unit and interval."""
         return TIMES.get(name) or self.problem.rules[name]
 
     def start(self) -> dict[str, float]:
-        """Return the values of the free numbers in the scenario."""
+        """Return the values of the free numbers in the scenario, SI, by name."""
         first = float(self.t[0])
         apart = first < 0 or first > self.reach  # then the motion starts with the first row
         values = {OFFSET: -first if apart else 0.0, CLOCK: 1.0}
@@ -266,7 +266,7 @@ def _groups(problem: Problem, seen: Arrays) -> Arrays:
 
 
 def _names(group: str) -> tuple[str, ...]:
-    """Return the columns of a motion for a kind of measurement."""
+    """Return the names of the columns of a motion that a kind of measurement is predicted from."""
     return ("axis",) if CAMERA.fullmatch(group) else NAMES.get(group, (group,))
 
 

@@ -54,7 +54,11 @@ def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
 
 
 def _next(misfit: Misfit, minimum: Minimum, clock: int, side: int) -> Minimum | None:
-    """Return the next minimum on one side; None where the cost has none within reach."""
+    """Return the next minimum of all data on one side of another, along the time of the clock.
+
+    `clock` is the place of this time among the free numbers, `side` is +1 or -1. None where the
+    cost has none within reach.
+    """
     shift = np.zeros((POINTS, len(minimum.point)))
     seconds = misfit.space.width[clock] * misfit.space.scales[clock].size
     shift[:, clock] = side * np.linspace(0, misfit.observation.reach, POINTS) / seconds

@@ -35,7 +35,7 @@ def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
 
 
 def wrapped(angles: np.ndarray) -> np.ndarray:
-    """Return angles within half a turn."""
+    """Return angles [rad] brought to [-pi, pi) by whole turns."""
     return np.remainder(angles + np.pi, 2 * np.pi) - np.pi
 
 

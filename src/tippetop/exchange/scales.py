@@ -45,11 +45,11 @@ class Scale(NamedTuple):
     high: float
 
     def inside(self, value: float) -> float:
-        """Return the coordinate of a value."""
+        """Return the coordinate of a value in SI units."""
         return float(np.log(value)) if self.logarithmic else value / self.size
 
     def outside(self, inside: float) -> float:
-        """Return the value of a coordinate."""
+        """Return the value, SI, of a coordinate: the inverse of `inside`."""
         return (
             math.exp(min(max(inside, -600.0), 600.0))
             if self.logarithmic
@@ -57,7 +57,7 @@ class Scale(NamedTuple):
         )
 
     def slope(self, value: float) -> float:
-        """Return d value/d coordinate."""
+        """Return d value/d coordinate at a value, SI."""
         return value if self.logarithmic else self.size
 
 
@@ -161,12 +161,12 @@ class Space:
         return (self.low - self.origin) / self.width, (self.high - self.origin) / self.width
 
     def clipped(self, points: np.ndarray) -> np.ndarray:
-        """Return points (..., free) within the bounds."""
+        """Return points (..., free) moved inside the bounds, by `MARGIN` more than necessary."""
         low, high = self.bounds
         return np.clip(points, low + MARGIN, high - MARGIN)
 
     def values(self, point: np.ndarray) -> dict[str, float]:
-        """Return the numbers of a point, by name."""
+        """Return the numbers of a point (free,), SI, by name."""
         u = self.origin + self.width * point
         values = [s.outside(x) for s, x in zip(self.scales, u, strict=True)]
         for i, k, swept, azimuth in self.pairs:
@@ -181,7 +181,7 @@ class Space:
         return dict(zip(self.names, values, strict=True))
 
     def slopes(self, point: np.ndarray) -> np.ndarray:
-        """Return d value/d coordinate, (free, free), as central differences."""
+        """Return d value/d coordinate at a point (free,), as central differences, (free, free)."""
 
         def values(moved: np.ndarray) -> np.ndarray:
             """Return the numbers of a point, as an array."""

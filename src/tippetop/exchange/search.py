@@ -91,10 +91,10 @@ class Minimum(NamedTuple):
 def local_minimum(
     misfit: Misfit, point: np.ndarray, rows: int, size: float | None = None
 ) -> Minimum:
-    """Return the minimum next to a point over the first rows.
+    """Return the minimum next to a point (free,) over the first `rows` measurements.
 
-    `size`: the scale beyond which a loss bends; None: of the residuals of the point, and the
-    minimum over all rows is exact. It is in a search too where the misfit is smooth. Where the
+    `size` is the scale beyond which a loss bends. None: that of the residuals of the point, and the
+    minimum over all rows is exact; it is in a search too where the misfit is smooth. Where the
     contact may change, it is rough, and a motion may take half a second: small steps end a search,
     and the Jacobian is computed at the point only, and corrected by the steps (Broyden 1965).
     """
@@ -107,7 +107,7 @@ def local_minimum(
     known: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        """Return the Jacobian of the residuals at a point.
+        """Return the Jacobian of the residuals at a point, below it `keep` times the unit matrix.
 
         It is computed once if the misfit is rough, and then updated by the steps (Broyden 1965).
         """
@@ -189,7 +189,7 @@ def search(
 
 
 def widen(misfit: Misfit) -> None:
-    """Widen the distances of numbers that start at 0 as the first residuals require.
+    """Widen the distances of numbers that start at 0 as the first residuals require, in place.
 
     This holds for vectors too; the distance of the clock is that within which it is searched.
     """
@@ -207,7 +207,7 @@ def widen(misfit: Misfit) -> None:
 
 
 def windows(misfit: Misfit) -> list[int]:
-    """Return the numbers of rows of the windows."""
+    """Return the number of rows of each window, growing; the last one has all of them."""
     total = misfit.rows
     fewest = FEWEST * len(misfit.space.names)
     growth = ROUGH if misfit.observation.problem.system.is_hybrid else GROWTH
@@ -232,7 +232,8 @@ def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
 
 
 def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator) -> np.ndarray:
-    """Return the best of many points about one, as far as its slow changes leave open where it is.
+    """Return the best CHILDREN of many points (k, free) about one, as far as its slow changes
+    leave open where it is.
 
     Differences over a coarse step ignore fast oscillations: their derivatives are large, and
     mean nothing far from the point."""

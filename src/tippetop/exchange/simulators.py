@@ -65,7 +65,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     q = columns["orientation"].values
 
     def vectors(unit: Unit, *parts: Any) -> np.ndarray:
-        """Return arrays of components as vectors (n, 3), SI."""
+        """Return three arrays of components (n,), internal units of `unit`, as (n, 3), SI."""
         return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
 
     state, carried = read.state(rows)
@@ -104,7 +104,7 @@ def _opened(problem: Problem) -> Problem:
 
 
 def text_of(problem: Problem, to: str) -> str:
-    """Return the text of the file.
+    """Return the text of the file in the format `to`: "mjcf", "urdf" or "sdf".
 
     Raises InputError for a planar body whose contact never opens, for a surface that the format
     cannot express, or without orientation.
@@ -373,7 +373,10 @@ def _urdf(model: Model) -> str:
 
 
 def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
-    """Return the angles of SDF: rotations about the fixed axes x, y and z [rad]."""
+    """Return the angles of SDF [rad]: rotations about the fixed axes x, y and z, in this order.
+
+    `quaternion` is w, x, y, z, of length 1.
+    """
     w, x, y, z = rounded_to_digits(quaternion)
     total = math.atan2(z + x, w - y)
     difference = math.atan2(z - x, w + y)

@@ -47,7 +47,10 @@ def growth(curves: list[Curve], attrs: Attributes) -> Axes:
 
 
 def _draw(ax: Axes, curves: list[Curve], attrs: Attributes, **style: Any) -> Axes:
-    """Draw curves on a logarithmic axis with the rounding unit, title and legend."""
+    """Draw curves on a logarithmic axis with the rounding unit, title and legend; return `ax`.
+
+    `attrs` are the root attributes of the run, `style` options of matplotlib's `plot`.
+    """
     ax.axhline(UNIT, color=ink().quiet, lw=0.8, ls=":", label="rounding unit")
     shown = [
         (words if values.any() else f"{words}: exactly 0", t, np.where(values > 0, values, np.nan))
@@ -98,6 +101,9 @@ def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
 
 
 def relative(values: np.ndarray, first: float | None = None) -> np.ndarray:
-    """Return the changes relative to the first value, or to `first`."""
+    """Return the sizes of the changes relative to the first value, or to `first`, (n,).
+
+    They are absolute if that is 0.
+    """
     start = values[0] if first is None else first
     return np.abs(values - start) / (abs(start) if start else 1.0)

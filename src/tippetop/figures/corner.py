@@ -24,11 +24,16 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
     Parameters
     ----------
     draws
-        Label -> (draws,).
+        Label of each number -> its values in the n draws, (n,).
     weights
-        (draws,), of sum 1.
+        The weight of each draw, (n,), of sum 1.
     text
         A line below the panels.
+
+    Returns
+    -------
+    Figure
+        With k x k panels for k numbers: histograms on the diagonal, densities of pairs below it.
     """
     n = len(draws)
     fig = figure(1.5 + 2.1 * n, 1.5 + 2.1 * n)

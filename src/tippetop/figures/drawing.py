@@ -84,7 +84,7 @@ def axes_of(
     attrs = with_records(attrs) | {"handed_over": handed_over(phases)}
 
     def draw() -> Any:
-        """Draw the figure, and mark the phases of the contact."""
+        """Draw the figure, and mark the phases of the contact; return the first Axes."""
         axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs)
         if FIGURES[kind].over_time and phases is not None:
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
@@ -95,7 +95,10 @@ def axes_of(
 
 
 def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
-    """Raise InputError if a run lacks rows or columns that a figure uses."""
+    """Raise InputError if a run lacks rows or columns that a figure of this kind uses.
+
+    `trajectory` is a Dataset, `attrs` are its root attributes.
+    """
     from ..columns import require
     from ..mechanics.systems import find
     from ..runs.shape import columns_of

@@ -89,7 +89,11 @@ def film(
 
 
 def _paint(ax: Axes, facets: Any, shadow: Any, colours: Array) -> None:
-    """Draw a body with its shadow."""
+    """Draw a body with its shadow into a panel.
+
+    `facets` (n, 4, 2), the far ones first, and `shadow` are polygons on the screen, `colours` those
+    of the facets.
+    """
     ax.add_collection(PolyCollection(shadow, facecolor="black", alpha=0.2, lw=0))
     painted = PolyCollection(facets, facecolors=colours, edgecolors=colours, lw=0.5)
     painted.set_rasterized(True)
@@ -200,14 +204,17 @@ def _farthest(direction: Array, half: Array, profile: Array) -> Array:
 
 
 def _capsule(across: float, along: float, low: float = 0, high: float = 0) -> tuple[Array, Array]:
-    """Return radii and heights of an ellipsoid of revolution, its halves moved to these heights."""
+    """Return radii and heights, (n,) each ascending, of an ellipsoid of revolution.
+
+    Its half axes are `across` and `along`; its halves are moved to the heights `low` and `high`.
+    """
     t = np.linspace(0, np.pi / 2, FACETS // 4)
     end = along * np.cos(t)
     return across * np.r_[np.sin(t), np.cos(t)], np.r_[low - end, high + end[::-1]]
 
 
 def _even() -> Array:
-    """Return whether a facet is in an even sector, by its number around the axis."""
+    """Return whether each of the FACETS around the axis is in an even sector, (FACETS,)."""
     return np.arange(FACETS) * SECTORS // FACETS % 2 == 0
 
 
@@ -245,7 +252,10 @@ def _facets(
 
 
 def _shadow(centre: Array, axes: Array, half: Array, profile: Array) -> Array:
-    """Return the rim (FACETS, 3) of the shadow of a surface on the floor."""
+    """Return the rim (FACETS, 3) of the shadow of a surface on the floor z = 0.
+
+    `centre` and `axes` (3, 3) place it in space; half axes and profile as of `_farthest`.
+    """
     angle = np.linspace(0, 2 * np.pi, FACETS)[:, None]
     _, one, other = np.linalg.svd(LIGHT[None])[2]
     around = (np.cos(angle) * one + np.sin(angle) * other) @ axes

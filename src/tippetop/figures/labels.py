@@ -38,12 +38,16 @@ def number(value: float, digits: int = 6) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """Return a number with its unit."""
+    """Return a number with its unit as text; `unit` is in the form "kg m2 s-1"."""
     return number(value) if unit in ("", "1") else f"{number(value)} {units_text(unit)}"
 
 
 def entries(table: dict[str, Any], attrs: Attributes, at_start: bool = False) -> list[str]:
-    """Return the entries of a table of a run, each as symbol = value unit."""
+    """Return the entries of a table of a run, each as symbol = value unit.
+
+    `attrs` are its root attributes, with the `symbols` of `drawing.with_records`; `at_start` marks
+    the symbols as those of the start.
+    """
     words = []
     units = attrs.get("units", {})
     symbols = attrs.get("symbols", {})

@@ -140,19 +140,23 @@ class ShownFigure(Figure):
 
 
 def figure(width: float, height: float) -> Figure:
-    """Return an empty figure of the requested size, else this one [inches]."""
+    """Return an empty figure of the requested size, or of these [inches] if none was requested."""
     fig = ShownFigure(figsize=_setting.get().size or (width, height), layout="constrained")
     FigureCanvasAgg(fig)
     return fig
 
 
 def panel(width: float, height: float) -> Axes:
-    """Return the panel to draw in: the user's, or the only one of a new figure."""
+    """Return the panel to draw in: the user's, or the only one of a new `figure`."""
     return users_panel() or figure(width, height).subplots()
 
 
 def panels_over_time(below: float) -> list[Axes]:
-    """Return the panel to draw in, and one of `below`/4 of its height below if there is room."""
+    """Return the panel to draw in, and a second one below it if there is room; both over time.
+
+    The second panel has `below` quarters of the height of the first; 0: only the first is returned.
+    In a panel of the user's and in a compact figure there is no room.
+    """
     if users_panel() is None and below and not compact():
         panels = list(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
     else:
@@ -169,7 +173,7 @@ def ticks_of_inclination(ax: Axes) -> None:
 
 
 def ticks_in_joules(axis: Any) -> None:
-    """Label an axis of energies [J] with prefixed units."""
+    """Label an axis (`ax.xaxis` or `ax.yaxis`) of energies [J] with prefixed units, such as mJ."""
     axis.set_major_formatter(EngFormatter("J"))
 
 
@@ -230,7 +234,7 @@ def _letters() -> int:
 
 
 def compact() -> bool:
-    """Return whether the requested size has no room for more than the curves."""
+    """Return whether the requested size has no room for legends and notes, only for the curves."""
     size = _setting.get().size
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 

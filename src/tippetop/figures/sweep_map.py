@@ -79,7 +79,7 @@ TOUCH = 1e-9
 
 
 def draw_map(sweep_map: Any) -> Axes:
-    """Draw a map, as `sweeps.maps` makes it."""
+    """Draw a map, as `sweeps.maps.make_map` returns it; return the Axes."""
     axes = panel(9.6, 5.6)
     x, *further = sweep_map.axes
     entries = (_over_two if further else _over_one)(axes, sweep_map)
@@ -147,7 +147,7 @@ def _of_classes(sweep_map: Any) -> dict[str, str]:
 
 
 def _over_one(axes: Any, sweep_map: Any) -> None:
-    """Draw curves over one axis."""
+    """Draw a map over one axis into `axes`, as curves."""
     (x,), fields = sweep_map.axes, sweep_map.fields
     if sweep_map.kind == "class":
         for i, (label, color) in enumerate(_of_classes(sweep_map).items()):

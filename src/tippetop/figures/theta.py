@@ -96,7 +96,11 @@ def _usual(values: np.ndarray) -> np.ndarray:
 
 
 def _trembling(swings: np.ndarray) -> np.ndarray:
-    """Select pairs of turnings whose swing is far smaller than those around it."""
+    """Select pairs of turnings whose swing is far smaller than those around it, (n,) of bool.
+
+    `swings` (n,) are those of `EventTable.amplitude`, |theta - theta of the turning before| [rad];
+    both turnings of a pair are selected, but none where there are too many to be seen.
+    """
     if not 0 < len(swings) <= MOST_POINTS:
         return np.zeros(len(swings), dtype=bool)
     small = swings < TREMBLING * _usual(swings)

@@ -42,7 +42,10 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "") -> Axes:
 
 
 def _well(axes: Axes, title: str, V: Any, at: Any) -> None:
-    """Draw one potential with its level; the title has the numbers."""
+    """Draw one potential with its level into `axes`; the numbers are added to the title.
+
+    `V` and `at` are Datasets as of `potential`.
+    """
     colours = ink()
     joules = EngFormatter("J")
     z = V["z"].values

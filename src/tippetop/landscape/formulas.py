@@ -84,7 +84,7 @@ def potential(q, p, c):
 
 @formula
 def value(q, p, c):
-    """Return V [J] at q of the point p, to one rounding."""
+    """Return V [J] at q of the point p, a number, to one rounding."""
     V = potential(q, p, c)
     return V.head + V.tail
 
@@ -205,7 +205,7 @@ def curvature(q, p, c):
 
 @formula
 def pole_values(p, c):
-    """Return |a| and |b| with the part k psi of X included, for a first guess of the minimum.
+    """Return |a| and |b| [sqrt(J)] with the part k psi of X, for a first guess of the minimum.
 
     k psi is that of q = a/b, where the two terms balance, and is split between them as a : b.
     """

@@ -29,5 +29,8 @@ gradients = grid.gradients(at_momenta, surface_gradient)
 
 @cache
 def turnings(theta_inertia: Callable) -> Entry:
-    """Return the kernel of turning angles and periods for the theta_inertia(z, b) of a system."""
+    """Return the kernel of turning angles and periods for the theta_inertia(z, b) of a system.
+
+    Cached, because another object would be compiled again. The kernel takes z = 1 at q = 0.
+    """
     return grid.turnings(at_momenta, slope, value, excess, curvature, inlined(theta_inertia))

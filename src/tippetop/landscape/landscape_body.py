@@ -47,8 +47,13 @@ class Top:
             )
 
     @property
-    def upright(self) -> int:
-        """Return z = cos(theta) at q = 0, where the centre of mass is lowest: 1, or -1."""
+    def bottom_z(self) -> int:
+        """Return z = cos(theta) where the centre of mass is lowest: exactly 1 (c > 0) or -1.
+
+        It is the pole q = 0 of the variable q of `formulas`; c is the offset of the ball's centre
+        from the centre of mass along the axis. Callers use it as a sign, an exponent and a slice
+        step, so it must be the integer 1 or -1.
+        """
         return 1 if self.body.c > 0 else -1
 
 

@@ -33,7 +33,7 @@ def axis(name: str, values: Any) -> np.ndarray:
 
 
 def labelled(dims: Any, values: Any, units: str, long_name: str) -> tuple:
-    """Return a variable with its unit and meaning."""
+    """Return a variable of a Dataset: (dims, values, attributes) with its unit and meaning."""
     return dims, values, {"units": units, "long_name": long_name}
 
 
@@ -66,17 +66,20 @@ def grid(t: Top, data: dict[str, Any], axes: dict[str, Any], given: tuple[Any, .
 
 
 def flags(kind: type[IntEnum], long_name: str) -> dict[str, Any]:
-    """Return the CF attributes of an enumeration that counts from 0."""
+    """Return the CF attributes of a variable whose values are those of an enumeration from 0 on."""
     return flag_attributes(tuple(k.name.lower() for k in kind), long_name)
 
 
-def cosine(q: np.ndarray, upright: int) -> np.ndarray:
-    """Return cos(theta) of q = tan(theta/2)^2, or of 1/that if `upright`, z at q = 0, is -1."""
+def cosine(q: np.ndarray, bottom_z: int) -> np.ndarray:
+    """Return cos(theta) of q, an array, by `Top.bottom_z`: z = cos(theta) at q = 0, 1 or -1.
+
+    q is tan(theta/2)^2 if that is 1, and cot(theta/2)^2 if it is -1.
+    """
     with np.errstate(invalid="ignore"):
-        return upright * np.where(np.isinf(q), -1.0, (1 - q) / (1 + q))
+        return bottom_z * np.where(np.isinf(q), -1.0, (1 - q) / (1 + q))
 
 
-def inclination(q: np.ndarray, upright: int) -> np.ndarray:
-    """Return theta of q [rad], with all digits also near theta = 0; `upright` as for `cosine`."""
+def inclination(q: np.ndarray, bottom_z: int) -> np.ndarray:
+    """Return theta of q [rad], with all digits also near theta = 0; arguments as of `cosine`."""
     with np.errstate(divide="ignore"):
-        return 2 * np.arctan(np.sqrt(q) if upright == 1 else 1 / np.sqrt(q))
+        return 2 * np.arctan(np.sqrt(q) if bottom_z == 1 else 1 / np.sqrt(q))

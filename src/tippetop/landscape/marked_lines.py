@@ -35,7 +35,7 @@ def marked_lines(t: Top, lam: Any) -> xr.Dataset:
     Raises
     ------
     InputError
-        For another body, and numbers that do not ascend.
+        For another body, for an empty axis, and for numbers that do not ascend.
     """
     t.require_spinning()
     lam = axis("lambda", lam)
@@ -45,7 +45,7 @@ def marked_lines(t: Top, lam: Any) -> xr.Dataset:
     Lam = lam[None, :]
     D = spinning.momentum(Z, Lam, t.body)
     energy = spinning.energy(Z, Lam, t.body)
-    on_surface = (t.upright == Z) | (np.abs(Lam) >= lam_pi)
+    on_surface = (t.bottom_z == Z) | (np.abs(Lam) >= lam_pi)
     return xr.Dataset(
         {
             **momenta(t, D, lam, dims=dims),

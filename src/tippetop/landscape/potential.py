@@ -43,7 +43,7 @@ def potential(t: Top, z: Any, first: Any, second: Any) -> xr.Dataset:
     z, x, y = map(axis, ("z", *t.momenta), given)
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        cosine = np.where(np.abs(z) < 1, t.upright * z, np.nan)[:, None]
+        cosine = np.where(np.abs(z) < 1, t.bottom_z * z, np.nan)[:, None]
         q = (1 - cosine) / (1 + cosine)
         w = (1 - cosine) * (1 + cosine)
         for i, one in enumerate(x):  # not all at a time: formulas need much memory
@@ -56,7 +56,7 @@ def potential(t: Top, z: Any, first: Any, second: Any) -> xr.Dataset:
     scale = 1 / t.coefficients.gamma.head
     data = {
         "V": labelled(dims, V, "J", "effective potential V"),
-        "V_z": labelled(dims, V_z * (t.upright * scale), "J", "dV/dz"),
+        "V_z": labelled(dims, V_z * (t.bottom_z * scale), "J", "dV/dz"),
         "V_zz": labelled(dims, V_zz * scale, "J", "d2V/dz2"),
     }
     theta = labelled("z", np.arccos(np.clip(z, -1, 1)), "rad", "inclination theta of the axis")

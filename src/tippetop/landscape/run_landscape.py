@@ -63,7 +63,10 @@ def band(
 
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tuple[Any, ...]:
-    """Return the surface around a run, the marked lines, the run on its sphere, and a title."""
+    """Return the surface around a run, the marked lines, the run on its sphere, and a title.
+
+    They are the arguments of `landscape_figures.surface`; the first three are Datasets.
+    """
     t = _body_of(attrs)
     refuse_parts(attrs.get("friction", {}))
     lam = float(trajectory["jellett"][0])
@@ -124,7 +127,7 @@ def states(
 
 
 def _body_of(attrs: PlainData) -> Top:
-    """Return the body of a run. Raises InputError if it has no landscape."""
+    """Return the body of a run with these root attributes. Raises InputError without landscape."""
     require_still(attrs, "a run in a landscape")
     return top(attrs["parameters"], attrs["system"])
 

@@ -25,8 +25,8 @@ def variables(t: Top, F: np.ndarray, q: np.ndarray, status: np.ndarray) -> dict[
     at_ends = [status == Status.AT_LOWER_END, status == Status.AT_UPPER_END]
     q = np.select(at_ends, [0.0, np.inf], q)
     least = "where V is least"
-    z = cosine(q, t.upright)
-    theta = inclination(q, t.upright)
+    z = cosine(q, t.bottom_z)
+    theta = inclination(q, t.bottom_z)
     return {
         "F": labelled(t.momenta, F, "J", "minimal surface F, infimum of V over z"),
         "z": labelled(t.momenta, z, "1", f"z = cos(theta) {least}"),

@@ -118,7 +118,11 @@ def _write(
     chunks: Iterable[tuple[str, Arrays]],
     overwrite: bool,
 ) -> None:
-    """Write a new store, complete or not at all."""
+    """Write a new store, complete or not at all.
+
+    `content` is its kind, "surface" or "potential"; `about` are further root attributes, `tables`
+    as for `ledger.header`, and `chunks` pairs of a key and values.
+    """
     attributes = {"content": content, **about, "status": "running", **provenance()}
     header = ledger.header(attributes, tables)
     with new_store(path, overwrite=overwrite) as scratch, Ledger.created(scratch, header) as store:

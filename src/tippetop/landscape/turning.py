@@ -63,7 +63,7 @@ def turning_angles(
     given = {t.momenta[0]: first, t.momenta[1]: second, "energy": energy}
     aligned = _aligned(**given, theta=np.nan if theta is None else theta)
     x, y, E, at = (np.array(a.values, float).ravel() for a in aligned)
-    at = np.tan(at / 2) ** (2 * t.upright)
+    at = np.tan(at / 2) ** (2 * t.bottom_z)
     c = t.coefficients
     inertia = t.system.theta_inertia
     assert inertia is not None
@@ -73,8 +73,8 @@ def turning_angles(
     kernels.turnings(inertia)(ALLOWANCE, x, y, E, at, c, turned, level, found)
     low, high, q, F, curvature, period, *other = found
     # 2 pi sqrt(2 g/V''): d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
-    square = 2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / curvature
-    (inner, outer), others = (low, high)[:: t.upright], other[:: t.upright]
+    square = 2 * inertia(cosine(q, t.bottom_z), t.body) * (4 * q / (1 + q) ** 2) / curvature
+    (inner, outer), others = (low, high)[:: t.bottom_z], other[:: t.bottom_z]
     angles = "inclination theta [rad] where V = E~"
     second_well = "in the other well"
     dims = aligned[0].dims
@@ -86,7 +86,7 @@ def turning_angles(
 
     def angle(q: np.ndarray, long_name: str) -> tuple:
         """Return theta of q as a labelled variable [rad]."""
-        return over(inclination(q, t.upright), "rad", long_name)
+        return over(inclination(q, t.bottom_z), "rad", long_name)
 
     data = {
         "theta_min": angle(inner, f"least {angles}"),
@@ -129,7 +129,10 @@ def band(t: Top, run: xr.Dataset) -> xr.Dataset:
 
 
 def _aligned(**arguments: Any) -> tuple[xr.DataArray, ...]:
-    """Return arguments broadcast against one another, as DataArrays. Raises InputError."""
+    """Return arguments, numbers or arrays by name, broadcast against one another as DataArrays.
+
+    DataArrays are aligned by their dimensions, others by their shapes. Raises InputError.
+    """
     arrays: list[Any] = [
         a if isinstance(a, xr.DataArray) else numbers(name, a) for name, a in arguments.items()
     ]

@@ -144,7 +144,10 @@ def sensitivities(
 
 
 def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
-    """Return columns of derivatives with the names of the numbers."""
+    """Return columns of derivatives as a Dataset, with names and units of the numbers `wrt`.
+
+    It has the root attributes of the run.
+    """
     dims = {dim for one in columns.values() for dim in one.dims}
     names = {name: (name, list(wrt)) for name in ("parameter", "parameter_2") if name in dims}
     if names:

@@ -56,7 +56,7 @@ class Comparison(Verdict):
     """
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
-        """Draw it as a figure, and save that where a path is given."""
+        """Draw it as a figure, and save that where a path is given; it may `overwrite` a file."""
         refuse_without("matplotlib")
         from ..figures.motions import comparison
 
@@ -259,7 +259,10 @@ def fit(
     flag("systematic", systematic)
 
     def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
-        """Fit these numbers of a problem."""
+        """Fit these numbers of a problem, with the other arguments of `fit`.
+
+        `hopeless` is the number of searches given up after which the others are left out.
+        """
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)

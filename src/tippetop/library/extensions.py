@@ -43,7 +43,10 @@ RESERVED = tuple(s.value for s in Status if s not in (Status.LIFTOFF, Status.FAL
 
 
 def given_records(argument: str, given: Any, kind: type[Event] | type[Quantity]) -> list[Any]:
-    """Return the argument `events` or `columns` as a list of names and records."""
+    """Return the argument `events` or `columns`, one or several, as a list of names and records.
+
+    A record must be of the type `kind`. Raises InputError.
+    """
     if given is None:
         return []
     if isinstance(given, str | kind):
@@ -94,7 +97,7 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
 
 
 def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:
-    """Return a sentence for each fault of user-defined events and columns."""
+    """Return a sentence for each fault of user-defined events and columns of a system."""
     faults = [fault for column in columns for fault in type_faults("column", column)]
     for event in events:
         faults += type_faults("event", event) or _kept_faults(event) or _event_faults(event)

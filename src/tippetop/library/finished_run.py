@@ -83,7 +83,11 @@ class Run:
 
     @cached_property
     def _datasets(self) -> dict[str, xr.Dataset]:
-        """Return the tables of the run by name; a stored run opens them from its store."""
+        """Return the tables of the run by name, made once.
+
+        `StoredRun` overrides this: it opens them from its store. Other methods read tables only
+        from here.
+        """
         return attributes.datasets(self.solution, self.attributes)
 
     @property
@@ -125,7 +129,7 @@ class Run:
 
     @property
     def _names(self) -> tuple[str, ...]:
-        """Return the names of the tables."""
+        """Return the names of the tables that this run has, from its attributes."""
         return ("trajectory", "events", *tables_of(self.attributes))
 
     def datasets(self) -> dict[str, xr.Dataset]:
@@ -219,7 +223,10 @@ class Run:
     plot = plots.plot
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
-        """Return the tables that a figure of this kind needs; a store reads those rows only."""
+        """Return the tables for a figure of this kind, over the part (start, end) [s] of the run.
+
+        Here they are all tables, whole; `StoredRun` overrides this to read the rows it needs only.
+        """
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> Page:
@@ -292,7 +299,7 @@ class Run:
 
     @property
     def _headline(self) -> str:
-        """Return the first line of the representations."""
+        """Return the first line of the text and of the HTML representation."""
         return attributes.headline_of(self.attributes)
 
     @property
@@ -305,7 +312,7 @@ class Run:
         return [*doubtful, *broken_promises(self.attributes)]
 
     def _lines(self) -> list[tuple[str, str]]:
-        """Return the summary as pairs of a word and a text."""
+        """Return the summary as pairs of a word and a text, then the warnings, for `__str__`."""
         return lines(self.summary, self._seconds) + [("warning", each) for each in self.warnings]
 
     @property

@@ -45,25 +45,28 @@ def minimal_surface(
         Of a heavy top: the angular momenta [kg m^2/s] about the axis and, at the tip, about the
         vertical.
     gradient : bool
-        Whether dF/dD and dF/dlambda come along.
+        Whether the derivatives of F by both momenta are computed.
     threads : int, optional
-        How many threads compute.
+        How many threads compute; by default as many as cores. The result does not depend on it.
 
     Returns
     -------
     xarray.Dataset
-        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)];
-        each (first, second); a number, not an array, is no dimension.
+        F [J], z = cos(theta), theta [rad] of the minimum, status, and the gradient: F_D [1/s] and
+        F_lambda [1/(m s)], or F_L3 and F_Lz [1/s]; each (first, second); a number, not an array, is
+        no dimension.
 
     Raises
     ------
     InputError
-        If an axis is empty or does not ascend, or a momentum is missing.
+        If an axis is empty or does not ascend, a momentum is missing, or the body has no landscape.
 
     Notes
     -----
     F is good to 4 units of rounding. Rutstam (2010), eq. 4.13. `status`: attained; at_lower_end,
-    at_upper_end (an infimum that is approached at a pole); lower_of_two; unsettled; undefined.
+    at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy tops and
+    pegs), the momenta being on a marked line; lower_of_two; unsettled; undefined (an argument is
+    not finite: F is NaN).
     """
     t, x, y = _body_and_momenta(top, momenta)
     flag("gradient", gradient)
@@ -83,7 +86,7 @@ def potential(
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
         The body, or the name of a preset, a TOML file or the tables of a scenario.
     z : float or array, ascending
-        cos(theta), in (-1, 1).
+        cos(theta), in [-1, 1].
     **momenta
         D and lam, or L3 and Lz, as for `minimal_surface`.
 
@@ -91,12 +94,13 @@ def potential(
     -------
     xarray.Dataset
         V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN at z
-        = -1 and 1.
+        = -1 and 1, where V is +oo off the marked line, and for infinite momenta.
 
     Raises
     ------
     InputError
-        If an axis is empty or does not ascend, or a momentum is missing.
+        If an axis is empty or does not ascend, z is outside [-1, 1], a momentum is missing, or the
+        body has no landscape.
 
     Notes
     -----
@@ -127,20 +131,24 @@ def turning_angles(
     energy : float or array
         The modified energy E~ [J].
     theta : float or array, optional
-        An angle [rad] of the motion: it selects one of two wells; by default the deeper
-        one.
+        An angle [rad] of the motion, broadcast too: it selects one of two wells; by default, and
+        for NaN, the deeper one.
 
     Returns
     -------
     xarray.Dataset
-        theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level
-        (above, touching, below, undefined), of the broadcast shape; other_theta_min,
-        other_theta_max [rad] of the band in the other well, NaN without one.
+        Of the broadcast shape: theta_min <= theta_star <= theta_max [rad], theta_star where V is
+        least in this band; F [J] there; other_theta_min, other_theta_max [rad] of the band in the
+        other well, NaN without one; `period` [s] of nutation, NaN where it does not settle to 11
+        digits (nutations of some 1e-5 rad or less, and next to a separatrix); `small_period` [s],
+        exact for vanishing amplitude; `level`: above; touching: E~ is the minimum to 1e-12, both
+        angles are theta_star; below; undefined.
 
     Raises
     ------
     InputError
-        If a momentum or the energy is missing.
+        If a momentum or the energy is missing, shapes do not broadcast, theta is outside [0, pi],
+        or the body has no landscape.
 
     Notes
     -----
@@ -157,7 +165,7 @@ def turning_angles(
 
 
 def band(run: Run) -> xr.Dataset:
-    """Compute the predicted band along a run, V <= E~, from D(t), lambda and E~(t).
+    """Compute the predicted band along a run, V <= E~, from its momenta and E~; NaN in flight.
 
     Parameters
     ----------
@@ -167,13 +175,13 @@ def band(run: Run) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Along `time`: theta_min, theta_max, theta_star, theta [rad], F [J], period, small_period
-        [s].
+        As `turning_angles`, along `time`, with the momenta, modified_energy [J] and theta [rad] of
+        the run; theta, if the run has it, selects one of two wells.
 
     Raises
     ------
     InputError
-        If the system has no such landscape.
+        If the system has no such landscape, or the run lacks one of these columns.
 
     Notes
     -----
@@ -200,13 +208,16 @@ def marked_lines(top: Body, lam: Any) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        D [kg m^2/s], E [J], omega3 [rad/s] and whether the state lies on the surface, each (end,
-        lambda).
+        Over `end` (theta = 0, theta = pi) and `lambda`: D [kg m^2/s], E, the modified energy E~
+        [J], omega3 [rad/s], and `on_surface`, whether E~ = F there: theta = 0 always, theta = pi
+        iff |lambda| >= lambda_pi, which is an attribute [kg m^3/s]. Of a peg (alpha < 0) the two
+        ends are exchanged.
 
     Raises
     ------
     InputError
-        If the axis is empty or does not ascend.
+        If the axis is empty or does not ascend, the body is no tippe top, or its plane is not at
+        rest and level or its air not still.
 
     Notes
     -----
@@ -216,7 +227,10 @@ def marked_lines(top: Body, lam: Any) -> xr.Dataset:
 
 
 def _body(top: Body) -> landscape_body.Top:
-    """Return the body behind the argument `top`. Raises InputError if it has no landscape."""
+    """Return the body behind the argument `top`.
+
+    Raises InputError if it has no landscape, or a plane or air that changes the potential.
+    """
     if isinstance(top, Top):
         return landscape_body.top(top._asdict(), top.gliding)
     problem = problem_behind(top)
@@ -226,7 +240,10 @@ def _body(top: Body) -> landscape_body.Top:
 
 
 def _body_and_momenta(top: Body, momenta: Mapping[str, Any]) -> tuple[landscape_body.Top, Any, Any]:
-    """Return the body and the two momenta in SI units. Raises InputError."""
+    """Return the body and its two momenta in SI units, each a number or an array.
+
+    `momenta` has exactly the keys D and lam, or L3 and Lz; otherwise raises InputError.
+    """
     t = _body(top)
     names = ["lam" if symbol == "lambda" else symbol for symbol in t.momenta]
     sentences = [

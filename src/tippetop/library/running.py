@@ -145,7 +145,7 @@ def _bar(progress: bool) -> Any:
 
 @contextlib.contextmanager
 def _resumable(place: Path) -> Iterator[None]:
-    """Report how an interrupted run is continued."""
+    """Let an Interrupted of the block contain how the run stored at `place` is continued."""
     try:
         yield
     except Interrupted:

@@ -92,12 +92,15 @@ def problem_of(
 
 @lru_cache(maxsize=64)
 def _preset(name: str) -> Problem:
-    """Return the Problem of a preset: it never changes."""
+    """Return the Problem of a preset; cached, as it never changes and takes some milliseconds."""
     return starting.load(name)
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[PlainData, System]:
-    """Return the tables of the source, and its system."""
+    """Return the tables of the source, and its system, as arguments of `run` determine them.
+
+    The tables are a copy, which the caller may change. Raises InputError.
+    """
     record = next((each for each in (system, source) if isinstance(each, System)), None)
     if record is not None:
         check(record)
@@ -140,14 +143,20 @@ def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tupl
 
 
 def _merge(tables: PlainData, name: str, given: PlainData) -> None:
-    """Add values to a table; the check of the scenario reports other values."""
+    """Add values to the table `name` of a scenario, in place.
+
+    A table that is no mapping is left: the check of the scenario reports it.
+    """
     base = tables.get(name, {})
     if isinstance(base, dict):
         tables[name] = reading.merged(name, base, given)
 
 
 def _start(tables: PlainData, given: Any, system: System) -> None:
-    """Replace initial data, and those of the source that mean the same in another way."""
+    """Replace initial data in place, and those of the source that mean the same in another way.
+
+    `given` is the argument `start`: a mapping, or the path of a store. Raises InputError.
+    """
     if isinstance(given, str | os.PathLike):
         given = {"from": os.fspath(given)}
     given = given if given is not None else {}
@@ -162,7 +171,7 @@ def _start(tables: PlainData, given: Any, system: System) -> None:
 
 
 def _options(tables: PlainData, run: PlainData) -> None:
-    """Replace options of the run."""
+    """Replace options in the table `run` in place; `run` are those that were given."""
     given = plain(run)
     if isinstance(times := given.get("output_times"), list):
         given["output_times"] = measured_values("output_times", times, SECOND).tolist()

@@ -43,17 +43,28 @@ class StoredRun(Run):
 
     @cached_property
     def problem(self) -> Problem:
-        """Return the problem. Raises InputError if user-defined records of the run are missing."""
+        """Return the problem of the stored scenario, made once.
+
+        Raises InputError if user-defined events or columns of the run were not given to `open`, or
+        are others than those it was made with.
+        """
         return build.stored(self.attributes, known=self._own)
 
     @cached_property
     def attributes(self) -> dict[str, Any]:
-        """Return the root attributes of the store."""
+        """Return the root attributes of the store, read once: those of an unfinished run age.
+
+        Raises StoreError.
+        """
         return root.attributes(self.path)
 
     @cached_property
     def _datasets(self) -> dict[str, xr.Dataset]:
-        """Return the lazy tables of the store by name."""
+        """Return the lazy tables of the store by name, instead of those in memory of a `Run`.
+
+        `_names` lists the tables that a run with these attributes has. They are opened at the first
+        access and then kept: rows that are written later do not appear.
+        """
         return {name: root.open_group(self.path, name) for name in self._names}
 
     def replay(
@@ -107,7 +118,11 @@ class StoredRun(Run):
         return attributes.dataset(columns, self.attributes)
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
-        """Return the tables for a figure, thinned to what it can draw."""
+        """Return the tables for a figure of this kind, thinned to what it can draw.
+
+        `window` is the part that is shown, (start, end) [s]. This overrides `Run._for_figures`, so
+        that a long run is never read whole.
+        """
         groups = chunks.for_figures(self.path, window)
         if kind == "growth" and root.has_keyframes(self.attributes):
             rows = keyframes.rows(self.path, self.problem)
@@ -115,7 +130,7 @@ class StoredRun(Run):
         return groups
 
     def _page(self, start: float | None, until: float | None) -> str:
-        """Return the page of the store as HTML."""
+        """Return the page of the motion between two times [s], as HTML; rows are read in pieces."""
         from ..views.run_page import page_of_store
 
         return page_of_store(self.path, self.attributes, start, until)

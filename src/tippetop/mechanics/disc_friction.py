@@ -121,13 +121,13 @@ class Region(NamedTuple):
 
 
 def _beyond(x: float) -> Callable:
-    """Return the function of a border: zero where |v|/U is x."""
+    """Return the function beyond(s, b) of a border: s.v2 - x^2 s.U2, zero where w/U is x."""
     return formula(lambda s, b: s.v2 - x**2 * s.U2)
 
 
 @formula
 def _beyond_slow(s, b):
-    """Return |v|^2 - SLOW^2, the function of the border of slow sliding."""
+    """Return w^2 - SLOW^2 [m^2/s^2], the function of the border of slow sliding; s.v2 is w^2."""
     return s.v2 - SLOW**2
 
 

@@ -32,7 +32,10 @@ COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda differenc
 
 
 def _sum(a: Sequence, b: Sequence) -> list:
-    """Return the parts of a sum; a part that is missing at the end of a term is 0."""
+    """Return the parts of a sum of two numbers with parts a and b, of any lengths.
+
+    A part that is missing at the end of a term is 0.
+    """
     return [y if x is None else x if y is None else x + y for x, y in zip_longest(a, b)]
 
 
@@ -86,7 +89,10 @@ ARITHMETIC: dict[str, Callable] = {
 
 
 def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
-    """Return the derivative of r = a^p, by the derivatives da and dp."""
+    """Return the derivative of r = a^p, by the derivatives da and dp of a and p.
+
+    For a constant power dp is the object `CONSTANT` itself, and no logarithm is taken: a may be 0.
+    """
     slope = p * a ** (p - 1) * da
     return slope if dp is CONSTANT else slope + r * log(a) * dp
 

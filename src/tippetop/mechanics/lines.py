@@ -95,7 +95,10 @@ class Program:
         self.known = dict[tuple, Number]()
 
     def place(self, value: Any) -> int:
-        """Return the place of the register of a number; a constant gets one if it has none."""
+        """Return the place of the register of a number; a constant gets one if it has none.
+
+        Constants are compared by their bits.
+        """
         if isinstance(value, Number):
             return value.place
         number = float(value)
@@ -103,7 +106,10 @@ class Program:
         return -1 - [*self.constants].index(number.hex())
 
     def line(self, what: str, a: Any, b: Any = 0.0, value: Any = None) -> Number:
-        """Add a line, and return its result."""
+        """Add a line, and return its result: the operation `what` of a and b, which gives `value`.
+
+        `what` is one of OPERATIONS.
+        """
         self.lines.append((OPERATIONS.index(what), self.place(a), self.place(b)))
         return Number(self, self.count + len(self.lines) - 1, value)
 
@@ -135,7 +141,10 @@ class Program:
 
 
 def unit_of(*values: Any) -> Any:
-    """Return a power of two near the largest of some numbers."""
+    """Return the least power of two above the largest of the sizes of some numbers.
+
+    Numbers of a program give a number of the program, and a line.
+    """
     if isinstance(values[0], Number):
         largest = reduce(np.maximum, map(abs, values))
         return values[0].program.line("unit", largest, 0.0, unit_of(largest.value))

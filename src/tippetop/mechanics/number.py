@@ -142,7 +142,7 @@ class Number(metaclass=Described):
         return "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
 
     def fault(self, key: str, value: float) -> str:
-        """Return the message on a value that is not allowed."""
+        """Return the message on a value that is not allowed, for the dotted name `key`."""
         return f"`{key}` {self.must()}, but is {value:.17g}."
 
     def read(self, key: str, value: Any) -> float:
@@ -240,7 +240,10 @@ class RecordType(Described):
 
 
 def _field(name: str, rule: Number, own: bool) -> inspect.Parameter:
-    """Return a field of a record, or one of its parts, as a parameter of its signature."""
+    """Return a field of a record (`own`), or one of its parts, as a parameter of its signature.
+
+    A part, such as mu_r of a law, must be given by name.
+    """
     parameter = inspect.Parameter
     kind = parameter.POSITIONAL_OR_KEYWORD if own else parameter.KEYWORD_ONLY
     default: Any = None
@@ -266,6 +269,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
             cls.face = getattr(cls, "face", cls)
 
     if TYPE_CHECKING:
+        # for type checkers: `RecordType` copies these from a named tuple of the Numbers
         _fields: ClassVar[tuple[str, ...]]
 
         def _asdict(self) -> dict[str, Any]: ...
@@ -358,7 +362,10 @@ def _is_operand(value: Any) -> bool:
 
 
 def _scalar(value: Any) -> Any:
-    """Return a number of NumPy, or an array of dimension 0, as a number of Python if it can be."""
+    """Return a number of NumPy, or an array of dimension 0, as a number of Python.
+
+    Any other value is returned unchanged.
+    """
     return value.item() if getattr(value, "ndim", None) == 0 else value
 
 

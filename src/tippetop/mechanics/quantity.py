@@ -127,14 +127,17 @@ class _Reading:
         return self.converted(self.term(number)[0], measured["unit"])
 
     def term(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
-        """Return the number of an expression and its powers of kg, m and s."""
+        """Return the number of an expression, exactly in SI units, and its powers of kg, m and s.
+
+        Raises InputError for numbers so long that arithmetic with them would take too long.
+        """
         value, powers = self.computed(node)
         if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
             self.refuse(f"be computed from numbers of at most {MOST_BITS} bits")
         return value, powers
 
     def computed(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
-        """Return the number of an expression, however long, and its powers."""
+        """Return the number of an expression, however long, and its powers; see `term`."""
         match node:
             case ast.Constant(value=number) if type(number) is int:
                 return Fraction(number), ()
@@ -172,7 +175,7 @@ class _Reading:
         return self.refuse(FORMS)
 
     def named(self, name: str) -> Fraction:
-        """Return the number of a name in an expression."""
+        """Return the number of a name in an expression, exactly, in SI units. Raises InputError."""
         if name in self.under and name in self.names:
             raise InputError(
                 [f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".']
@@ -199,7 +202,7 @@ class _Reading:
         return value if isinstance(value, Fraction) else Fraction(str(value))
 
     def converted(self, value: Fraction, given: str) -> Fraction:
-        """Return a number with a unit in SI units."""
+        """Return `value` in the unit `given` exactly in SI units. Raises InputError."""
         import pint
 
         symbol = self.unit.symbol
@@ -248,7 +251,7 @@ def _tree(text: str) -> ast.expr | None:
 
 
 def _powers(unit: str) -> str:
-    """Return a unit as pint reads it, with `**` before each power."""
+    """Return the text of a unit as pint reads it: "kg m2" or "kg m²" as "kg m**(2)"."""
     return POWER.sub(
         lambda power: f"**({power[2].strip('+')}{power[3]})", unit.translate(SUPERSCRIPTS)
     )

@@ -32,7 +32,7 @@ def after(a, b):
 
 @formula
 def inverse(q):
-    """Return the inverse rotation."""
+    """Return the inverse rotation of a unit quaternion q: from space to body axes."""
     return Quaternion(q.w, -q.x, -q.y, -q.z)
 
 
@@ -54,7 +54,10 @@ def swing(u, v):
 
 @formula
 def axes(q):
-    """Return the axes of the body in space, three vectors: the columns of the rotation matrix."""
+    """Return the axes 1, 2, 3 of the body in space, three Vectors, of a unit quaternion q.
+
+    They are the columns of the rotation matrix.
+    """
     w, x, y, z = q
     return (
         Vector(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
@@ -65,7 +68,7 @@ def axes(q):
 
 @formula
 def rotated(q, v):
-    """Return the vector v turned by the quaternion q."""
+    """Return the vector v, (3,), turned by the unit quaternion q: from body axes to space."""
     u = Vector(q.x, q.y, q.z)
     t = times(2, cross(u, v))
     return plus(plus(v, times(q.w, t)), cross(u, t))

@@ -258,7 +258,7 @@ class System(metaclass=Described):
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
 
     def _derive(self) -> None:
-        """Fill the fields that are not given.
+        """Fill the fields that are not given, in place, although the record is frozen.
 
         They are derived from the parameters and the state of the first phase.
         """
@@ -474,7 +474,10 @@ class System(metaclass=Described):
 
     @lru_cache(maxsize=64)  # noqa: B019 - a system is compiled only once
     def with_records(self, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> System:
-        """Return the system with more events and columns; the same one for the same records."""
+        """Return the system with more events and columns.
+
+        Cached, so that equal records give the same object: compiled equations are cached by it.
+        """
         if not (events or quantities):
             return self
         return self.replace(

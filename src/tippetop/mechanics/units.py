@@ -65,14 +65,17 @@ class Unit(metaclass=Described):
         return Unit("kg{} m{} s{}".format(*(power * n for n in self.powers)))
 
     def _same(self, *others: Any) -> "Unit":
-        """Return this unit: sums, the negative, the cosine and the sine of a unit have the same."""
+        """Return this unit: +, -, and what NumPy's cos and sin call have no other.
+
+        So formulas, called with units instead of numbers, return the unit of their result.
+        """
         return self
 
     __rmul__ = __mul__
     __add__ = __sub__ = __neg__ = cos = sin = _same
 
     def arctan2(self, other: Any) -> "Unit":
-        """Return the unit of an angle."""
+        """Return the unit of an angle, for NumPy's arctan2."""
         return RADIAN
 
 

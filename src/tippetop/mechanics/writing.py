@@ -24,7 +24,10 @@ class Language(NamedTuple):
 
 
 def _functions(prefix: str, **others: str) -> dict[str, str]:
-    """Return the names of functions of NumPy in a library."""
+    """Return the names in a library of functions of NumPy: the same ones behind `prefix`.
+
+    `others` are further functions of NumPy, and their names without prefix.
+    """
     names = {name: name for name in ("sqrt", "sin", "cos", "exp")} | {"arctan2": "atan2", **others}
     return {name: prefix + word for name, word in names.items()}
 
@@ -53,19 +56,25 @@ class Program:
     needs: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def new(self, text: str, needs: Iterable[str] = ()) -> "Symbol":
-        """Return the name of an expression that reads other names."""
+        """Return the symbol of an expression `text`, which reads the names `needs`.
+
+        An equal text gives the same symbol: each sub-expression gets one line.
+        """
         name = self.names.setdefault(text, f"v{len(self.names)}")
         self.needs.setdefault(name, tuple(needs))
         return Symbol(self, name)
 
     def of(self, value: Any) -> "Symbol":
-        """Return a number or a symbol, as a symbol."""
+        """Return a number or a symbol, as a symbol; a number gets no line."""
         if isinstance(value, Symbol):
             return value
         return Symbol(self, self.language.number(float(value)), float(value))
 
     def combined(self, a: "Symbol", sign: str, b: "Symbol") -> "Symbol":
-        """Return a sum, difference, product or quotient."""
+        """Return a sum, difference, product or quotient, by its `sign`, without needless lines.
+
+        Numbers are computed here, 0 and 1 fold, and a + b is the same expression as b + a.
+        """
         x = a.number
         y = b.number
         if x is not None and y is not None and not (sign == "/" and y == 0):
@@ -131,7 +140,7 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 def _power(base: Symbol, power: float) -> Any:
-    """Return a symbol to the power 1/2, or to a positive whole one, as products."""
+    """Return a symbol to the power 1/2, or to a positive whole one as products; others fail."""
     if power == 0.5:
         return np.sqrt(base)
     assert power == int(power) > 0, "the formulas' powers are whole"

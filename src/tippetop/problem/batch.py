@@ -80,7 +80,7 @@ class Problems:
         return len(next(iter(self.columns.values()))) if self.columns else 1
 
     def given(self, table: str) -> dict[str, Any]:
-        """Return the numbers of a table by name: arrays where they vary."""
+        """Return the numbers of a table of the scenario by name, SI; arrays (n,) if they vary."""
         varied = {
             key.removeprefix(f"{table}."): values
             for key, values in self.columns.items()
@@ -102,7 +102,10 @@ class Problems:
         return np.full(self.n, value) if self.columns and not value.ndim else value[()]
 
     def body(self, number: Callable) -> Any:
-        """Return the bodies in SI units, with numbers passed through `number`."""
+        """Return the bodies in SI units, a record `b` whose numbers are passed through `number`.
+
+        Numbers that vary are arrays (n,), others may stay numbers.
+        """
         friction = self.base.friction._replace(**self.given("friction"))
         given = self.given("parameters")
         around = by_table(self.base.surroundings)

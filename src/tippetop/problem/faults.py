@@ -134,7 +134,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     state = moment(base.form, *variables.split(start[:, which]), body)
 
     def values(formulas: Iterable[Callable]) -> np.ndarray:
-        """Return the values of formulas, (formulas, n)."""
+        """Return the values of formulas(state, body) at the starts, (formulas, n), internal."""
         rows = [np.broadcast_to(formula(state, body), n) for formula in formulas]
         return np.array(rows, float).reshape(-1, n)
 
@@ -172,7 +172,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
 
 
 def _rows(bad: np.ndarray) -> Iterable[int]:
-    """Return the rows that are true somewhere."""
+    """Return the indices of the rows of `bad` (rows, n) that are true somewhere, ascending."""
     return dict.fromkeys(np.nonzero(bad)[0].tolist())
 
 
@@ -188,7 +188,7 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
-        """Return k of the law of each problem, (n,)."""
+        """Return k [s/m] of the law of each problem, (n,), as a function of v2 and z, numbers."""
         return kind.coefficient(np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
@@ -223,7 +223,7 @@ def _law_faults(problems: "Problems") -> list[Fault]:
 
 
 def _has_no_slope(k: Callable) -> np.ndarray:
-    """Return where a function of v2 rises from 0 as a power below 1.
+    """Return where k(v2) rises from v2 = 0 as a power below 1, (n,) of bool.
 
     By its imaginary part at imaginary v2, without the rounding of a difference; of powers of two,
     so that the rounding of both is the same where the slope is 0.

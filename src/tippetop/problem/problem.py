@@ -105,7 +105,7 @@ class Problem(RunOptions):
 
     @cached_property
     def number(self) -> Any:
-        """The number type of the precision."""
+        """The type of the numbers that are integrated: float, longdouble or heyoka's real128."""
         return PRECISIONS[self.precision]
 
     @cached_property
@@ -187,7 +187,7 @@ class Problem(RunOptions):
         }
 
     def body(self, number: Any = float) -> Any:
-        """Return the record that formulas take, in SI units."""
+        """Return the body `b` that formulas take, in SI units; `number` converts each number."""
         given = {**self.parameters, **self.surroundings}
         with np.errstate(all="ignore"):  # numbers that overflow are refused at the start
             return self.system.body_of(given, self.friction, number)
@@ -205,7 +205,7 @@ class Problem(RunOptions):
         return self.alone.scales
 
     def unit(self, unit: Unit) -> float:
-        """Return the SI value of one internal unit."""
+        """Return the SI value of one internal unit of the kind `unit`."""
         return float(self.scales.of(unit))
 
     @cached_property
@@ -247,5 +247,5 @@ def numbers_of(system: System, law: Mapping[str, Number]) -> dict[str, Mapping[s
 
 
 def _again(form: str, given: dict[str, Any]) -> Problem:
-    """Return the problem of a pickle."""
+    """Return the problem of a pickle, which names the form: its formulas cannot be pickled."""
     return Problem(form=given["system"].forms[form], **given)

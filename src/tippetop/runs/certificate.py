@@ -80,7 +80,7 @@ def broken_by_tops(table: Any, tolerance: float) -> list[str]:
 
 
 def _bound(name: str, t_end: Any) -> Any:
-    """Return the largest drift of an invariant that a run which ends at `t_end` [s] may show."""
+    """Return the largest relative drift of an invariant that a run up to `t_end` [s] may show."""
     growth = np.sqrt(np.maximum(1.0, t_end / DRIFT_GROWS_AFTER))
     return MAX_DRIFT.get(name, MAX_DRIFT_DEFAULT) * growth
 
@@ -144,7 +144,10 @@ def certificate(
 
 
 def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
-    """Return the thresholds that the run met and that change its motion by more than 1e-12."""
+    """Return the thresholds that the run met and that change its motion by more than 1e-12.
+
+    They are sentences; `tables` are the tables of the run, as Datasets or columns by name.
+    """
     kinds = problem.system.tables
 
     def words(table: str, column: str) -> set[str]:
@@ -176,7 +179,7 @@ def certificate_violations(result: PlainData) -> list[str]:
 def _differences(
     table: Mapping[str, Column], reference: Mapping[str, Column]
 ) -> dict[str, np.ndarray]:
-    """Return the absolute differences of each column of numbers, in the rows of both tables."""
+    """Return the absolute differences of each column of numbers, in the rows of both tables, SI."""
     result = {}
     for name, column in table.items():
         if "flag_meanings" in column.attrs:
@@ -195,7 +198,11 @@ def _largest(differences: np.ndarray) -> float:
 
 
 def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> PlainData:
-    """Compare tables row by row; of tables with different numbers of rows, return the numbers."""
+    """Return how two tables differ, row by row, as plain data.
+
+    `compared` is the number of rows, `counts` that of each table, and each column has its largest
+    difference, SI. Tables with different numbers of rows are not compared: `compared` is 0.
+    """
     rows, expected = counts = [len(next(iter(each.values())).values) for each in (table, reference)]
     if rows != expected:
         return {"compared": 0, "counts": counts}

@@ -96,7 +96,8 @@ def _timed(
 ) -> tuple[float, RunProgress]:
     """Return the seconds that the first `slices` slices of `size` steps take, and the progress.
 
-    They include the setup of the run and the conversion of its rows to columns.
+    They include the setup of the run and the conversion of its rows to columns. A run may end
+    earlier; `clock` returns seconds.
     """
     began = clock()
     integration = Integration(problem)

@@ -41,7 +41,10 @@ class Drift:
         self.worst = {name: np.where(valid, np.zeros(problems.n), np.nan) for name in self.start}
 
     def begin(self, start: np.ndarray, which: np.ndarray) -> None:
-        """Compare the runs `which`, (k,), with these starts (variables, k)."""
+        """Compare the runs `which`, (k,), with these starts (variables, k), internal, from now on.
+
+        Tops in lanes, whose starts are known later than the ensemble, begin by it too.
+        """
         problems = self.problems
         values = values_of(problems, start, which)
         for kept, of in (self.start, invariants), (self.size, sizes):

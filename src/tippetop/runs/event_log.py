@@ -27,7 +27,11 @@ from .events import EventTable, event_table
 
 
 def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | None:
-    """Return when the lasting event last happened [s]; None if it is over in state `last`."""
+    """Return when the lasting event last happened [s]; None if it is over in state `last`.
+
+    `view` are the observables of the run, `tally` the record of its counters, and `last`
+    (1, variables) is internal.
+    """
     since = float(tally["lasts_since"])
     if math.isnan(since):
         return None
@@ -125,15 +129,19 @@ class EventLog:
         return table, self._marks(turnings, ways, angles), zeros.states
 
     def _states(self, seconds: np.ndarray, states: np.ndarray) -> dict[str, Column]:
-        """Return the columns of a trajectory at events, if an event of the user is logged."""
+        """Return the columns of a trajectory at events, by name; {} without user-defined events.
+
+        `seconds` are the times of the events [s], `states` (events, variables), internal.
+        """
         if not self.keeps_states:
             return {}
         columns = self.view.columns(seconds, states)
         return {name: c._replace(dims=("event", *c.dims[1:])) for name, c in columns.items()}
 
     def _marks(self, rows: np.ndarray, signs: np.ndarray, theta: np.ndarray) -> list[int]:
-        """Count turnings, and return the rows of those that are now confirmed.
+        """Count turnings in the tally, and return the rows of those that are now confirmed.
 
+        A turning is confirmed by a later one, so each call has an effect on those that follow.
         Parameters
         ----------
         rows, signs, theta
@@ -162,12 +170,12 @@ class EventLog:
         return [row for row in (waiting, self.lasting) if row >= 0]
 
     def note_at_start(self, event: Event) -> None:
-        """Set the times that an event keeps to 0, because it happened at the start."""
+        """Set the times that an event keeps to 0, because it happened at the start; logs no row."""
         is_time = [kept in event.kept and kept.what != "count" for kept in self.kept]
         self.tallies.kept[is_time, 0] = 0.0
 
     def numbers(self) -> list[tuple[Kept, float]]:
-        """Return what events have kept so far, internal."""
+        """Return each Kept of the events with its number so far: an internal time, or a count."""
         return list(zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True))
 
     def snapshot(self) -> PlainData:
@@ -176,5 +184,5 @@ class EventLog:
         return {"counts": dict(self.counts), **{name: getattr(self, name) for name in names}}
 
     def restore(self, kept: PlainData) -> None:
-        """Continue from a checkpoint."""
+        """Continue from a checkpoint: the inverse of `snapshot`, whose keys are attributes here."""
         vars(self).update(kept)

@@ -68,6 +68,12 @@ class Integration:
         Times of compiling and of integrating.
     last_slice
         The state at the start of the last slice: a longer run continues from there.
+    filled
+        The number of rows that the sink has.
+    fresh
+        Whether no slice was made yet, here or before the run was restored.
+    log, phases, drift, force
+        Measurements so far: events, phases, drift of invariants, extremes of the normal force.
     """
 
     def __init__(
@@ -141,14 +147,20 @@ class Integration:
             self._write(np.array([self.t_end]), self.last)
 
     def part(self, sink: Sink, steps: int, more: Callable[[], bool]) -> None:
-        """Integrate a part of a run, in slices of `steps` steps, as long as `more()` is true."""
+        """Integrate a part of a run, in slices of `steps` steps, as long as `more()` is true.
+
+        Nothing is committed, and no progress reported: `run` does both.
+        """
         self.begin(sink)
         while self.status is None and more():
             self.add_slice(self.driver.advance(self, steps))
         self.fill()
 
     def begin(self, sink: Sink) -> None:
-        """Connect the run to a sink; set its status if it ends at its start."""
+        """Connect the run to a sink, which gets rows from now on; call it before any slice.
+
+        It sets `status`: how the run ends at its start, or None.
+        """
         self.sink, self.requested = sink, self.filled
         self.rows_at_steps, self.at_times = (
             sink.keeps_rows and self.problem.output == output for output in ("steps", "times")
@@ -156,9 +168,10 @@ class Integration:
         self.status = self._ended_at_start() if self.fresh else None
 
     def _steps(self) -> int:
-        """Return the steps of the next slice, up to a multiple of its usual number.
+        """Return the number of steps of the next slice, up to a multiple of the usual numbers.
 
-        So nothing depends on where a run was continued.
+        Multiples are counted from the start of the run, so that slices, and hence bits, do not
+        depend on where a run was continued.
         """
         problem = self.problem
         most = [max(1, STEPS_PER_SLICE // WIDE[problem.precision])]
@@ -169,7 +182,10 @@ class Integration:
         return min(steps - self.steps_made % steps for steps in most)
 
     def _ended_at_start(self) -> Status | None:
-        """Return how a run ends before its first step, where a force is negative there."""
+        """Return how a run ends before its first step, or None: a force is negative at its start.
+
+        It logs the event, and sets `force`.
+        """
         if self.driver.ended is not None:
             return self.driver.ended
         events = self.problem.system.events
@@ -192,7 +208,10 @@ class Integration:
     # --- rows ------------------------------------------------------------------------------------
 
     def next_times(self) -> np.ndarray:
-        """Return the internal times of the next rows, or an empty array for the ends of steps."""
+        """Return the internal times of the next rows; see `Request.next_times`.
+
+        For rows at the ends of steps the array is only room for them: its numbers do not count.
+        """
         if self.rows_at_steps:
             return np.empty(ROWS_PER_BLOCK)
         if not self.at_times:
@@ -202,12 +221,15 @@ class Integration:
         return times / self.second
 
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Pass rows at these internal times to the sink."""
+        """Pass rows at these internal times, (k,), to the sink; `states` are (k, variables).
+
+        Rows at given times get the times of the problem [s], which were not rounded by conversion.
+        """
         rows = slice(self.filled, self.filled + len(times))
         self._write(times * self.second if self.rows_at_steps else self.problem.times[rows], states)
 
     def fill(self) -> None:
-        """Write the rows at the very end of the run, which lie in no step: the last good state."""
+        """Write the rows up to the end of the run that lie in no step, with the last good state."""
         if not self.at_times:
             return
         times = self.problem.times[self.filled : self.problem.times.count(self.t_end)]
@@ -215,7 +237,7 @@ class Integration:
             self._write(times, np.repeat(self.last, len(times), axis=0))
 
     def _write(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Pass rows to the sink: times [s], internal states."""
+        """Pass rows to the sink and count them: times [s], (k,), internal states (k, variables)."""
         self.sink.add_rows(times, states)
         self.filled += len(times)
 
@@ -223,6 +245,11 @@ class Integration:
 
     def add_slice(self, piece: Slice) -> Status | None:
         """Measure and log a slice; return how it ended the run, or None.
+
+        Slices must come in the order of time, once each: all measurements are sums so far. The rows
+        of the slice are in the sink already (`add_rows`); rows at its events, or at an end within a
+        step (`upto` < 1), are added here. Afterwards the run is no longer `fresh`: it has left its
+        start, so that `begin` does not end it there.
 
         Drift is measured at samples and at the end of the run, but not at the ends of slices, so
         that it does not depend on their number.
@@ -246,7 +273,7 @@ class Integration:
         return self.status
 
     def _take_tables(self, tables: dict) -> None:
-        """Pass rows of phases and impacts to the sink."""
+        """Pass rows of phases and impacts, by table and column, to the sink and `phases`."""
         self.phases.add(tables)
         self.sink.add_tables(tables)
 
@@ -289,7 +316,7 @@ class Integration:
         return {"slice": self.last_slice, "end": end}
 
     def encoded(self, ending: dict[str, Any]) -> PlainData:
-        """Return an ending as plain JSON data."""
+        """Return an ending, as `ending` returns it, as plain JSON data with exact numbers."""
         start = ending["slice"]
         end = hexfloat.encode(ending["end"])
         return {"slice": self._encoded(start) if start else {}, "end": end}
@@ -310,11 +337,17 @@ class Integration:
         }
 
     def _encoded(self, state: dict[str, Any]) -> PlainData:
-        """Return the state of a run as plain data, with the fingerprint of its equations."""
+        """Return a state, as `_state` returns it, as plain JSON data for `restore`.
+
+        It includes the fingerprint of the equations, by which `restore` rejects others.
+        """
         return hexfloat.encode({"equations": fingerprint(self.driver), **state})
 
     def restore(self, kept: PlainData) -> None:
-        """Continue from a snapshot. Raises ValueError if it was made with other equations."""
+        """Continue from a snapshot, before any slice was made: the inverse of `snapshot`.
+
+        Raises ValueError if it was made with other equations.
+        """
         if kept["equations"] != fingerprint(self.driver):
             raise ValueError("the equations must be those of the checkpoint, but are others here")
         number = self.problem.number
@@ -339,7 +372,10 @@ class Integration:
         self.phases = PhaseHistory(self.phases.words, **state["story"])
 
     def start_at_keyframe(self, row: dict[str, np.ndarray]) -> None:
-        """Continue from a keyframe, a row by column; measurements and log begin anew there."""
+        """Continue from a keyframe, before any slice was made; measurements and log begin anew.
+
+        `row` is a row of the table of keyframes by column: numbers, SI.
+        """
         keyframes.restore(self.driver, row)
         self.last = self.driver.present()
         self.t_end = float(row["time"])

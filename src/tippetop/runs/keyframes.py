@@ -25,7 +25,10 @@ PARTS = {"double": 1, "longdouble": 2, "quad": 3}
 
 
 def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[str, Column]:
-    """Return the present state, after `steps` steps at `t_end` [s], as a row of `keyframes`."""
+    """Return the present state, after `steps` steps at `t_end` [s], as a row of `keyframes`.
+
+    Values have the shape (1, ...); numbers wider than doubles are split, so that none is rounded.
+    """
     exact = np.concatenate(
         [np.ravel(np.array(value, problem.number)) for value in _snapshot(driver).values()]
     )

@@ -65,7 +65,7 @@ class PhaseHistory:
     last: PlainData | None = None
 
     def add(self, new: dict[str, Rows]) -> None:
-        """Count new rows of the tables."""
+        """Count new rows, by table and column; in the order of time, as the last phase is kept."""
         if not new:
             return
         self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
@@ -97,7 +97,7 @@ class PhaseHistory:
 
 
 def columns(system: System, name: str, table: Rows) -> dict[str, Column]:
-    """Return rows of a table as columns of the store's group of this name."""
+    """Return rows, by column in SI, as labelled columns of the store's group `name`."""
     dims = (DIMENSIONS[name],)
     kinds = dict.fromkeys(table, SECOND) | dict(system.tables[name])
     return {

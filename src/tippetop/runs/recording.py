@@ -66,7 +66,11 @@ class Recorder(Writer, Sink):
         self.asked = 0.0
 
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Write rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
+        """Write rows: times [s] and internal states.
+
+        Raises Interrupted if a stop has waited longer than PATIENCE for the end of a slice. The
+        work is queued, so the arrays must not change afterwards.
+        """
         if self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
@@ -95,24 +99,31 @@ class Recorder(Writer, Sink):
             raise Interrupted
 
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
-        """Append rows to the table of this name, and to that of its late columns."""
+        """Append rows to the table of this name, and to that of its late columns.
+
+        Late columns, such as `significant`, change after their rows are written, so their chunks
+        are written at the end.
+        """
         values = {key: column.values for key, column in columns.items()}
         for part in self.growing.keys() & {name, name + LATE}:
             self.growing[part].append(values)
 
     def mark(self, rows: list[int], value: bool = True) -> None:
-        """Set the flag `significant` of some events."""
+        """Set the flag `significant` of the events in these rows of the log."""
         self.growing["events" + LATE].mark(SIGNIFICANT, rows, value)
 
     def commit(self, progress: RunProgress, snapshot: PlainData) -> None:
-        """Acknowledge all rows, and the state from which the run can be continued."""
+        """Acknowledge all rows so far, and the state from which the run can be continued.
+
+        The work is queued; `snapshot` must belong to exactly these rows, as after a slice.
+        """
         changed = {
             "report": finite(reporting.report(progress)),
             "reason": reporting.reason(progress),
         }
 
         def work() -> None:
-            """Commit on the writer's thread."""
+            """Commit, then write what readers need; on the writer's thread."""
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
@@ -120,7 +131,10 @@ class Recorder(Writer, Sink):
         self.committed_at = time.monotonic()
 
     def tail(self, snapshot: PlainData) -> bytes:
-        """Return the rows that no chunk contains, and the state of the run."""
+        """Return the tail of a commit: a line of JSON with the state of the run, then rows.
+
+        The rows are those that no chunk contains, and `restore` reads them.
+        """
         state = {
             **here(),
             "begun_with": self.begun_with,
@@ -131,7 +145,7 @@ class Recorder(Writer, Sink):
         return head + b"".join(table.tail() for table in self.growing.values())
 
     def restore(self, tail: bytes) -> None:
-        """Load the rows of a tail into the tables."""
+        """Load the rows of a tail, as `tail` returned it, into the tables, which must be empty."""
         head, _, data = tail.partition(b"\n")
         for name, (written, rows) in json.loads(head)["tables"].items():
             data = self.growing[name].restore(written, rows, data)
@@ -151,7 +165,7 @@ class Recorder(Writer, Sink):
         attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
-            """Write the last rows and the end of the store."""
+            """Write the last rows and the seal of the store; on the writer's thread."""
             for table in self.growing.values():
                 table.finish()
             begun = self.store.state.header["attributes"]
@@ -225,7 +239,8 @@ def run_into(
 ) -> tuple[Integration, PlainData]:
     """Integrate into an open store; return the integration and the last root attributes.
 
-    `take_up` sets the state from which the run continues, if it does.
+    `take_up` is called with the Recorder first: it sets the state from which the run continues, if
+    it does. `stop` and `progress` are as for `record`.
     """
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
@@ -276,7 +291,10 @@ def header(integration: Integration, attrs: PlainData | None = None) -> PlainDat
 
 
 def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
-    """Yield the groups of a run: name, columns without rows, rows per chunk."""
+    """Yield the tables of a run's store: name, columns without rows, rows per chunk.
+
+    A group has a second table, its name + LATE, for columns whose values change later.
+    """
     problem = integration.problem
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
     yield "trajectory", empty, ROWS_PER_CHUNK

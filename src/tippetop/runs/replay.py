@@ -39,10 +39,10 @@ class _Rows(recording.Recorder):
     """A recorder of rows only: events and phases are copied from the run."""
 
     def add_events(self, table: EventTable, marks: list[int]) -> None:
-        """Ignore rows of the event log."""
+        """Ignore rows of the event log: `into_store` copies them from the run."""
 
     def add_tables(self, new: dict[str, Rows]) -> None:
-        """Ignore rows of phases and impacts."""
+        """Ignore rows of phases and impacts: `into_store` copies them from the run."""
 
 
 def columns(
@@ -166,7 +166,10 @@ def _refuse(times: EvenTimes, end: float) -> None:
 
 
 def _take_up(path: Path, integration: Integration, start: float) -> None:
-    """Put a run at its last keyframe before `start` [s], or leave it at its start."""
+    """Put a run at its last keyframe before `start` [s], or leave it at its start.
+
+    `path` is the store of the run; only the tables of its keyframes are read.
+    """
     table = root.open_group(path, "keyframes")
     before = start * (1 - 2**-50)  # the exact time is not that of the column to the last bit
     at = int(np.searchsorted(root.column(path, table, "time"), before)) - 1

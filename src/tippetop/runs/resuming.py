@@ -160,7 +160,10 @@ def same_here(
 
 
 def _compare(store: Ledger, wanted: PlainData) -> None:
-    """Raise StoreError if a store has other columns than its scenario makes here."""
+    """Raise StoreError if a store has other columns than its scenario makes here.
+
+    `wanted` is the header that `recording.header` makes of the scenario.
+    """
     members = store.state.header["members"]
     wanted = json.loads(json.dumps(wanted["members"]))
     for path in sorted(members.keys() | wanted.keys()):
@@ -172,7 +175,10 @@ def _compare(store: Ledger, wanted: PlainData) -> None:
 
 
 def _restore(target: Path, integration: Integration, kept: PlainData) -> None:
-    """Restore an integration from a record of its store. Raises StoreError."""
+    """Restore an integration from a record of its store: the result of `Integration.snapshot`.
+
+    Raises StoreError if it was made with other equations, or is damaged.
+    """
     try:
         integration.restore(kept)
     except (ValueError, LookupError, TypeError, AttributeError) as error:
@@ -183,7 +189,7 @@ def _restore(target: Path, integration: Integration, kept: PlainData) -> None:
 
 
 def _rows(integration: Integration) -> dict[str, int]:
-    """Return the rows of each table at the moment where an integration is."""
+    """Return the number of rows of each table at the moment where an integration is."""
     return {
         "trajectory": integration.filled,
         "events": integration.log.rows,

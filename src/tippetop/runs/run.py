@@ -68,7 +68,7 @@ class Solution:
         return reporting.report(self.progress)
 
     def columns(self) -> dict[str, Any]:
-        """Return the rows as named SI columns."""
+        """Return the rows as named SI columns, computed anew by each call."""
         return Observables(self.problem).columns(self.times, self.rows)
 
 

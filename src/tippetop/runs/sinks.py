@@ -30,7 +30,10 @@ class Sink:
         """Receive rows of the tables of phases, impacts and keyframes, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
-        """Handle the end of a slice: commit a snapshot, or raise Interrupted to stop."""
+        """Handle the end of a slice: commit a snapshot, or raise Interrupted to stop.
+
+        snapshot() returns the state that belongs to exactly the rows so far.
+        """
 
 
 class Memory(Sink):
@@ -46,7 +49,7 @@ class Memory(Sink):
         self.others: dict[str, list[Rows]] = {}
 
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Keep rows."""
+        """Keep rows: times [s] (k,) and internal states (k, variables); they are not copied."""
         self.times.append(times)
         self.states.append(states)
 
@@ -61,7 +64,7 @@ class Memory(Sink):
             self.others.setdefault(name, []).append(columns)
 
     def table(self) -> EventTable:
-        """Return the whole event log, with its marks."""
+        """Return the whole event log, in which marked rows are significant."""
         log = EventTable.joined(self.logs)
         if self.marks:
             log.significant[self.marks] = True

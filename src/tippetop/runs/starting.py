@@ -149,7 +149,10 @@ def _ended(path: Path) -> PlainData:
 
 
 def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
-    """Return the initial data of a state, (1, variables), as far as it has any."""
+    """Return the initial data, SI by name, that a state (1, variables) of a run rounds to.
+
+    Only for people to read: the run starts from the exact state.
+    """
     if before.contact is not None and before.contact.stem:  # they are of the sphere
         state = state.copy()
         names = before.variables.names

@@ -101,7 +101,11 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
 
 
 def _axis(info: Info, system: Any, events: Info, peg: bool) -> dict[str, str]:
-    """Return the inversion, or only the last theta of a body that cannot invert."""
+    """Return the lines on the inversion, or only on the last theta of a body that cannot invert.
+
+    `info` is what `attributes.info` returns, `system` its System or None, `events` the events of
+    that by name; `peg` is whether the centre of mass is lowest at theta = pi.
+    """
     inversion = info["inversion"]
     end = info["theta_end"]
     first, last, inverted = (

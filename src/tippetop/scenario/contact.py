@@ -108,7 +108,7 @@ def rules_of(scenario: Any, system: System) -> ContactLaw | None:
 
 
 def contact_faults(problem: Problem) -> list[str]:
-    """Return sentences on a contact that opens and its problem."""
+    """Return sentences on the faults of a contact that opens; [] where it never opens."""
     rules = problem.contact
     law = problem.law
     friction = problem.friction

@@ -69,7 +69,10 @@ def missing_records(attrs: PlainData, system: System) -> list[str]:
 
 
 def user_records(system: System) -> Records:
-    """Return the events and columns of a system that the registered one does not have."""
+    """Return the events and columns of a system that the registered one does not have.
+
+    Both are empty for a registered system; the result can be passed to `System.with_records`.
+    """
     if find(system.name) is None:
         return (), ()
     registered = by_name(*place_of(system))
@@ -83,7 +86,10 @@ def user_records(system: System) -> Records:
 
 
 def _digest(record: Event | Quantity, problem: Problem) -> str:
-    """Return a digest of the fields of a record and of the values of its formula."""
+    """Return a digest of the fields of a record and of the values of its formula.
+
+    Stores contain it: any change here makes user-defined records of old stores unknown.
+    """
     text = [repr(value) for name, value in sorted(vars(record).items()) if name != "formula"]
     size = len(problem.variables.names), STATES
     states = np.random.default_rng(1).uniform(0.5, 1.0, size)

@@ -94,7 +94,7 @@ def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
 
 
 def scenario() -> list[Section]:
-    """Return the keys of a scenario."""
+    """Return sections on the keys of a scenario: an overview, then each table."""
     tables = {name: tables_of(system) for name, system in SYSTEMS.items()}
     gliding = [s.name for s in SYSTEMS.values() if s.frictional]
     rows = [
@@ -148,7 +148,12 @@ def scenario() -> list[Section]:
 
 
 def friction() -> list[Section]:
-    """Return the friction laws and their numbers."""
+    """Return a section for each friction law: its numbers, and the systems that take it.
+
+    A law whose optional numbers may be left out (`law.without`, such as Coulomb without eps) has a
+    second section for that case. `PARTS`, rolling resistance and drilling, can be added to a law
+    if one of its systems has a rounded contact.
+    """
     load_entry_points()
     laws = systems_of_laws()
     for name, (law, _) in list(laws.items()):
@@ -192,7 +197,7 @@ def _with_contact() -> list[System]:
 
 
 def events() -> list[Section]:
-    """Return the kinds of events."""
+    """Return one section on the kinds of events, with the systems that have each."""
     rows: dict[str, list[Any]] = {}
     for system in (*SYSTEMS.values(), *_with_contact()):
         for event in system.events:
@@ -221,7 +226,7 @@ COLUMNS = ("column", "unit", "meaning")
 
 
 def columns() -> list[Section]:
-    """Return the columns of a run, by system."""
+    """Return a section on the columns of a run for each system, and one on contacts that open."""
     sections = [
         Section(f"Columns of {name}", "", COLUMNS, _columns(system))
         for name, system in SYSTEMS.items()

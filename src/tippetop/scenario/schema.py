@@ -26,10 +26,13 @@ class Table(BaseModel):
 
 
 def _number(rule: Number, kind: Any = float) -> Any:
-    """Return the type of a number in the interval of its record."""
+    """Return a type for pydantic: a number of type `kind` in the interval of `rule`."""
 
     def within(value: float) -> float:
-        """Return the value, if it lies in the interval of the number."""
+        """Return the value, if it lies in the interval of the number; pydantic calls it.
+
+        Raises PydanticCustomError, which `sentences` turns into a message.
+        """
         if rule.broken(value):
             raise PydanticCustomError("interval", "{must}", {"must": rule.must(value)})
         return value
@@ -64,7 +67,7 @@ def _kind(hint: Any, rule: Number) -> Any:
 
 
 def _run_table() -> Any:
-    """Return the model of [run], from the options of a run."""
+    """Return the pydantic model of the table [run], made of the fields of `RunOptions`."""
     fields: dict[str, Any] = {}
     for name, option in OPTIONS.items():
         about = option.metadata

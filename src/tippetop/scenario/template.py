@@ -93,5 +93,5 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
 
 
 def _line(key: str, value: Any, text: str) -> str:
-    """Return a line of a template: key, value, and its meaning as a comment."""
+    """Return a line of a template: key, value as in TOML, and `text`, its meaning, as a comment."""
     return f"{f'{key} = {json.dumps(value)}':{WIDTH}}  # {text}"

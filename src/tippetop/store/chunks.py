@@ -26,7 +26,11 @@ def pieces(path: str | Path, group: str, names: list[str]) -> Iterator[dict[str,
 
 
 def blocks(table: Any, path: str | Path, first: int = 0, last: int | None = None) -> Iterator[Any]:
-    """Yield rows of a Dataset in memory, a block at a time; at least one block."""
+    """Yield rows of a lazy Dataset of a store as Datasets in memory, a block at a time.
+
+    `first` and `last` are numbers of rows, by default all; there is at least one block, perhaps
+    without rows. `path` is for messages. Raises StoreError.
+    """
     dim = row_dimension(table)
     last = table.sizes[dim] if last is None else last
     for start in range(first, max(last, first + 1), BLOCK):
@@ -34,7 +38,7 @@ def blocks(table: Any, path: str | Path, first: int = 0, last: int | None = None
 
 
 def row_dimension(table: Any) -> str:
-    """Return the dimension of the rows of a group."""
+    """Return the name of the dimension of the rows of a group, a Dataset."""
     return next(iter(table.variables.values())).dims[0]
 
 

@@ -102,10 +102,13 @@ def _netcdf(tables: dict[str, Any], attrs: dict[str, Any], of: str) -> Any:
 
 
 def _csv(table: Any, path: Path, of: str) -> None:
-    """Write a table as CSV, with units in its header."""
+    """Write a Dataset as CSV, with units in its header; `of` names its source in messages."""
 
     def head(column: str) -> str:
-        """Return the name of a column with its unit."""
+        """Return the name of a column of the file with its unit: "theta [rad]".
+
+        Columns with parts, such as axis_x, have the unit of the variable `axis`.
+        """
         name = column if column in table else column.rpartition("_")[0]
         units = table[name].attrs.get("units", "1")
         return column if units in ("", "1") else f"{column} [{units}]"
@@ -117,7 +120,7 @@ def _csv(table: Any, path: Path, of: str) -> None:
 
 
 def _parquet(table: Any, path: Path, of: str, attrs: PlainData) -> None:
-    """Write a table as Parquet, with attributes as its metadata."""
+    """Write a Dataset as Parquet, with `attrs` as its metadata; `of` names it in messages."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -131,7 +134,10 @@ def _parquet(table: Any, path: Path, of: str, attrs: PlainData) -> None:
 
 
 def _frames(table: Any, of: str) -> Iterator[Any]:
-    """Yield the rows as pandas tables, a block at a time."""
+    """Yield the rows of a Dataset as pandas tables, a block at a time; times come first.
+
+    `of` names the source in messages. Raises StoreError.
+    """
     first = [name for name in ("top", "time", "start", "end") if name in table.variables]
     names = [*first, *sorted(table.variables.keys() - {*first})] if first else [*table.variables]
     for piece in chunks.blocks(table[names], of):

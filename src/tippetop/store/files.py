@@ -111,7 +111,7 @@ def remove_stale(path: Path) -> None:
 
 
 def _removed(old: Path) -> bool:
-    """Remove a folder that no process has locked; return whether it was removed."""
+    """Remove a folder, unless a process has locked it; return whether it was removed."""
     try:
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, Folder(old).lock())
@@ -157,7 +157,10 @@ def synced(folder: Path, name: str = "") -> None:
 
 
 def own_folder(path: str | Path) -> Path:
-    """Return a path, unless it is a link. Raises StoreError."""
+    """Return a path that may not exist. Raises StoreError if it is a link.
+
+    A store is written in place, so a link would write into another folder.
+    """
     if os.path.islink(path):
         raise StoreError(f"`{path}` must be a folder, but is a link.")
     return Path(path)

@@ -44,7 +44,7 @@ class Folder:
         self.unsynced: set[str] = set()  # files, and folders with new names
 
     def mkdir(self, name: str) -> None:
-        """Make a folder, unless it exists."""
+        """Make a folder, unless it exists; `sync` puts its name on the disk."""
         with contextlib.suppress(FileExistsError):
             os.mkdir(name, dir_fd=self.descriptor)
         # also of a folder that exists: another process may not have synced its name
@@ -60,7 +60,10 @@ class Folder:
         self.unsynced |= set() if derived else {name, name.rpartition("/")[0]}
 
     def put(self, name: str, data: bytes, how: int = os.O_CREAT | os.O_TRUNC) -> None:
-        """Write a file in place, by default from its beginning; with `os.O_APPEND` at its end."""
+        """Write a file in place, not synced; by default it becomes `data`.
+
+        `how` are the flags of `os.open` in addition: with `os.O_APPEND` data are appended.
+        """
         with self._open(name, WRITE | how) as descriptor:
             rest = memoryview(data)
             while rest:
@@ -76,7 +79,7 @@ class Folder:
             os.close(descriptor)
 
     def rename(self, old: str, new: str) -> None:
-        """Rename a file; an existing file of the new name is replaced."""
+        """Rename a file; an existing file of the new name is replaced. Nothing is synced."""
         os.rename(old, new, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
 
     def remove(self, name: str) -> None:
@@ -90,7 +93,7 @@ class Folder:
             return file.read()
 
     def tip(self, name: str) -> tuple[int, bytes]:
-        """Return the size and the last four bytes of a file."""
+        """Return the size of a file and its last four bytes: the checksum of a chunk."""
         with self._open(name) as descriptor:
             size = os.fstat(descriptor).st_size
             return size, os.pread(descriptor, 4, max(0, size - 4))
@@ -129,7 +132,7 @@ class Folder:
         names = sorted(self.unsynced)
 
         def work(first: int) -> None:
-            """Sync every `threads`-th file."""
+            """Sync every `threads`-th file, from that of number `first` on."""
             for name in names[first :: self.threads]:
                 self.sync_one(name)
 

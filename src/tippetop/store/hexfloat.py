@@ -9,7 +9,10 @@ import numpy as np
 
 
 def encode(value: Any) -> Any:
-    """Return a tree of dicts, lists, numbers and arrays of any precision as plain JSON data."""
+    """Return a tree of dicts, lists, numbers and arrays of any precision as plain JSON data.
+
+    Floats become texts as of `to_hex`; integers, texts and None stay. `decode` reads it.
+    """
     if isinstance(value, dict):
         return {key: encode(v) for key, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
@@ -28,13 +31,16 @@ def to_hex(value: Any) -> str:
 
 
 def from_hex(text: str, kind: Any = float) -> Any:
-    """Return the float of type `kind` that `to_hex` wrote."""
+    """Return the float of type `kind`, such as numpy.longdouble, that `to_hex` wrote."""
     first, *rest = (kind(float.fromhex(piece)) for piece in text.split())
     return sum(rest, first)
 
 
 def decode(value: Any) -> Any:
-    """Return the data that `encode` wrote, with hexadecimal doubles as floats again."""
+    """Return the data that `encode` wrote, with hexadecimal doubles as floats again.
+
+    Numbers wider than doubles become doubles: for those call `from_hex`. Arrays become lists.
+    """
     if isinstance(value, dict):
         return {key: decode(v) for key, v in value.items()}
     if isinstance(value, list):

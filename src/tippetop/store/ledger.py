@@ -78,7 +78,11 @@ class Acknowledged:
         return state
 
     def add(self, record: PlainData) -> None:
-        """Add one record."""
+        """Add one record after the header: its fields, by their names here, all optional.
+
+        `chunks`, `failed` and `changed` are added, others replace; a chunk that is acknowledged has
+        no longer failed, and the changed attributes of a seal replace all.
+        """
         self.chunks |= record.get("chunks", {})
         failed = self.failed | record.get("failed", {})
         self.failed = {key: why for key, why in failed.items() if key not in self.chunks}
@@ -92,7 +96,10 @@ class Acknowledged:
         return self.header["attributes"] | self.changed
 
     def sum(self) -> PlainData:
-        """Return all but the header as one record, without empty fields."""
+        """Return all but the header as one record, without empty fields and failures.
+
+        Chunks are sorted, here and in the state, so that equal stores have equal ledgers.
+        """
         self.chunks = dict(sorted(self.chunks.items()))
         names = ("chunks", "rows", "tail", "end", "changed", "seal")
         return {name: value for name in names if (value := getattr(self, name))}
@@ -106,7 +113,10 @@ class Acknowledged:
         return {**members, "": zarr3.group(self.attributes, members)}
 
     def files(self, key: str) -> list[str]:
-        """Return the names of the files of a chunk."""
+        """Return the names of the files of a chunk, one for each array, inside the store.
+
+        `key` is TABLE/INDEX; the index has a number for each dimension, as in "surface/0.3".
+        """
         table, _, index = key.partition("/")
         members = self.header["members"]
         place = list(map(int, index.split(".")))
@@ -122,7 +132,10 @@ def digest(data: bytes) -> str:
 
 
 def mark(tips: Mapping[str, tuple[int, bytes]]) -> str:
-    """Return a digest of a chunk: of names, sizes and last bytes (the checksums) of its files."""
+    """Return the digest of a chunk that records contain, from the tips of its files by name.
+
+    A tip is the size and the last bytes, which are the checksum of the file.
+    """
     return digest(repr(sorted(tips.items())).encode())
 
 
@@ -132,7 +145,10 @@ def mark_of(files: Mapping[str, bytes]) -> str:
 
 
 def lines(records: list[PlainData], before: str = "") -> tuple[str, bytes]:
-    """Return the digest of the last record, and the lines of the records after `before`."""
+    """Return the digest of the last record, and the records as lines of a ledger.
+
+    `before` is the digest of the record before them, "" for the header: each digest includes it.
+    """
     written = b""
     for record in records:
         body = json.dumps(record, allow_nan=False, separators=(",", ":")).encode()
@@ -173,7 +189,12 @@ def has_ledger(path: Path) -> bool:
 
 
 def acknowledged(raw: bytes) -> Acknowledged:
-    """Return the content that the bytes of a ledger acknowledge. `sound` converts errors."""
+    """Return the content that the bytes of a ledger acknowledge.
+
+    The documents and the file names of all chunks are made here too, only as a check: a forged
+    ledger fails now rather than after other code trusts it. Raises Damaged, or any error in
+    `FORGED`: call it inside `sound`, which converts them to a StoreError.
+    """
     state = Acknowledged.of(records_of(raw))
     state.documents()
     for key in state.chunks:
@@ -305,7 +326,7 @@ class Ledger:
         return self.held is not None and self.folder.is_at(self.path / LEDGER, self.held)
 
     def check(self) -> None:
-        """Raise StoreError if the store was moved, removed or replaced."""
+        """Raise StoreError if the store was moved, removed or replaced since it was locked."""
         if not self.in_place():
             raise StoreError(
                 f"`{self.path}` must stay in its place while it is written, but was moved, "
@@ -351,7 +372,10 @@ class Ledger:
             self.folder.mkdir(path)
 
     def _describe(self, *, derived: bool = False) -> None:
-        """Write the documents of root, groups and arrays that differ from their files."""
+        """Write the documents of root, groups and arrays that differ from their files.
+
+        The root is last, as readers begin with it. `derived` documents are not synced.
+        """
         for path, document in self.state.documents().items():
             name = f"{path}/{DOCUMENT}".lstrip("/")
             data = zarr3.dump(document)
@@ -363,8 +387,8 @@ class Ledger:
     def _compact(self) -> None:
         """Replace the ledger by two records: the header, and the sum of all others.
 
-        The disk may not have what another process appended. The new file is locked before it is
-        renamed.
+        The disk may lack what another process appended, so all is written again. The new file is
+        locked before it is renamed, so that the store is never without a lock.
         """
         state = self.state
         state.failed = {}
@@ -402,7 +426,10 @@ class Ledger:
                     self.folder.rename(path, path + NEW)
 
     def put(self, key: str, values: Mapping[str, np.ndarray]) -> None:
-        """Write a chunk from the values of its columns; the next commit acknowledges it."""
+        """Write a chunk, TABLE/INDEX, from the values of its columns by name.
+
+        The next commit acknowledges it; until then it does not count.
+        """
         members = self.state.header["members"]
         files = {}
         with self._unless_broken():
@@ -413,7 +440,12 @@ class Ledger:
             self.pending[key] = mark_of(files)
 
     def commit(self, tail: bytes | None = None, **record: Any) -> None:
-        """Acknowledge the chunks since the last commit, and a tail; data first, then the record."""
+        """Acknowledge the chunks since the last commit, and a tail.
+
+        When it returns, they are on the disk: data are synced first, then the record. `tail` is the
+        content of the tail, which replaces the one before; None: there is no tail any more.
+        `record` are further fields of `Acknowledged`, such as `rows`.
+        """
         with self._unless_broken():
             old = self.state.tail
             record |= {"chunks": self.pending, "tail": self._write_tail(tail)}
@@ -428,7 +460,7 @@ class Ledger:
                 self.folder.remove(old)
 
     def _write_tail(self, tail: bytes | None) -> str:
-        """Write a tail, if there is one; return the name of its file."""
+        """Write a tail, if there is one; return the name of its file, or ""."""
         if tail is None:
             return ""
         name = TAIL + digest(tail)
@@ -443,9 +475,11 @@ class Ledger:
             self._describe(derived=True)
 
     def finish(self, changed: PlainData, **record: Any) -> None:
-        """Seal the store: acknowledge that it is complete. `changed` are its last attributes.
+        """Seal the store: acknowledge that it is complete.
 
-        The ledger becomes its sum, so that equal stores have equal ledgers.
+        `changed` are all attributes that differ from the header, not only new ones; `record` are
+        further fields of `Acknowledged`. The ledger becomes its sum, so that equal stores have
+        equal ledgers.
         """
         with self._unless_broken():
             record |= {"chunks": self.pending, "tail": "", "changed": changed, "seal": True}
@@ -484,7 +518,7 @@ class Ledger:
             self._tidy()
 
     def unsound(self) -> list[str]:
-        """Return the acknowledged chunks that are missing or damaged; every byte is read."""
+        """Return the keys of acknowledged chunks that are missing or damaged; reads every byte."""
         bad = []
         for key, marked in self.state.chunks.items():
             files = {name: _found(self.folder.read, name) or b"" for name in self.state.files(key)}
@@ -590,13 +624,16 @@ def _tail(folder: Folder, state: Acknowledged) -> bytes | None:
 
 
 def _fixed(document: PlainData) -> PlainData:
-    """Return the parts of a document that commits do not change."""
+    """Return the parts of a zarr document that commits do not change: all but shape or attributes.
+
+    Documents are written after the record, so those of an unfinished store may be older.
+    """
     varying = ("shape",) if "shape" in document else ("attributes", "consolidated_metadata")
     return {key: value for key, value in document.items() if key not in varying}
 
 
 def _found(read: Callable[[str], Any], name: str) -> Any:
-    """Return the result of reading a file, or None if there is no such file."""
+    """Return read(name), or None if there is no such file; `read` is a method of a `Folder`."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
         return read(name)
     return None

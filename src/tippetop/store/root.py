@@ -32,7 +32,7 @@ def finite(value: Any) -> Any:
     """Return a value as JSON can contain it: numbers that are not finite become None."""
 
     def of_numpy(number: Any) -> Any:
-        """Return a scalar of numpy as one of Python."""
+        """Return a scalar of NumPy as a number of Python, for `json.dumps`."""
         return float(number) if isinstance(number, np.floating) else number.item()
 
     return json.loads(json.dumps(value, default=of_numpy), parse_constant=lambda _: None)
@@ -55,7 +55,7 @@ def root_of(path: str | Path) -> PlainData:
 
 
 def _no_store(place: Path) -> str:
-    """Return why a path is not a store of tippetop."""
+    """Return why a path is not a store of tippetop, a clause that follows its name."""
     try:
         (place / DOCUMENT).stat()
         return (
@@ -85,7 +85,7 @@ def groups_of(path: str | Path) -> list[str]:
 
 
 def annotate(path: str | Path, more: PlainData) -> None:
-    """Add root attributes to a finished store. Raises StoreError."""
+    """Add or replace root attributes of a finished store, which stays sealed. Raises StoreError."""
     place = Path(path)
     with files.writing(place), Ledger.opened(place) as store:
         store.finish(store.state.changed | finite(more))
@@ -131,7 +131,10 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
 
 
 def _joined(table: "xr.Dataset") -> "xr.Dataset":
-    """Return the events of a sweep in one piece: the parts one after another."""
+    """Return the events of a sweep in one piece, along `event`: the parts one after another.
+
+    In the store they are (row, part), with NaN as time of the rows that a part lacks.
+    """
     import xarray as xr
 
     is_row = np.isfinite(table["time"].values.T)
@@ -143,7 +146,10 @@ def _joined(table: "xr.Dataset") -> "xr.Dataset":
 
 
 def loaded(table: Any, path: str | Path) -> Any:
-    """Load a Dataset of a store into memory. Raises StoreError for a damaged column."""
+    """Load a Dataset of a store into memory, in place, and return it.
+
+    Raises StoreError for a damaged column; `path` is for its message.
+    """
     for name, variable in table.variables.items():
         try:
             variable.load()

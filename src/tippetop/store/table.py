@@ -39,7 +39,7 @@ class Table:
         }
 
     def append(self, values: Mapping[str, np.ndarray]) -> None:
-        """Append rows, by the names of their columns; write every chunk that they fill."""
+        """Append rows, (k, ...) by the names of their columns; write every chunk that they fill."""
         for column, waiting in self.waiting.items():
             # a copy: the caller uses its memory again
             waiting.append(np.array(values[column], order="C"))
@@ -60,7 +60,7 @@ class Table:
         self.written = min(self.written + self.chunk, self.rows)
 
     def _joined(self, column: str) -> np.ndarray:
-        """Return the rows of a column that wait, as one array."""
+        """Return the rows of a column that wait for a chunk, as one array, which may be changed."""
         if len(self.waiting[column]) > 1:
             self.waiting[column] = [np.concatenate(self.waiting[column])]
         return self.waiting[column][0]
@@ -71,11 +71,14 @@ class Table:
         return f"{self.group}/{column}/{name}"
 
     def mark(self, column: str, rows: list[int], value: bool = True) -> None:
-        """Set a late column of flags in some rows."""
+        """Set a late column of flags in the rows of these numbers, counted from the first one.
+
+        Only a late table has all its rows here.
+        """
         self._joined(column)[rows] = value
 
     def _stored(self, column: str, first: int, last: int) -> list[np.ndarray]:
-        """Return the chunks from row `first` to row `last`."""
+        """Return the chunks of a column from row `first` to before row `last`, read from files."""
         read = self.ledger.folder.read
         document = self.documents[column]
         firsts = range(first, last, self.chunk)
@@ -103,16 +106,20 @@ class Table:
                 yield self._file(column, self.written + start), data
 
     def finish(self) -> None:
-        """Write all rows that are not in chunks yet."""
+        """Write all rows that are not in chunks yet; nothing may be appended afterwards."""
         while self.rows > self.written:
             self._put()
 
     def tail(self) -> bytes:
-        """Return the rows that are not in chunks yet as bytes."""
+        """Return the rows that are not in chunks yet as bytes, column by column, for `restore`."""
         return b"".join(self._joined(column).tobytes() for column in self.documents)
 
     def restore(self, written: int, rows: int, data: bytes) -> bytes:
-        """Load the rows of a tail; return the bytes that follow them."""
+        """Load the rows of a tail into an empty table; return the bytes that follow them.
+
+        `written` and `rows` are its numbers of rows in chunks and of all, `data` begins with what
+        `tail` returned.
+        """
         self.written = written
         self.rows = rows
         for column, document in self.documents.items():

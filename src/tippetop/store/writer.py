@@ -33,7 +33,10 @@ class Writer:
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
 
     def later(self, work: Callable[[], None]) -> None:
-        """Queue work for the thread; raise an error that occurred there."""
+        """Queue work for the thread; wait if much is queued.
+
+        An error of earlier work is raised here.
+        """
         while len(self.behind) > AHEAD or (self.behind and self.behind[0].done()):
             self.behind.popleft().result()
         self.behind.append(self.thread.submit(work))
@@ -110,7 +113,7 @@ def begin_or_continue(
 
 
 def _difference(old: Any, new: Any) -> str:
-    """Return in words how a stored attribute `old` differs from the present one, `new`."""
+    """Return a clause on how a stored attribute `old` differs from the present one, `new`."""
     if not isinstance(new, dict):
         return f"has {old}, and here is {new}"
     return "differs in " + ", ".join(

@@ -32,12 +32,12 @@ class Task(NamedTuple):
     `sweep` makes one for each chunk that is to be done.
     """
 
-    chunk: int
+    chunk: int  # its number; a worker does not use it
     tables: PlainData  # of the base scenario
-    columns: Arrays  # numbers of the tops
+    columns: Arrays  # numbers that vary, by dotted key such as "initial.theta", each (tops,), SI
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
-    own: Records = ((), ())
+    own: Records = ((), ())  # user-defined events and columns
 
 
 class OtherVersions(Exception):
@@ -45,7 +45,11 @@ class OtherVersions(Exception):
 
 
 def compute_chunk(task: Task, threads: int = 1) -> Rows:
-    """Compute the rows of a chunk, which depend on the task alone."""
+    """Compute the rows of a chunk: columns (tops, ...) by name, SI.
+
+    They depend on the task alone, not on `threads`: a store has equal bits on any workers. Raises
+    OtherVersions.
+    """
     here = provenance.versions()
     if differ := [name for name in here if here[name] != task.versions.get(name)]:
         raise OtherVersions(
@@ -57,14 +61,20 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
 
 
 def base_of(tables: PlainData, own: Records) -> Problem:
-    """Return the problem of a scenario's tables, with events and columns of the user."""
+    """Return the problem of a scenario's tables; `own` are user-defined (events, columns).
+
+    Tables are plain data and cannot contain formulas, so these records travel separately.
+    """
     return build.problem(tables, build.system_of(tables).with_records(*own))
 
 
 def measure(
     base: Problem, numbers: Arrays, keep: list[str] | None, threads: int = 1
 ) -> outcomes.Outcomes:
-    """Run tops as far as the columns that are kept require."""
+    """Run tops of a scenario as far as the columns `keep` require, and return their outcomes.
+
+    `numbers` are those that vary, (tops,) by dotted key, SI; `keep` as in `Task`.
+    """
     names = keep or []
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
     events = EVENTS in names
@@ -108,7 +118,7 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
 
 
 def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
-    """Return labelled columns without a row."""
+    """Return the columns that a sweep keeps, labelled, without a row, for the header of a store."""
     invalid = {"run.until": np.array([np.nan])}  # which is not run
     return without_rows(columns(measure(base, invalid, keep), keep))
 
@@ -120,7 +130,7 @@ def column_names(base: Problem) -> list[str]:
 
 
 def _group(name: str) -> str:
-    """Return the name in `keep` of a column and others like it."""
+    """Return the name by which `keep` selects a column: of its group, or its own."""
     if name in outcomes.ORIENTATION:
         return ORIENTATION
     return FINAL if name.startswith("final_") else DRIFT if name.startswith("drift_") else name

@@ -30,7 +30,7 @@ class Derived(NamedTuple):
 
 
 def body(base: Problem, columns: Numbers) -> Any:
-    """Return the bodies of tops with other numbers than the base, SI."""
+    """Return the body `b` of tops with other numbers than the base, each field (n,), SI."""
     return Problems(base, columns).body(lambda value: value)
 
 
@@ -43,7 +43,10 @@ def jellett(base: Problem, columns: Numbers) -> np.ndarray:
 
 
 def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
-    """Return I3 and I1 at which sigma = m R^2/I3 has these values, with gamma as it is."""
+    """Return I3 and I1 at which sigma = m R^2/I3 has these values (n,), with gamma as it is.
+
+    Like its neighbours it is `Derived.numbers`: the result is (n,) by dotted key, SI.
+    """
     b = body(base, columns)
     now = thresholds.shape(b)
     I3 = b.I3 * now.sigma / sigma
@@ -51,13 +54,13 @@ def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
 
 
 def _by_gamma(base: Problem, columns: Numbers, gamma: np.ndarray) -> Numbers:
-    """Return I1 at which gamma = I1/I3 has these values."""
+    """Return I1 at which gamma = I1/I3 has these values (n,); see `Derived.numbers`."""
     b = body(base, columns)
     return {"parameters.I1": b.I1 * gamma / thresholds.shape(b).gamma}
 
 
 def _by_lambda(base: Problem, columns: Numbers, ratio: np.ndarray) -> Numbers:
-    """Return omega3 at the start at which lambda/lambda_s has these values."""
+    """Return the initial omega3 at which lambda/lambda_s is `ratio`; see `Derived.numbers`."""
     still, turning = (
         jellett(base, {**columns, "initial.omega3": np.full(len(ratio), w)}) for w in (0.0, 1.0)
     )

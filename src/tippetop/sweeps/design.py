@@ -83,7 +83,7 @@ class Sample(Table, use_attribute_docstrings=True):
     """start of the random numbers: the same seed, the same tops"""
 
     def unit(self, dimensions: int) -> np.ndarray:
-        """Return points of the unit cube, (n, dimensions)."""
+        """Return points of the unit cube, (n, dimensions), which seed and method determine."""
         if self.method == "random":
             return np.random.default_rng(self.seed).random((self.n, dimensions))
         from scipy.stats import qmc
@@ -120,7 +120,7 @@ class Design:
 
     @cached_property
     def _drawn(self) -> Arrays:
-        """Return the numbers of drawn axes, by key."""
+        """Return the numbers of drawn axes, (sample.n,) by key, SI."""
         axes = [axis for axis in self.axes if axis.sampled]
         points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
         return {axis.of: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}
@@ -138,7 +138,7 @@ class Design:
 
 
 def _spread(axis: Axis, unit: np.ndarray) -> np.ndarray:
-    """Spread numbers of [0, 1) over the range of an axis."""
+    """Spread numbers of [0, 1), any shape, over the range of an axis; return numbers in SI."""
     ends: Any = axis.between
     low, high = np.log(ends) if axis.log else ends
     spread = low + (high - low) * unit

@@ -117,7 +117,10 @@ def make_map(path: Path, kind: str) -> Map:
     cells = np.ravel_multi_index(places, shape)[chosen]
 
     def field(name: str) -> np.ndarray:
-        """Return the values of a column on the cells of the map."""
+        """Return the values of a column on the cells of the map, as of `Map.fields`.
+
+        A normal force is in units of the weight.
+        """
         values = values_of(path, table, name)
         if kind == "normal-force":
             b = derived_axes.body(plan.base, columns)
@@ -205,7 +208,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
 
 
 def labelled(attrs: PlainData) -> str:
-    """Return name and unit of an axis."""
+    """Return name and unit of an axis as a label, from the attributes of its column."""
     words = greek(attrs["long_name"]).partition(":")[0]
     return words if attrs["units"] == "1" else f"{words} ({units_text(attrs['units'])})"
 
@@ -218,7 +221,19 @@ def _middle(axis: Axis) -> float:
 def _gathered(
     name: str, cells: np.ndarray, values: np.ndarray, shape: tuple[int, ...]
 ) -> np.ndarray:
-    """Return the most frequent class, the extreme force, or the median in each cell."""
+    """Return the most frequent class, the extreme force, or the median in each cell.
+
+    Parameters
+    ----------
+    name
+        The column, which decides among the three.
+    cells
+        The number of the cell of each value, (k,).
+    values
+        (k,); NaN is left out.
+    shape
+        That of the cells, in which the result is returned; NaN in cells without a value.
+    """
     import pandas as pd
 
     result = np.full(math.prod(shape), np.nan)

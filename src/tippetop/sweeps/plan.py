@@ -220,7 +220,10 @@ def is_plan(tables: PlainData) -> bool:
 
 
 def _base(shape: PlanTable, folder: Path) -> PlainData:
-    """Return the tables of the scenario, with the changes of `set`."""
+    """Return the tables of the scenario of a plan, with the changes of `set`.
+
+    Its file is sought from `folder`. Raises InputError.
+    """
     if isinstance(shape.scenario, dict):
         tables = dict(shape.scenario)
     else:
@@ -238,7 +241,10 @@ def _base(shape: PlanTable, folder: Path) -> PlainData:
 
 
 def _read_texts(axis: Axis, name: str, unit: Unit) -> None:
-    """Replace texts such as "60 rpm" by numbers in SI units. Raises InputError."""
+    """Replace texts such as "60 rpm" in an axis by numbers in SI units, in place.
+
+    `name` is that of the axis in messages, `unit` that of its number. Raises InputError.
+    """
     for way in WAYS:
         values: Any = getattr(axis, way) or []
         for j, value in enumerate(values):

@@ -42,7 +42,10 @@ def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
 
 
 def _header(plan: Plan) -> PlainData:
-    """Return the header of the store of a sweep: its attributes and arrays."""
+    """Return the header of the store of a sweep, for `Ledger.created`: attributes and arrays.
+
+    It does not depend on who computes, or when.
+    """
     coordinates = _coordinates(plan)
     columns = chunk.column_schema(plan.base, plan.keep)
     sizes = {"top": (plan.n, plan.chunk), "row": (0, PER_FILE), "part": (plan.chunks, 1)}
@@ -87,7 +90,7 @@ def put_events(store: Ledger, part: int, first: int, result: Rows) -> dict[str, 
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
-    """Return the varied keys: axes, and the keys that derived axes set."""
+    """Return columns without rows for the varied keys: axes, and the keys that derived axes set."""
     rules = plan.base.rules
     first = np.zeros(1, int)
     about = {

@@ -78,7 +78,10 @@ def sweep(
 
 
 def _unknown_to_others(base: Problem) -> str:
-    """Return why no other process can make a scenario, or an empty text."""
+    """Return why worker processes cannot make the problem `base`, a clause, or an empty text.
+
+    Formulas are pickled by name, and systems and laws are looked up in registries.
+    """
     try:
         is_named = b"__main__" not in pickle.dumps(user_records(base.system))
     except Exception:  # a formula may be any object
@@ -106,9 +109,24 @@ def _fill(
     *,
     here: bool,
 ) -> list[str]:
-    """Compute and write the chunks that are todo; return a sentence for each that failed.
+    """Compute and write the chunks that the store lacks; return a sentence for each that failed.
 
-    `here`: by default in this process, however long it takes.
+    Each chunk is acknowledged as soon as it is computed, so that it survives an interruption.
+
+    Parameters
+    ----------
+    store, plan
+        The open store, and its plan.
+    workers
+        How many threads or processes; None: as many as there are cores.
+    cluster
+        Workers of a scheduler, which compute instead.
+    progress
+        Called with the numbers of finished tops and of all.
+    stop
+        Raise Interrupted after a chunk if it is set.
+    here
+        Whether the default is threads of this process, however long they take.
     """
     todo = [k for k in range(plan.chunks) if f"{GROUP}/{k}" not in store.state.chunks]
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
@@ -155,7 +173,23 @@ def _fill(
 
 
 def _run_alone(path: Path, plan: Plan, top: int, stop: threading.Event | None) -> None:
-    """Run one top of a sweep into its store, or continue it; one that is damaged is run again."""
+    """Run one top of a sweep into its store, continue it, or leave it if it is finished.
+
+    A StoreError of a missing or damaged store is ignored: the top is run again from its start. So
+    is one whose store has another scenario; the old store is replaced. Raises StoreError if another
+    process writes it, and Interrupted.
+
+    Parameters
+    ----------
+    path
+        The store of the sweep, in whose group `RUNS` the store is named after the top.
+    plan
+        The plan of the sweep.
+    top
+        The number of the top.
+    stop
+        Interrupts the run if it is set.
+    """
     problem = plan.problem(top)
     known = problem.system if any(plan.own) else None
     place = files.own_folder(path / RUNS) / str(top)
@@ -164,7 +198,7 @@ def _run_alone(path: Path, plan: Plan, top: int, stop: threading.Event | None) -
         if root.finite(build.resolved(problem)).items() <= attrs.items():
             if attrs["status"] == "running":
                 resuming.resume(place, stop=stop, known=known)
-            else:
+            else:  # finished: only checked and tidied
                 resuming.opened(place).release()
             return
     recording.record(problem, place, overwrite=place.exists(), stop=stop, in_sweep=True)

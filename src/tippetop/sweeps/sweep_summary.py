@@ -139,7 +139,7 @@ def _plain(value: Any) -> str:
 
 
 def faults_of(plan: Plan, invalid: np.ndarray) -> list[str]:
-    """Return why the first invalid tops are invalid."""
+    """Return sentences on why the first of the tops `invalid`, numbers (k,), are invalid."""
     some = invalid[:FAULTS]
     tops = ensemble.vary(plan.base, plan.columns(some))
     faults = list(tops.checked[1])

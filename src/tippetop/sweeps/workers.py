@@ -89,7 +89,10 @@ def _flow(
     flying: dict[Any, Task] = {}
 
     def send() -> None:
-        """Submit further chunks, until enough are under way, or the pool is broken."""
+        """Submit further tasks until enough chunks are under way, or the pool is broken.
+
+        A task that a broken pool refuses goes to `suspects`, as it is taken from `tasks` already.
+        """
         for task in itertools.islice(tasks, max(0, workers.ahead() - len(flying))):
             try:
                 flying[executor.submit(chunk.compute_chunk, task)] = task
@@ -118,7 +121,7 @@ def _flow(
 
 
 def processes(count: int) -> Workers:
-    """Return processes of this machine, one thread each."""
+    """Return `count` processes of this machine as workers, one thread each; none is started yet."""
     return Workers(lambda again: _pool(count, again), lambda: count + 1)
 
 
@@ -154,7 +157,7 @@ def _prepare(alive: Connection) -> None:
     """Prepare a worker: it ignores Ctrl-C, reports nothing, and ends with its parent."""
 
     def watch() -> None:
-        """End this process when the one that started it has gone."""
+        """End this process, without cleaning up, when the one that started it has gone."""
         alive.poll(None)  # until the other end is closed, or its process is gone
         os._exit(1)
 
@@ -199,5 +202,5 @@ def connect(scheduler: str) -> Iterator[Workers]:
 
 
 def _sentence(error: BaseException) -> str:
-    """Return a sentence about the failure or success of a chunk."""
+    """Return a sentence about the error of a chunk, without a full stop."""
     return f"{type(error).__name__}: {error}".rstrip(".: ")

@@ -25,7 +25,7 @@ EXPORT = re.compile(
 
 @cache
 def source(name: str) -> str:
-    """Return a file of the page."""
+    """Return the text of a file of the folder `page`."""
     return files(__package__).joinpath("page", name).read_text(encoding="utf-8")
 
 
@@ -48,7 +48,10 @@ def script(entry: str, written: Mapping[str, str]) -> str:
     written = {"rotation.js": rotations(), **written}
 
     def take(name: str) -> None:
-        """Add a module to `parts`, after those that it imports, as a function's result."""
+        """Append the text of a module to `parts`, after those that it imports, once.
+
+        It becomes a constant: the result of a function that returns the exports.
+        """
         text = written[name] if name in written else source(name)
         imports = IMPORT.findall(text)
         for _, other in imports:

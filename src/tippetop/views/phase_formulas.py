@@ -114,7 +114,11 @@ def contacts(laws: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _of_law(law: Any) -> str:
-    """Return the functions of one friction law, as an object."""
+    """Return JavaScript: an object with the functions of one friction law (a class) by name.
+
+    `phases.d.ts` describes each. Formulas run once, with symbols instead of numbers: the values of
+    b and y here do not matter, only their shapes.
+    """
     names = [*TOP.parameters, *law.parameters]
     b = TOP.body_of(dict.fromkeys(TOP.parameters, 1.0), law._make(1.0 for _ in law.parameters))
     y = (FORM.units, VARIABLES.carried(*VARIABLES.names[VARIABLES.moving :]))
@@ -124,12 +128,15 @@ def _of_law(law: Any) -> str:
     frictions = [disc_friction(region.drag, law.torque) for region in law.regions.values()]
 
     def body(p: Sequence[Any]) -> Any:
-        """Return the body of a list of parameters p."""
+        """Return the body b of a list of parameters p, in the order of `names`."""
         by_name = dict(zip(names, p, strict=True))
         return TOP.body_of(by_name, law._make(by_name[name] for name in law.parameters))
 
     def start(s: Any, z: Any, d: Sequence[Any], b: Any) -> list:
-        """Return the state of a flight that begins with the initial numbers d."""
+        """Return the numbers of the state y of a flight that begins with the initial numbers d.
+
+        d has the order of `INITIAL`; s and z are sin(theta) and cos(theta).
+        """
         data = dict(zip(INITIAL, d, strict=True))
         angles: Any = row_of_angles(TOP.start(data, s, z, b), s, z, b)
         lifted = angles._replace(
@@ -139,38 +146,41 @@ def _of_law(law: Any) -> str:
         return [*FLIGHT.enter(moving(lifted), b), *carried]
 
     def rates(y: Any, b: Any) -> list:
-        """Return the rates of a flight y = (q, carried)."""
+        """Return the rates of all numbers of the state y of a flight, in their order."""
         q, carried = y
         return [*FORM.rates(q, b), *(one.rate(q, carried, b) for one in VARIABLES.integrals)]
 
     def slip(y: Any, b: Any) -> tuple[Vector, Vector]:
-        """Return v_A and omega of a flight."""
+        """Return v_A [m/s] and omega [rad/s] of a flight, (3,) each."""
         return velocities(FLIGHT.leave(y[0], b), b)
 
     def point(y: Any, b: Any) -> list:
-        """Return v_A and U^2 of the disc of contact."""
+        """Return four numbers: v_A, and U^2 [m^2/s^2] of the disc of contact, 0 without one."""
         v, omega = slip(y, b)
         return [*v, patch_speed2(omega, b) if law.regions else 0 * v.x]
 
-    def friction(of: Any) -> Any:
-        """Return a formula of force and torque per normal force under the law `of`."""
+    def friction(per_normal_force: Any) -> str:
+        """Return JavaScript: a function (y, b) -> six numbers, force and torque per normal force.
+
+        per_normal_force(omega, v_A, z, b) -> (force, torque), (3,) each: the law in one region.
+        """
 
         def per_force(y: Any, b: Any) -> list:
-            """Return force and torque of the law per normal force."""
+            """Return the numbers of force and torque [m] per normal force."""
             v, omega = slip(y, b)
-            force, torque = of(omega, v, y[0].uz, b)
+            force, torque = per_normal_force(omega, v, y[0].uz, b)
             return [*force, *torque]
 
         return arrow({"y": y, "b": b}, per_force)
 
     def normal(y: Any, per: Any, b: Any) -> list:
-        """Return the normal force, if force and torque per normal force are `per`."""
+        """Return the normal force [N]; `per` are force and torque per normal force, (3,) each."""
         x = turning(y[0])
         force, _ = sliding(x, lambda *of: per, x.u, b)
         return [force.z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
-        """Return the torque about the centre of mass per normal force."""
+        """Return the torque about the centre of mass per normal force, (3,) [m]; `per` as above."""
         return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]
 
     parts = {
@@ -195,7 +205,10 @@ def _of_law(law: Any) -> str:
 
 
 def channels(y: Any, force: Vector, b: Any) -> list:
-    """Return axes 1 and 3 of a state, then the channels of a sample from omega on: motion.js."""
+    """Return axes 1 and 3 of a state y, then the channels of a sample from omega on.
+
+    `force` is that of the plane [N]. motion.js reads the numbers by their places.
+    """
     q, carried = y
     x = FLIGHT.leave(q, b)
     assert FORM.orientation is not None
@@ -208,7 +221,7 @@ def channels(y: Any, force: Vector, b: Any) -> list:
 
 
 def _thresholds(b: Touch) -> str:
-    """Return the thresholds of a tippe top, as a list of records."""
+    """Return JavaScript: a function (b) -> a list of records, the thresholds of a tippe top."""
     known: dict[str, Any] = {}
 
     def values(symbols: Touch) -> list:

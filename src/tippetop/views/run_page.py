@@ -43,7 +43,10 @@ def page_of_store(
 
 
 def refuse(attrs: dict[str, Any], what: str) -> None:
-    """Raise InputError or StoreError if a run cannot be shown."""
+    """Raise InputError or StoreError if a run with these root attributes cannot be shown.
+
+    `what` names the run in the message.
+    """
     if "content" in attrs:
         raise InputError(f"`{what}` must be a run to be viewed, but is a {attrs['content']}.")
     if attrs["status"] == "running":
@@ -149,12 +152,15 @@ def read(
 
 
 def end_of(attrs: dict[str, Any]) -> float:
-    """Return the time of the last row of a run [s]."""
+    """Return the time of the last row of a run [s], from root attributes."""
     return float(attrs["replay"]["until"] if "replay" in attrs else attrs["report"]["t_end"])
 
 
 def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[str, Any]]:
-    """Return the events within a part of a run, without insignificant turnings."""
+    """Return the events from `begin` to `end` [s], without insignificant turnings, for JSON.
+
+    `groups` are the tables of the run. page.js reads the names of the records.
+    """
     events = groups["events"]
     keep = (events["time"].values >= begin) & (events["time"].values <= end)
     keep &= ~flagged(events["kind"], "turning") | events["significant"].values.astype(bool)
@@ -172,7 +178,7 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
 
 
 def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[str, Any]]:
-    """Return the phases of the contact within a part of a run."""
+    """Return the phases of the contact from `begin` to `end` [s], for JSON; [] without a table."""
     if "phases" not in groups:
         return []
     table = groups["phases"]
@@ -184,5 +190,5 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
 
 
 def _records(columns: dict[str, list]) -> list[dict[str, Any]]:
-    """Return the rows of columns, each with its names."""
+    """Return the rows of columns of equal length as dicts by name."""
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

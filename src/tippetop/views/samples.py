@@ -89,7 +89,10 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
 
 
 def _touching(columns: Columns, attrs: dict[str, Any], b: Touch) -> Touch:
-    """Return the body with the last ball that touched the plane, whose numbers are (n,) then."""
+    """Return the body b with R and c of the last ball that touched the plane, [m].
+
+    They are (n,) for rows of a body with a stem. `columns` are those of the rows by name.
+    """
     if "ball" not in columns or "stem" not in attrs:
         return b
     stem = columns["ball"] == 1
@@ -98,7 +101,7 @@ def _touching(columns: Columns, attrs: dict[str, Any], b: Touch) -> Touch:
 
 
 def _slip(columns: Columns, n: int) -> np.ndarray:
-    """Return the horizontal velocity of the contact point, (2, n); zero without sliding.
+    """Return the horizontal velocity of the contact point, (2, n) [m/s]; zero without sliding.
 
     It has no components at a pole: there that of the next row is taken.
     """
@@ -112,7 +115,10 @@ def _slip(columns: Columns, n: int) -> np.ndarray:
 
 
 def _place(columns: Columns, arm: Vector, fixed: bool) -> np.ndarray:
-    """Return the centre of mass, (n, 3)."""
+    """Return the place of the centre of mass, (n, 3) [m]; from the tip if that is `fixed`.
+
+    `arm` goes from the centre of mass to the contact, components (n,) [m].
+    """
     if fixed:
         return -np.stack(arm, axis=1)
     y = columns.get("y", np.zeros(len(arm.z)))
@@ -122,9 +128,11 @@ def _place(columns: Columns, arm: Vector, fixed: bool) -> np.ndarray:
 def _force(
     columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Touch
 ) -> np.ndarray:
-    """Return the force of the plane, (n, 3).
+    """Return the force of the plane, (n, 3) [N].
 
-    Friction follows from its law in sliding with one phase, else from m r'', row by row.
+    `velocity` (n, 3) is that of the centre of mass, `slip` (2, n) that of the contact [m/s], z is
+    cos(theta) (n,), b the body. Friction follows from its law in sliding with one phase, else from
+    m r'', row by row.
     """
     n = velocity.shape[1]
     normal = columns.get("normal_force", np.full(n, np.nan))

@@ -98,7 +98,7 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
     }
 
     def number(name: str) -> Any:
-        """Return a number of the start: the varied one of each top, or that of all."""
+        """Return a number of the start, SI: the varied one of each top (n,), or that of all."""
         return columns.get(f"initial.{name}", plan.base.initial.get(name, 0.0))
 
     if "initial.psi_dot" in columns or (

@@ -98,7 +98,10 @@ def differentiate(
     unit = problem.unit(SECOND)
 
     def moved(names: Sequence[str], when: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the times of events by each number, SI, (numbers, events)."""
+        """Return the derivatives of the times `when` [s] of events by each number, SI.
+
+        `names` are their kinds; the result is (numbers, events).
+        """
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
@@ -132,7 +135,23 @@ def _limit(
     unit: float,
     whens: Mapping[str, np.ndarray],
 ) -> list[str]:
-    """Add `valid_within` to tables, and remove undefined derivatives; return why they are so."""
+    """Add `valid_within` to tables, and make undefined derivatives NaN, in place.
+
+    Return sentences on why they are undefined.
+
+    Parameters
+    ----------
+    tables
+        Columns of derivatives by table.
+    notes
+        Those of the `Pass`, by time.
+    wrt
+        Names of the numbers.
+    unit
+        The internal unit of time [s].
+    whens
+        The time of each row [s], by table.
+    """
     least = np.fmin.accumulate([np.full(len(wrt), np.inf), *(note.least for note in notes)])
     starts = np.array([note.time for note in notes]) * unit
     for name, when in whens.items():

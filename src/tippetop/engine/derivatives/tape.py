@@ -112,7 +112,10 @@ class Tape:
     """
 
     def __init__(self, function: Callable, inputs: Sequence):
-        """Call the function once with symbolic inputs, and record its operations as lines."""
+        """Call the function once with symbolic inputs, and record its operations as lines.
+
+        It must be a function of its inputs alone: later calls repeat this branch.
+        """
         program = Program(*inputs)
         results, self.about = function(program.call, program.inputs)
         program.joined(results)

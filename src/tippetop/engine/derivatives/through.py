@@ -83,7 +83,7 @@ def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> 
 
 
 def duals_of(rows: np.ndarray) -> list[Dual]:
-    """Return rows as dual numbers: the inverse of `rows_of`."""
+    """Return rows as dual numbers, (n,): the inverse of `rows_of`."""
     return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
@@ -102,7 +102,10 @@ class Motion(NamedTuple):
         return self.formulas.body(iter(duals_of(self.pars[..., None])))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
-        """Return the state after each of these times, (..., times)."""
+        """Return the state, as rows (n, ..., times), after each of these internal times.
+
+        `state` are the rows from which it flows, the time last; `times` count from there.
+        """
         size = len(self.variables.names)
         _, parts, directions = state.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
@@ -365,7 +368,7 @@ class Pass:
         self.scales = Scales(*duals_of(of_scales[..., None]))
 
         def internal(value: Any, unit: Any) -> Any:
-            """Return an SI value in internal units, with derivatives."""
+            """Return an SI value of this unit in internal units, with derivatives."""
             return value / scales.of(unit)
 
         units = leaves(system.body_units(problem.law.units()))
@@ -412,7 +415,7 @@ class Pass:
         return driver
 
     def _pars(self, body: Any) -> np.ndarray:
-        """Return the numbers of a body as rows."""
+        """Return the numbers of a body, with derivatives, as rows."""
         return rows_of(leaves(body), self.directions, self.order)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
@@ -424,7 +427,10 @@ class Pass:
         return self.motions[phase]
 
     def _follow(self) -> None:
-        """Repeat all phases and jumps of the plain run with derivatives."""
+        """Repeat all phases and jumps of the plain run with derivatives.
+
+        It fills `samples`, `shifts` and `notes`.
+        """
         system = self.problem.system
         self.given = self.body, self.e_n
         self.known = rows_of(leaves(self.given), self.directions)
@@ -594,7 +600,7 @@ class Pass:
     # --- what was found ---------------------------------------------------------------------------
 
     def _together(self, samples: list[Samples]) -> Iterator[Samples]:
-        """Yield all samples of each motion."""
+        """Yield the samples of each motion, joined to one, so that it is evaluated once."""
         for motion in {id(one.motion): one.motion for one in samples}.values():
             mine = [one for one in samples if one.motion is motion]
             which, state = (np.concatenate([one[k] for one in mine], axis=-1) for k in (1, 2))
@@ -670,7 +676,7 @@ class Pass:
 
     @QUIET
     def margins(self) -> list[Note]:
-        """Return all notes by time, with those of exits that nearly happened."""
+        """Return all notes in order of time, with those of exits that nearly happened."""
         notes = list(self.notes)
         for motion, which, state in self._together(self.between):
             assert motion.phase is not None

@@ -31,9 +31,9 @@ def transport(f, u, u_dot):
 
 @formula
 def turned(f, turn, u):
-    """Return the unit vector at the angle `turn` from f about the axis u, (3,).
+    """Return the unit vector at the angle `turn` [rad] from f about the unit vector u, (3,).
 
-    f is made transverse first, u has length 1.
+    f, (3,), is made transverse to u and of length 1 first.
     """
     across = plus(f, times(-dot(f, u), u))
     v = plus(times(cos(turn), across), times(sin(turn), cross(u, across)))
@@ -42,7 +42,10 @@ def turned(f, turn, u):
 
 @formula
 def axes_of_angles(s, z, phi, psi):
-    """Return axes 1 and 3 of the body, (3,) each, by sin(theta), cos(theta), phi, psi."""
+    """Return axes 1 and 3 of the body, (3,) each.
+
+    s, z are sin(theta), cos(theta); phi, psi are angles [rad].
+    """
     ex = cos(phi)
     ey = sin(phi)
     along = cos(psi)

@@ -137,7 +137,9 @@ def on_ball(
     """
 
     def in_place(q, b):
-        """Return the motion that `forces` take: a `Moving` on a turntable, or a `Turning`."""
+        """Return the motion that `forces` take of a state q: a `Moving` on a turntable, or a
+        `Turning`, which needs fewer products.
+        """
         return leave(q, b) if b.around and b.around.table else turning(q)
 
     def acts(q, b):
@@ -147,7 +149,7 @@ def on_ball(
         return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
-        """Return the rates of a state: 3hat', L' = a x F + torque, and `changes` of v_A."""
+        """Return the rates of a state q: 3hat', L' = a x F + torque, and `changes` of v_A."""
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
         if b.around:
@@ -156,7 +158,7 @@ def on_ball(
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
-        """Return the `Contact` of a state, from which the events of the phase are computed."""
+        """Return the `Contact` of a state q, from which the events of the phase are computed."""
         by = acts(q, b)
         return Contact(q.uz, axis_rate(q, b).z, by, by.sides or (by,), q)
 
@@ -165,7 +167,7 @@ def on_ball(
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
 
     def leave(q, b):
-        """Return the common state of a state of the phase."""
+        """Return the common state `Moving` of a state q of the phase."""
         x = turning(q)
         return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height_of(x.u, b))
 
@@ -414,7 +416,7 @@ def disc_friction(
     """
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-        """Return force and torque per normal force."""
+        """Return force and torque [m] per normal force, (3,) each."""
         by = drag(horizontal2(v), edge_speed2(omega, b))
         return drilling_force(1, v, by, b.friction.mu), torque(by, omega, b.friction)
 
@@ -422,7 +424,10 @@ def disc_friction(
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return force -k v_A + zhat and torque per normal force, under a law without regions."""
+    """Return force -k v_A + zhat and torque [m] per normal force, under a law without regions.
+
+    It has the arguments of `disc_friction`'s result: z is cos(theta).
+    """
     k = -slip_coefficient(horizontal2(v), z, b.friction)
     return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
@@ -438,7 +443,10 @@ def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
 
 
 def beyond_rest(s, b):
-    """Return the sum of |v|^2 + U^2 over the contacts, less that of discs at rest."""
+    """Return the sum of |v|^2 + U^2 over the contacts, less that of discs at rest [m^2/s^2].
+
+    It is the function of RESTS, zero where a disc comes to rest.
+    """
     rests = STILL**2 + rest_speed2(b)
     return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 

@@ -116,7 +116,10 @@ impulse, that of friction, energy that the body gained, and how friction ended."
 
 
 def rise(x: Moving, b: Touch) -> Any:
-    """Return v_n, the vertical velocity of the lowest point of a ball; negative if it falls."""
+    """Return v_n, the vertical velocity of the lowest point of a ball; negative if it falls.
+
+    b is the body seen from this ball.
+    """
     return contact_velocity(x, b).z
 
 
@@ -415,7 +418,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     first = len(x.u) + len(x.L)  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
-        """Return a state of the slip and the integrals, from the numbers of the series."""
+        """Return the state q of the slip and the record of integrals, by numbers of the series."""
         *moved, w, beta = values
         carried = x.carried._make(moved[first:])
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried

@@ -163,7 +163,7 @@ def form_of(phase: Phase, label: str, angles: Any) -> Form:
     phase = replace(phase, label=label)
 
     def scalars(q: Any, b: Asymmetric) -> Any:
-        """Return the `Scalars` of a state of the phase."""
+        """Return the `Scalars` of a state q of the phase."""
         return row_scalars(rows.row(phase, q, (), b)[0], b)
 
     return replace(

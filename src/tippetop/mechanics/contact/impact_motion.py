@@ -121,7 +121,9 @@ def stages(law: Any) -> dict[str, Stage]:
         is_directed = bool(friction) and can_rest(law)
 
         def acts(q, b):
-            """Return force and torque of the plane per normal impulse, and the velocities there."""
+            """Return the `Acts` of the plane in a motion q: force and torque per normal impulse (at
+            rest per rise of v_n), and the velocities of the contact.
+            """
             none = 0 * q.v_n
             w = b.speed * (exp(q.grown) if is_directed else 1)
             p = Vector(q.p_x, q.p_y, q.p_n)

@@ -29,7 +29,7 @@ NAMED = {
 
 
 def integral(name: str, rate: Callable | None) -> Integral:
-    """Return the integral of this name, one of NAMED.
+    """Return the integral of this name, one of NAMED, which has its unit and meaning.
 
     `rate` is rate(q, carried, b), or None in a form of rows only.
     """

@@ -98,7 +98,11 @@ TABLES = {
 
 
 def kind_of(law: Any) -> tuple:
-    """Return the attributes of a law that decide about phases: others may be exchanged."""
+    """Return the attributes of a law that determine its phases.
+
+    Laws with equal ones can replace one another in a system with phases. All are falsy for a law
+    that cannot be used there, which callers test by `any`.
+    """
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
@@ -107,7 +111,7 @@ def in_plane(form: Form) -> Form:
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
 
     def rates(q: Any, b: Any) -> Any:
-        """Return the rates of a state, with beta' = 0."""
+        """Return the rates of a state q, with beta' = 0 where it has a direction beta of slip."""
         return form.rates(q, b)._replace(**{one: 0 * q.w for one in q._fields if one == "beta"})
 
     integrals = theta, *form.integrals
@@ -193,18 +197,22 @@ def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, C
 def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -> System:
     """Return a gliding system with a contact that may open: it slips, rolls, flies and lands.
 
-    Equal arguments return the same object.
+    Equal arguments return the same object: systems are keys of other caches, and are compared and
+    pickled by identity. The engine reads `phases`, `common`, `read`, `begin` and `assembled`;
+    `contact`, the arguments of this function, is how a pickle finds the system again, and is not
+    None exactly where the contact may open. `landscape`, `potential`, `borders` and `motion` become
+    None, because they hold for a body that always touches the plane with one ball.
 
     Parameters
     ----------
     system
         Has an `opening`.
     law
-        The friction law.
+        The friction law, a class.
     balls
         1, or 2 of a body with a stem.
     around
-        The groups of its surroundings; see `surroundings`.
+        The names of the groups of its surroundings; see `surroundings`.
     """
     opening: Any = system.opening
     rows: tuple = ANGLES, ROW
@@ -228,17 +236,18 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
     phases = phases_of(opening, law, balls, () if apart else of_axis, around)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-        """Return the record of angles of a start, with gap and nu_z.
+        """Return the record of angles of a start, with gap and nu_z, from the user's `data`.
 
-        s, z are sin(theta), cos(theta).
+        s, z are sin(theta), cos(theta). A framed system has a `start` that does all of this.
         """
         e = system.start(data, s, z, b)
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body seen from each of its balls and the phases.
+        """Return the body seen from each of its balls, and the phases of a run: `System.assembled`.
 
-        internal(value, unit) converts SI values.
+        b is in internal units; `rules` is a `ContactLaw`, SI; internal(value, unit) converts. With
+        mu = 0 the phases are those without friction, as a contact that cannot stick has no others.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
         known = phases

@@ -96,7 +96,10 @@ class Rim(NamedTuple):
 
 
 def at(z: Operand, s2: Operand, height: Callable) -> Series:
-    """Return height(z, s2) of an outline, as a Series with its derivatives by z; s2 is 1 - z^2."""
+    """Return height(z, s2) of an outline [m], as a Series with its derivatives by z.
+
+    s2 is 1 - z^2, passed because the difference would lose digits near the poles.
+    """
     return height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
 
 
@@ -110,7 +113,7 @@ def shape_by(height: Callable, names: Iterable[str]) -> Any:
         __slots__ = ()
 
         def height(self, z: Series, s2: Series) -> Series:
-            """Return the height of the centre of mass, by z and sin(theta)^2."""
+            """Return the height of the centre of mass [m], by z and s2 = sin(theta)^2."""
             return height(z, s2, record._make(self))
 
         @property

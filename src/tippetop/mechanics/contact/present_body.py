@@ -11,8 +11,10 @@ Symbols
     q         the state of a form: a record, in SI
     carried   its integrals
     x         the common state of all phases, a `body.Moving`
-    e, s, z   angles and their rates; sin(theta); cos(theta)
-    b         the body, a record of parameters in SI
+    e, s, z   in (e, s, z, b): record of angles and their rates, sin(theta), cos(theta)
+    s         in (s, b): the record of scalars of a state, see `body.Kinematics`
+    b         the body, a `body.Touch`, in SI
+    around    in arguments: names of groups of surroundings; b.around: the record of their numbers
 """
 
 from collections.abc import Callable
@@ -28,9 +30,10 @@ from .surroundings import COPY, at_present, joined_values
 
 
 def clock(rate_of: Callable, name: str, first: int) -> Integral:
-    """Return the integral for the cosine or the sine of the phase of the vibration.
+    """Return the integral for the cosine or the sine of the phase of the vibration, no unit.
 
-    Its rate is rate_of(state, 2 pi f), its value at the start `first`.
+    `name` is "clock_cos" or "clock_sin"; its rate is rate_of(q, 2 pi f) [1/s], its value at the
+    start `first`. The state q has copies of both, `at_clock_cos` and `at_clock_sin`.
     """
     rate = lambda q, carried, b: rate_of(q, b.around.shake.rate)  # noqa: E731
     return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
@@ -48,7 +51,7 @@ def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
 
 
 def in_motion(x: Moving, b: Any) -> Any:
-    """Return the body as it is in a common state."""
+    """Return the body as it is in a common state: its touching ball, and present gravity."""
     return by_axis(x.u, at_present(b, x.carried))
 
 
@@ -62,19 +65,27 @@ def in_state(q: Any, b: Any) -> Any:
 
 
 def by_states(function: Callable) -> Callable:
-    """Return a function (q, .., b) of states whose body is that in the state."""
+    """Return function(q, ..., b) with the last argument b replaced by the body in the state q."""
     return lambda q, *more: function(q, *more[:-1], in_state(q, more[-1]))
 
 
 def in_scalars(record: Any) -> Any:
-    """Return a record with a formula(s, b), such as an event, for bodies with an outline."""
+    """Return a record whose formula(s, b) gets the body in the present state instead of b.
+
+    `record` is an Event, a Quantity or a Domain, s the record of scalars of the state: its z
+    determines the ball that touches. A body without an outline stays as it is.
+    """
     formula = record.formula
     changed = record._replace if isinstance(record, Domain) else partial(replace, record)
     return changed(formula=lambda s, b: formula(s, by_scalars(s, b)))
 
 
 def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
-    """Return a form whose body is that in its state, in surroundings of these groups."""
+    """Return a form whose functions get the body in its state, in surroundings of these groups.
+
+    Its state gets further variables at the end, named `COPY` + the name of an integral, because
+    rates cannot read integrals.
+    """
     clock = added_integrals(around)
     place = [one for one in form.integrals if one.name in ("x", "y") and "turntable" in around]
     copied = (*clock, *place)
@@ -105,7 +116,7 @@ def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
 
 
 def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
-    """Return a phase of the contact whose body is that in its state."""
+    """Return a phase of the contact whose functions get the body in its state; see above."""
     form = form_by_states(phase.form, around)
 
     def enter(x: Any, b: Any) -> Any:
@@ -124,7 +135,9 @@ def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
 
 
 def jump_by_states(jump: Callable) -> Callable:
-    """Return a jump that is made with the body in its state; the axis stays in it, or moves within
-    a phase.
+    """Return a jump(x, world) whose `world.body` are the balls as they are in the state x.
+
+    They are taken once, before the jump: the axis does not turn during a jump, or only in a phase
+    that the jump begins.
     """
     return lambda x, world: jump(x, world._replace(body=tuple(in_motion(x, b) for b in world.body)))

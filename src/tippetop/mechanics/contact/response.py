@@ -239,7 +239,10 @@ def stopping(x, b):
 
 
 def own_turn(x, b):
-    """Return Omega_z' [rad/s^2] of a body with an axis of symmetry on which no torque acts."""
+    """Return Omega_z' [rad/s^2] of a body with an axis of symmetry on which no torque acts.
+
+    x is a `Turning` or `Moving`.
+    """
     return (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z
 
 
@@ -291,7 +294,7 @@ def sliding_at(force: Any) -> Any:
         return 4 / math.sqrt(3) * sin(asin(2 * math.sqrt(3) / math.pi * force) / 3)
 
     def beyond(x: Any, force: Any) -> Any:
-        """Return f(x) - force."""
+        """Return f(x) - force at x = |v_A|/U, whose zero is sought."""
         return drag(x * x, 1.0).k * x - force
 
     known = plain(force)

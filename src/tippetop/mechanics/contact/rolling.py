@@ -242,7 +242,7 @@ LIFTOFF = replace(
 
 
 def of_system_at_rest(of_system: dict[str, Any]) -> dict[str, Any]:
-    """Return fields of a System whose contact is at rest, from those of one that glides."""
+    """Return fields of a System at rest on its contact, by name, from those of one that glides."""
     initial = of_system["initial"]
     undefined = of_system["undefined_at_poles"]
     return of_system | {

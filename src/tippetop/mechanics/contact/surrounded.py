@@ -40,7 +40,10 @@ LOSSES = {
 
 
 def disturbed(b: Any, start: Any, rules: Any = None) -> Outlook:
-    """Return no predictions: the theory of the package does not apply in surroundings."""
+    """Return no predictions: the theory of the package does not apply in surroundings.
+
+    It has the arguments of `System.outlook`.
+    """
     return Outlook(NO_OUTLOOK)
 
 
@@ -107,7 +110,7 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
         start = start_of(angles)
 
     def changed(records: Any) -> Any:
-        """Return records of quantities or events with the formulas NEEDED in surroundings."""
+        """Return records of quantities or events, those named in NEEDED with its formulas."""
         return tuple(
             replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
         )

@@ -143,7 +143,7 @@ def groups_in(tables: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def groups_of(keys: Iterable[str]) -> tuple[str, ...]:
-    """Return the groups of numbers by dotted key."""
+    """Return the names of the groups to which numbers with these dotted keys belong."""
     return tuple(name for name, rules in GROUPS.items() if not rules.keys().isdisjoint(keys))
 
 
@@ -183,7 +183,10 @@ def require_still(tables: Mapping[str, Any], what: str, *, tilted: bool = False)
 
 
 def moving_axes(tables: Mapping[str, Any]) -> list[str]:
-    """Return a note on a picture in the axes of a plane that is not level, or moves."""
+    """Return [] or a note on a picture in the axes of a plane that is not level, or moves.
+
+    `tables` are those of a scenario, SI.
+    """
     given = [
         f"{name} = {value:.4g} {RULES['plane'][name].unit.symbol}"
         for name, value in tables.get("plane", {}).items()
@@ -286,7 +289,7 @@ def turned(omega: Vector, L: Vector, momentum: Callable, b: Any) -> Vector:
     """Return the torque on a body that is seen from a table that turns with Omega, (3,) [N m].
 
     omega and L are those seen from there, and momentum(omega) = I omega: the torque is
-    I(omega x Omega) - omega x I Omega - Omega x (L + I Omega).
+    I(omega x Omega) - omega x I Omega - Omega x (L + I Omega). `b.around` must have a table.
     """
     turn = Vector(0 * omega.z, 0 * omega.z, b.around.table.omega + 0 * omega.z)
     own = momentum(turn)

@@ -85,7 +85,7 @@ def add_law(law: type[FrictionLaw]) -> None:
 
 
 def known_to_others(record: Any) -> bool:
-    """Return whether other processes know a system or a law."""
+    """Return whether other processes know a system or a law: it comes from an installed package."""
     load_entry_points()
     return getattr(record, "face", record) in SHARED
 
@@ -168,7 +168,10 @@ def place_of(system: System) -> tuple:
 
 
 def _pickled(system: System) -> tuple:
-    """Reduce a system to its name: a pickle contains no formulas."""
+    """Return (by_name, its arguments), by which a pickle names a system: it has no formulas.
+
+    Raises PicklingError for a system that `by_name` would not return.
+    """
     place = place_of(system)
     if system.name not in SYSTEMS or by_name(*place) is not system:
         raise pickle.PicklingError(

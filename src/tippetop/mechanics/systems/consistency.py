@@ -32,7 +32,10 @@ ONCE = {
 
 
 def check(system: System) -> None:
-    """Raise InputError for a system whose records contradict one another, or that cannot be run."""
+    """Raise InputError for a system whose records contradict one another, or that cannot be run.
+
+    It raises one error with all faults of the records; it calls functions only of faultless ones.
+    """
     try:
         if faults := inconsistencies(system) or unmet_requirements(system):
             raise InputError(faults)
@@ -44,13 +47,17 @@ def check(system: System) -> None:
 
 
 def named(faults: dict[str, Iterable[str]]) -> list[str]:
-    """Return a sentence for each requirement that names do not meet; they follow it."""
+    """Return a sentence for each requirement that is not met: the requirement, then the names.
+
+    `faults` maps the beginning of a sentence ("... must ..., but has") to the names of the records
+    that do not meet it; a requirement without names is met.
+    """
     listed = {must: ", ".join(names) for must, names in faults.items()}
     return [f"{must} {names}." for must, names in listed.items() if names]
 
 
 def inconsistencies(system: System) -> list[str]:
-    """Return one message for each contradiction among the records of a system."""
+    """Return one message for each contradiction among the records of a system; calls no formula."""
     faults: list[str] = []
     directions: dict[str, int] = {}
     integrals = {integral.name for integral in system.phase.form.integrals}
@@ -193,7 +200,7 @@ def rivals(events: Sequence[Event]) -> list[str]:
 
 
 def allowed(rule: Number) -> float:
-    """Return a number that a parameter may be."""
+    """Return one number that a parameter may be, SI: its default, or one within its bounds."""
     if isinstance(rule.default, float | int):
         return rule.default
     low = [bound for bound in (rule.above, rule.least) if bound is not None]
@@ -205,7 +212,17 @@ def allowed(rule: Number) -> float:
 
 
 def answer(must: str, function: Callable, holds: Callable = lambda found: True) -> Any:
-    """Return the result of a user's function if it passes a test. Raises InputError."""
+    """Return the result of a user's function if it passes a test. Raises InputError.
+
+    Parameters
+    ----------
+    must
+        The beginning of the message, such as "`scales` of `x` must give a mass and a length".
+    function
+        Called without arguments; any exception that it raises becomes the InputError.
+    holds
+        The test: holds(result) -> whether the result is right.
+    """
     try:
         found = function()
         is_right = holds(found)
@@ -217,7 +234,12 @@ def answer(must: str, function: Callable, holds: Callable = lambda found: True) 
 
 
 def check_answers(system: System) -> None:
-    """Raise InputError for a system whose functions fail or return wrong results."""
+    """Raise InputError for a system whose functions fail or return wrong results.
+
+    Each function is called once, with numbers that its rules allow. `answer` raises at the first
+    one that fails; its results are used only as arguments of further functions, so most are
+    dropped.
+    """
     of = f"of `{system.name}`"
     names = ", ".join(system.parameters) or "none"
     law = next(iter(system.laws.values()), friction.LAWS["none"])
@@ -285,12 +307,19 @@ def check_answers(system: System) -> None:
 
 
 def common_states(phase: Phase, body: Any) -> tuple[Any, Any]:
-    """Return a common state x of a phase, and leave(enter(x)), which must be x."""
+    """Return a common state x of a phase, and leave(enter(x)), which must be x.
+
+    `body` is the body of the system, of which the phase takes its part.
+    """
     b = phase.parameters(body)
     x = phase.leave(sample(phase.form), b)
     return x, phase.leave(phase.enter(x, b), b)
 
 
-def sample(form: Form, one: Any = 1.0) -> Any:
-    """Return a state without poles or zeros."""
-    return type(form.units)(*(one * (0.5 + k / 64) for k in range(len(form.units))))
+def sample(form: Form, factor: Any = 1.0) -> Any:
+    """Return a state of a form in which no variable is 0: `factor` times 0.5, 0.516, 0.531, ...
+
+    The numbers differ, so that exchanged variables are noticed, and no angle is at a pole
+    (sin(theta) = 0). An array of ones as `factor` makes the variables arrays of its shape.
+    """
+    return type(form.units)(*(factor * (0.5 + k / 64) for k in range(len(form.units))))

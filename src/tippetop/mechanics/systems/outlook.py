@@ -205,7 +205,10 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def _round(law: Any) -> str:
-    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A. [T 6.7]"""
+    """Return a sentence on how a round cylinder glides under a law: v_A' = -k g (I + m R^2)/I v_A.
+
+    [T 6.7]
+    """
     if law.coefficient is not None and not nowhere_vanishes(law):
         return "a round cylinder: its friction vanishes somewhere, so it may glide on"
     return "a round cylinder: gliding decays to rolling"
@@ -250,5 +253,5 @@ def without_axis(b: Asymmetric, start: Start, *, rolls: bool = False) -> Outlook
 
 
 def _sleeps(b: Touch, start: Start) -> bool:
-    """Return whether the spin is above that of the sleeping top."""
+    """Return whether the spin at the start is above that of the sleeping top, which is stable."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)

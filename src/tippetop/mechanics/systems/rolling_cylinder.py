@@ -30,7 +30,10 @@ RollingState = type(ROLLING_UNITS)
 
 @formula
 def rolling_acceleration(s, z, theta_dot, b):
-    """Return theta'' of pure rolling [1/s^2]. [T 6.11]"""
+    """Return theta'' of pure rolling [1/s^2]. [T 6.11]
+
+    s, z are sin(theta), cos(theta); theta_dot is theta' [rad/s].
+    """
     return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * contact.arm2(z, b))
 
 

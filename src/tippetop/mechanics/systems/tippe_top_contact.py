@@ -91,7 +91,7 @@ def centre_velocity(q, b):
 
 @formula
 def contact_rates(q, b):
-    """Return the rates of a state.
+    """Return the rates of a state q.
 
     3hat' = omega x 3hat, M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y), D' = lambda' = 0. `0
     * q.D` is a zero of the type of the state's numbers.

@@ -89,7 +89,7 @@ def psi_rate(q, carried, b):
 
 @formula
 def sine_and_cosine(q):
-    """Return sin(theta), cos(theta)."""
+    """Return sin(theta), cos(theta) of a state q."""
     return sqrt((1 - q.z) * (1 + q.z)), q.z
 
 

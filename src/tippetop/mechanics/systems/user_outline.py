@@ -35,7 +35,7 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
     z = np.cos(THETA)
 
     def height(shape: Any) -> list[np.ndarray]:
-        """Return the height and its first derivatives by z on a grid."""
+        """Return the height and its first derivatives by z on a grid of theta, (n,) each."""
         return [part + 0 * z for part in at(z, s * s, shape.height).parts]
 
     f = height(shape)

@@ -25,7 +25,10 @@ from .thresholds import SPINS, Threshold
 
 @np.errstate(all="ignore")  # a disc has no ball at its poles
 def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Threshold]]:
-    """Return which spins at the poles are stable, in words, and the limits of their speed."""
+    """Return which spins at the poles are stable, in words, and the limits of their speed.
+
+    The words are clauses; the limits are `Threshold`s by name, "spin_upright", "spin_inverted".
+    """
     words = []
     found = {}
     for name, z in SPINS.items():
@@ -73,10 +76,14 @@ def limits(b: Touch) -> dict[str, Threshold]:
 
 
 def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshold]:
-    """Return omega_3 of steady rolling at theta and phi', and the friction that it needs."""
+    """Return omega_3 of steady rolling at theta and phi', and the friction that it needs.
+
+    Angles in rad, rates in rad/s. They are NaN or infinite where the body cannot roll so.
+    """
     ball = touching_ball(math.cos(theta), math.sin(theta) ** 2, b)
 
     def at_spin(omega3: float) -> Any:
+        """Return the `Scalars` of steady rolling with this omega_3 [rad/s]."""
         state = rolling.EulerState(theta, 0.0, phi_dot, omega3)
         return rolling.euler_scalars(state, ball)
 

@@ -152,7 +152,10 @@ class Equation:
         momenta: list[np.ndarray],
         energy: np.ndarray,
     ):
-        """Interpolate energy and momenta, which change slowly, by splines of degree 7 in time."""
+        """Interpolate energy and momenta, which change slowly, by splines of degree 7 in time.
+
+        The arguments are those of `reconstruct`.
+        """
         from scipy.interpolate import make_interp_spline
 
         self.system = system
@@ -160,7 +163,10 @@ class Equation:
         self.values: Any = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
 
     def square(self, z: Any, t: Any, step: complex = 0.0) -> Any:
-        """Return Q(z, t) = z'^2; its imaginary part is that of a step of t by `step`."""
+        """Return Q(z, t) = z'^2 [1/s^2] for numbers or arrays z and t [s] of one shape.
+
+        `step` is added to t to first order: an imaginary one gives the derivative by t.
+        """
         energy, *momenta = (self.values(t) + step * self.values(t, 1)).T
         potential = self.system.potential
         inertia = self.system.theta_inertia
@@ -169,11 +175,11 @@ class Equation:
         return (1 - z) * (1 + z) * (energy - potential(z, *momenta, self.b)) / inertia(z, self.b)
 
     def slope(self, z: Any, t: Any) -> Any:
-        """Return Q_z, the derivative of Q by z, by a complex step."""
+        """Return Q_z [1/s^2], the derivative of Q by z, by a complex step."""
         return self.square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
 
     def drift(self, z: Any, t: Any) -> Any:
-        """Return Q_t, the derivative of Q by t, by a complex step."""
+        """Return Q_t [1/s^3], the derivative of Q by t, by a complex step."""
         return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
 
     def piece(
@@ -206,7 +212,10 @@ class Equation:
         follows = FOLLOWS / (period * fastest**2)
 
         def rates(t: float, y: np.ndarray) -> list[float]:
-            """Return the rates of z, z' and the correction r of z'', for scipy."""
+            """Return dy/dt at the time t [s] for scipy, of y = (z, z', r): z'' = Q_z/2 + r.
+
+            r follows Q_t/(2 z') at the rate `follows` z'^2, and so keeps its value at turnings.
+            """
             z, speed, r = y
             rest = self.drift(z, t) / 2 - r * speed
             return [speed, self.slope(z, t) / 2 + r, follows * speed * rest]

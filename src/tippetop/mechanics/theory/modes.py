@@ -151,7 +151,7 @@ def stability(z: int, b: Touch, *, rolls: bool, free: Any = False) -> tuple[Any,
 
 
 def _fastest_first(p: np.ndarray) -> np.ndarray:
-    """Sort rates by their growth.
+    """Return complex rates (n,) sorted by their growth.
 
     Rates of equal growth, to rounding, are sorted by how fast they turn, positive first.
     """

@@ -25,7 +25,7 @@ class Regime(NamedTuple):
         return words + (["the inverted spin"] if self.inverted else [])
 
     def sentence(self) -> str:
-        """Return a sentence on which states are stable."""
+        """Return a clause on which states are stable, for `Outlook.regime`."""
         states = self.attractors
         if not states:
             return "no spinning or tumbling state is stable"

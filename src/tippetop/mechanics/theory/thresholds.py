@@ -70,7 +70,7 @@ def poles(b: Touch) -> tuple[str, str]:
 
 
 def lambda_u(b: Touch) -> Any:
-    """Return |lambda| below which the spin with the centre of mass lowest is stable.
+    """Return |lambda| [kg m^3/s] below which the spin with the centre of mass lowest is stable.
 
     It is infinite if the spin is always stable.
 
@@ -81,7 +81,7 @@ def lambda_u(b: Touch) -> Any:
 
 
 def lambda_s(b: Touch) -> Any:
-    """Return |lambda| above which the spin with the centre of mass highest is stable.
+    """Return |lambda| [kg m^3/s] above which the spin with the centre of mass highest is stable.
 
     It is infinite if the spin is never stable.
 
@@ -98,7 +98,10 @@ def _over_root(number: Any, x: Any) -> Any:
 
 
 def lambda_de(b: Touch) -> Any:
-    """Return |lambda| above which the highest spin has less energy E~ than the lowest. [T 4.29]"""
+    """Return |lambda| [kg m^3/s] above which the highest spin has less E~ than the lowest.
+
+    [T 4.29]
+    """
     alpha = b.c / b.R
     return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
 
@@ -158,7 +161,7 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
     alpha, gamma, *_ = shape(b)
 
     def spin_at(state: str, lam: Any) -> Any:
-        """Return |omega_3| of a spinning state that has this value of lambda."""
+        """Return |omega_3| [rad/s] of the spinning state, a key of SPINS, that has this lambda."""
         return np.abs(spin(SPINS[state], lam, b))
 
     at_low = f"spin_{low}"
