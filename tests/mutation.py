@@ -267,7 +267,7 @@ def main() -> int:
             raise SystemExit(f"{failing[0]} must pass before a formula is changed.")
         tonight = found[first:] + found[:first]
         until = began + options.seconds
-        verdicts = []
+        verdicts: list[bool | None] = []
         for verdict in pool.map(survives, tonight, itertools.repeat(until)):
             if verdict:
                 mutant = tonight[len(verdicts)]

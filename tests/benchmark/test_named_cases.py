@@ -92,13 +92,6 @@ def test_certificates_are_of_the_cases():
     assert tuple(data("certificates.json")) == benchmark.names()
 
 
-def test_a_double_run_stays_within_its_certificate():
-    problem = benchmark.case("stem-landing").problem
-    times = np.linspace(0, problem.until, 101)
-    double, wide = truth(problem, times)[0], truth(problem, times, "longdouble")[0]
-    assert np.abs(double.quaternion - wide.quaternion).max() < 1e-12
-
-
 @pytest.mark.parametrize("name", benchmark.names())
 def test_settings_name_the_restitution(name):
     each = benchmark.case(name)

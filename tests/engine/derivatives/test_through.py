@@ -124,7 +124,8 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
                 for k, one in runs.items()
             }
             slope = sum(c * (whole[k] - whole[-k]) for k, c in STENCIL.items()) / h
-            assert_near(mine[column], slope, 1e-9, column, relative=True)
+            bound = 1e-9 * np.abs(slope).max() + 1e-16  # nu_z of a ball at rest is a difference
+            assert_near(mine[column], slope, bound, column)
 
 
 def assert_slopes(found: Any, ahead: Any, behind: Any, apart: float, bound: float) -> None:

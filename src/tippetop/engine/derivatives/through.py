@@ -3,10 +3,10 @@
 `followed(problem, wrt, times)` is the entrance; it returns a `Pass`, from which `sensitivities`
 takes columns, times of events, and how far they are valid. A plain run decides which phases follow
 each other. They are then followed once more: the flow of each by its variational equations, one
-number in each lane; the start, times of events, jumps and columns by dual numbers, which the
-formulas take like any numbers. The end of a phase so moves with the numbers, which is the saltation
-matrix of the textbooks, and no jump needs written derivatives. Whole steps in dual numbers would
-need step control and events a second time.
+number in each lane; the start, times of events and jumps by dual numbers, which the formulas take
+like any numbers. Columns are functions of the rows, compiled with derivatives. The end of a phase
+so moves with the numbers, which is the saltation matrix of the textbooks, and no jump needs written
+derivatives. Whole steps in dual numbers would need step control and events a second time.
 
 Symbols
     rows      numbers with derivatives as an array (n, 1 + order, directions, ...): the value, again
@@ -73,7 +73,7 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def rows_of(numbers: Sequence, directions: int, order: int = 1) -> np.ndarray:
+def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
     """Return numbers as rows: values and derivatives, (n, 1 + order, directions)."""
     rows = np.empty((len(numbers), 1 + order, directions))
     for row, one in zip(rows, numbers, strict=True):
@@ -354,7 +354,7 @@ class Pass:
         )
         rest = [np.zeros(self.directions)] * (self.order - 1)
         changes = self.sizes[:, None] * ways
-        numbers = {
+        numbers: Any = {
             name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
         }
         tops = Problems(problem, numbers)
@@ -661,7 +661,7 @@ class Pass:
             moving = [*map(Dual, values, motion.rates(values))]
             in_time = motion.functions(moving, plain(motion.body))
             for name, (_, by) in motion.functions(duals_of(some), motion.body).items():
-                happens = [names[k] == name for k in mine]
+                happens = np.array(names)[mine] == name
                 shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
         for k in np.flatnonzero(is_known):
