@@ -13,7 +13,7 @@ from typing import Any
 import examples
 import numpy as np
 import pytest
-from limits import assert_below
+from limits import assert_below, assert_near
 from nightly import at_night
 from stores import assert_same
 
@@ -269,9 +269,7 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
         found = tt.theory.reconstruct(source)
         known = np.isfinite(found["theta"].values)
         assert known.mean() > 0.8
-        np.testing.assert_allclose(
-            found["theta"][known], run.trajectory["theta"][known], rtol=0, atol=1e-7
-        )
+        assert_near(found["theta"][known], run.trajectory["theta"][known], 1e-7)
         assert found.attrs["mismatch"] < 1e-8
 
 
