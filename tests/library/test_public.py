@@ -86,7 +86,8 @@ def test_signatures_are_readable() -> None:
 def test_help_on_records_lists_their_fields_only(face: Any, signature: str) -> None:
     """Each record has its signature and its docstring: no methods, attributes or descriptors."""
     text = pydoc.plain(pydoc.render_doc(face))
-    assert signature in text.replace("'", "")
+    # Python 3.13 writes a long signature on several lines
+    assert "".join(signature.split()) in "".join(text.replace("'", "").split())
     assert not re.search(r"\|  .*(defined here|inherited from .*):$", text, re.M)
     assert "__dataclass_fields__" not in text
 
