@@ -170,10 +170,13 @@ def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
     assert_near(measured.final, single.final, 1e-9)
 
 
-def test_a_stop_ends_the_pools_soon() -> None:
+def test_a_stop_ends_the_pools_soon(monkeypatch) -> None:
     tops = some("hops", 64)
     ensemble.measure(tops, threads=1)  # compiles
-    worker = lanes.Lanes(Outcomes(tops), np.ones((64, 1)), lambda: None)
+    found: list[lanes.Lanes] = []
+    monkeypatch.setattr(ensemble, "_run_all", lambda workers, _: found.extend(workers))
+    ensemble.measure(tops, threads=1)
+    (worker,) = found
     thread = threading.Thread(target=worker.run, args=(iter(range(64)),))
     thread.start()
     while thread.is_alive() and (worker.top_in < 0).all():

@@ -85,14 +85,14 @@ class _Pools(NamedTuple):
     possible: int
 
 
-class Begun(NamedTuple):
-    """The starts of k tops, in internal units."""
+class Starts(NamedTuple):
+    """The starts of n tops, in internal units."""
 
-    states: np.ndarray  # (variables, k)
-    functions: np.ndarray  # (events, k) of their phase, if they have only one
-    bodies: np.ndarray  # (numbers, k)
-    ends: np.ndarray  # (k,) of their runs
-    times: np.ndarray  # (k, rows) of rows
+    states: np.ndarray  # (variables, n)
+    functions: np.ndarray  # (events, n); (1, n) NaN where the first phase is chosen
+    bodies: np.ndarray  # (numbers, n)
+    ends: np.ndarray  # (n,) of their runs
+    times: np.ndarray  # (rows, n) of rows
 
 
 class Pools:
@@ -179,18 +179,20 @@ class Pools:
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
-    def begin_tops(self, slots: np.ndarray, begun: Begun) -> None:
-        """Begin tops in free slots, (k,)."""
-        starts = new_tallies(self.all_events, begun.functions)
-        for arrays, start in zip(self.of_tops, starts, strict=True):
+    def begin_tops(self, slots: np.ndarray, starts: Starts, which: np.ndarray) -> None:
+        """Begin tops, by their numbers in `starts`, in free slots, (k,) each."""
+        states, functions, bodies, ends, times = (values[..., which].T for values in starts)
+        count = len(self.all_events.events), len(slots)
+        tallies = new_tallies(self.all_events, np.broadcast_to(functions.T, count))
+        for arrays, start in zip(self.of_tops, tallies, strict=True):
             arrays[..., slots] = start
         self.states[slots] = 0.0
-        self.states[slots, : len(begun.states)] = begun.states.T
-        self.bodies[slots] = begun.bodies[: self.bodies.shape[1]].T
-        self.rows.times[slots], self.rows.states[slots] = begun.times, np.nan
-        self.rows.filled[slots] = (begun.times < 0).sum(axis=1)
+        self.states[slots, : len(starts.states)] = states
+        self.bodies[slots] = bodies[:, : self.bodies.shape[1]]
+        self.rows.times[slots], self.rows.states[slots] = times, np.nan
+        self.rows.filled[slots] = (times < 0).sum(axis=1)
         self.tops[slots] = 0
-        self.tops["end"][slots] = self.tops["stop"][slots] = begun.ends
+        self.tops["end"][slots] = self.tops["stop"][slots] = ends
         for slot in slots.tolist():
             self.start(slot)
 
@@ -329,9 +331,6 @@ class HybridPools(Pools, HybridDriver):
         """Make the jump of a top to its first phase, by a program or by Python."""
         self.tops["event"][slot] = self.clock_number
         self.tops["phase"][slot] = len(self.phases)
-        for name in "sign", "on_zero":
-            self.of_tops.functions[name][:, slot] = 0.0
-        self.of_tops.lane["lasts_since"][slot] = np.nan
         if not library().loop_start(self.record_at, self.notes.place, slot):
             if self.attend(slot) == NOTHING:
                 self.over.append(slot)

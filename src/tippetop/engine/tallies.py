@@ -142,12 +142,15 @@ def looked_for(
 
 
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
-    """Return the tallies of runs that start with these event functions, (events, lanes)."""
+    """Return the tallies of runs that start with these event functions, (events, lanes).
+
+    The sign of a function that is NaN is not known: 0.
+    """
     lanes = functions.shape[1]
     lane = np.empty(lanes, LANE_RECORD)
     known = np.zeros(functions.shape, FUNCTION_RECORD)
     lane[:] = tuple(_LANE.values())
-    known["sign"] = np.where(functions > 0, 1.0, -1.0)
+    known["sign"] = 1.0 * (functions > 0) - (functions <= 0)
     known["on_zero"] = np.abs(functions) < ON_ZERO
     known["extremes"], known["times"] = (np.inf, -np.inf), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)

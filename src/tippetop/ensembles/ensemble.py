@@ -15,11 +15,11 @@ import numpy as np
 
 from ..engine.derivatives.growth import growth
 from ..engine.observables import event_functions
-from ..engine.pools import Pools
+from ..engine.pools import Pools, Starts, bodies_of
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
-from .hybrid_tops import problem_of, run_each
+from .hybrid_tops import checked_tops, problem_of, run_each
 from .lanes import MOST_STEPS, Lanes
 from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude
 from .top_events import log_events
@@ -68,7 +68,6 @@ def measure(
     clock = time.perf_counter()
     processor = time.process_time()
     measured = Outcomes(tops, lyapunov, times)
-    functions = event_functions(tops)
     lock = threading.Lock()
     counted = itertools.count(1)
     total = int(tops.valid.sum())
@@ -80,22 +79,32 @@ def measure(
                 progress(next(counted), total)
 
     turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
-    if tops.base.system.is_hybrid:
+    is_hybrid = tops.base.system.is_hybrid
+    functions = np.full((tops.n, 1), np.nan)
+    if is_hybrid:
         mu = np.broadcast_to(tops.given("friction").get("mu", 1.0), (tops.n,))
         alone = (mu == 0) & (mu != 0).any()  # they have other phases
         alone |= not turns or tops.base.contact is None or events
     else:
+        functions = event_functions(tops)
         alone = _ends_at_start(tops, functions)
     numbers = np.flatnonzero(tops.valid & ~alone)
+    begun = tops
+    bodies = tops.pars
+    if is_hybrid and len(numbers):
+        begun, numbers = checked_tops(measured, numbers, ended)
+        bodies = bodies_of(begun)
     if len(numbers):
+        first = int(numbers[0])
+        starts = Starts(begun.start, functions.T, bodies, begun.end, measured.times.T)
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // Pools.lanes))
         room = -(-len(numbers) // n)
         workers = [
-            Lanes(measured, functions, ended, room, wanted, events=events, most=most)
+            Lanes(measured, starts, first, ended, room, wanted, events=events, most=most)
             for _ in range(n)
         ]
         _run_all(workers, iter(numbers.tolist()))
-        possible = sum(worker.pools.record.possible for worker in workers if worker.pools)
+        possible = sum(worker.pools.record.possible for worker in workers)
         measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)
     if measured.passages:
         log_events(measured)

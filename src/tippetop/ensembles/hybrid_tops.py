@@ -74,6 +74,33 @@ def checked(outcomes: Outcomes, top: int) -> Problem | None:
     return problem
 
 
+def checked_tops(
+    outcomes: Outcomes, numbers: np.ndarray, ended: Callable[[], None]
+) -> tuple[Problems, np.ndarray]:
+    """Return all tops with the gaps at which they begin, and which of `numbers` are valid.
+
+    Parameters
+    ----------
+    outcomes
+        A row per top; invalid ones are marked.
+    numbers
+        Numbers of the tops that are checked.
+    ended
+        Called for each top that is invalid.
+    """
+    tops = outcomes.tops
+    gaps = np.full(tops.n, np.nan)
+    for top in numbers.tolist():
+        if problem := checked(outcomes, top):
+            gaps[top] = problem.initial.get("gap", 0.0)
+        else:
+            ended()
+    numbers = numbers[np.isfinite(gaps[numbers])]
+    if touches(tops.base) and "initial.gap" not in tops.columns:
+        tops = replace(tops, columns={**tops.columns, "initial.gap": gaps})
+    return tops, numbers
+
+
 def run_each(
     outcomes: Outcomes, numbers: list[int], ended: Callable[[], None], *, events: bool = False
 ) -> None:

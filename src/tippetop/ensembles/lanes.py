@@ -5,7 +5,6 @@ Numbers of tops come from a queue; their outcomes go to the common `Outcomes`.
 
 import threading
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import replace
 from itertools import islice
 from typing import Any
 
@@ -14,15 +13,14 @@ import numpy as np
 from ..engine.expressions import formulas_of
 from ..engine.loop import MOST_COEFFICIENTS, Loop, new_motion
 from ..engine.observables import Observables, values_of
-from ..engine.pools import Begun, HybridPools, Pools, bodies_of
+from ..engine.pools import HybridPools, Pools, Starts
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
 from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
-from ..scenario.contact import touches
-from .hybrid_tops import checked, problem_of
+from .hybrid_tops import problem_of
 from .outcomes import SWINGS, Outcomes
 
 
@@ -96,8 +94,10 @@ class Lanes:
     ----------
     outcomes
         A row per top; the rows of tops that end here are written.
-    functions
-        The event functions of all tops at their starts, (n, events).
+    starts
+        The starts of all tops.
+    first
+        The number of a top that is integrated.
     ended
         Called whenever a top has ended.
     room
@@ -114,7 +114,8 @@ class Lanes:
     def __init__(
         self,
         outcomes: Outcomes,
-        functions: np.ndarray,
+        starts: Starts,
+        first: int,
         ended: Callable[[], None],
         room: int = ROOM,
         wanted: Collection[str] | None = None,
@@ -122,9 +123,9 @@ class Lanes:
         events: bool = False,
         most: int = MOST_STEPS,
     ):
-        """Set up lanes without tops; equations whose contact may change are compiled later."""
+        """Set up lanes without tops; equations of phases are compiled later."""
         self.outcomes = outcomes
-        self.functions = functions
+        self.starts = starts
         self.ended = ended
         self.tops = outcomes.tops
         self.stop = threading.Event()
@@ -132,8 +133,11 @@ class Lanes:
         self.room = min(room, ROOM, max(ROOM // 8, ROWS // max(1, row_count)))
         self.top_in = np.full(self.room, -1)
         self.is_hybrid = self.tops.base.system.is_hybrid
-        self.pools: Any = None
-        if not self.is_hybrid:
+        self.pools: Any
+        if self.is_hybrid:
+            problem = problem_of(self.tops, first)
+            self.pools = HybridPools(problem, self.room, row_count, self.stop)
+        else:
             self.pools = PoolOfOne(
                 self.tops, self.room, row_count, wanted, events=events, most=most
             )
@@ -151,7 +155,7 @@ class Lanes:
                     self._write(np.array(done))
                 free += done
                 done = []
-                while is_more and free and not self.stop.is_set():
+                if is_more:
                     is_more = self._begin(queue, free)
             if len(free) == self.room:
                 return
@@ -179,57 +183,14 @@ class Lanes:
 
         Return whether the queue may have more.
         """
-        taken = list(islice(queue, len(free)))
-        is_more = len(taken) == len(free)
-        problems: Any = self._checked(taken) if self.is_hybrid else dict.fromkeys(taken)
-        if not problems:
-            return is_more
-        which = np.array([*problems])
-        slots = np.array([free.pop() for _ in which])
-        times = self.outcomes.times[which]
+        which = np.array([*islice(queue, len(free))], int)
+        is_more = len(which) == len(free)
+        slots = np.array([free.pop() for _ in which], int)
         self.top_in[slots] = which
-        if self.pools is None:
-            first = next(iter(problems.values()))
-            self.pools = HybridPools(first, self.room, times.shape[1], self.stop)
-        if self.is_hybrid:
-            begun = self._begun(problems, times)
-        else:
-            tops = self.tops
-            of_tops = tops.start[:, which], self.functions[which].T, tops.pars[:, which]
-            begun = Begun(*of_tops, tops.end[which], times)
-        self.pools.begin_tops(slots, begun)
-        if self.is_hybrid:  # the gap of the start may follow theta
+        self.pools.begin_tops(slots, self.starts, which)
+        if self.is_hybrid:  # the first phase begins after a jump
             self.outcomes.begin(self.pools.rows_in(slots).T, which)
         return is_more
-
-    def _checked(self, tops: list[int]) -> dict[int, Problem]:
-        """Return the problems of the tops that can be integrated; mark the others as invalid.
-
-        After a stop, the rest of the tops are neither.
-        """
-        found = {}
-        for top in tops:
-            if self.stop.is_set():
-                break
-            if problem := checked(self.outcomes, top):
-                found[top] = problem
-            else:
-                self.ended()
-        return found
-
-    def _begun(self, problems: dict[int, Problem], times: np.ndarray) -> Begun:
-        """Return the starts of tops whose contact may change its phase.
-
-        `problems` are the tops by number, `times` those of rows (k, rows).
-        """
-        which = np.array([*problems])
-        columns = {key: values[which] for key, values in self.tops.columns.items()}
-        if touches(self.tops.base) and "initial.gap" not in columns:
-            gaps = [problem.initial.get("gap", 0.0) for problem in problems.values()]
-            columns["initial.gap"] = np.array(gaps)
-        some = replace(self.tops, columns=columns)
-        functions = np.ones((len(self.pools.numbers), some.n))
-        return Begun(some.start, functions, bodies_of(some), some.end, times)
 
     # --- rows of tops ----------------------------------------------------------------------------
 
