@@ -957,12 +957,17 @@ static bool execute(const Program *c, const Loop *const *loops) {
     return true;
 }
 
-/* Execute lines of arithmetic on n columns of 80-bit numbers; `first` is the register of the first
-   line's result. */
-void loop_columns(integer length, integer first, integer n, const Line *line, long double *r) {
-    for (long double *to = r + first * n; length > 0; length--, line++)
+/* Execute lines on n columns of 80-bit numbers; `first` is the register of the first line's result.
+   Return the number of lines executed: those before a MOTION, or all. Return -1 if a comparison is
+   not as expected. */
+int loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
+    long double *to = r + first * n;
+    for (const Line *line = lines; line < lines + length; line++) {
+        if (line->what == MOTION)
+            return (int)(line - lines);
         for (integer i = 0; i < n; i++, to++) {
             long double a = r[line->a * n + i], b = r[line->b * n + i];
+            int exponent;
             switch (line->what) {
             case ADD: *to = a + b; break;
             case SUBTRACT: *to = a - b; break;
@@ -978,8 +983,21 @@ void loop_columns(integer length, integer first, integer n, const Line *line, lo
             case ARCTAN2: *to = atan2l(a, b); break;
             case SIN: *to = sinl(a); break;
             case COS: *to = cosl(a); break;
+            case LESS: *to = a < b; break;
+            case LESS_EQUAL: *to = a <= b; break;
+            case EQUAL: *to = a == b; break;
+            case UNIT:
+                frexpl(a, &exponent);
+                *to = ldexpl(1, exponent);
+                break;
+            case EXPECT:
+                if ((a != 0) != (b != 0))
+                    return -1;
+                break;
             }
         }
+    }
+    return (int)length;
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.

@@ -1,7 +1,7 @@
 """Functions of numbers, repeated for columns of numbers with 80 bits.
 
 The function is recorded once, as a program of its operations: NumPy would take a microsecond for
-each of them.
+each of them. Series of slow slides are computed so, and jumps with derivatives.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,8 +19,7 @@ class ColumnProgram:
     Parameters
     ----------
     function
-        function(common, *values) -> a list of numbers; its operations must not depend on
-        comparisons.
+        function(common, *values) -> a list of numbers.
     common
         A record of numbers, like those of the calls.
     values
@@ -37,8 +36,14 @@ class ColumnProgram:
         self.constants = np.array([*program.constants.values()])[:, None]
         self.results = len(results)
 
-    def __call__(self, common: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Return the results, (results, n), of common numbers (k, 1) and columns (values, n)."""
+    def __call__(
+        self, common: np.ndarray, values: np.ndarray, follow: Any = None
+    ) -> np.ndarray | None:
+        """Return the results, (results, n), of common numbers (k, 1) and columns (values, n).
+
+        Return None if a comparison turns out otherwise than in the recorded call. The results of a
+        motion, see `Program.call`, are follow(place, its inputs).
+        """
         inputs = len(common) + len(values)
         first = inputs + len(self.constants)
         n = values.shape[1]
@@ -46,6 +51,16 @@ class ColumnProgram:
         registers[: len(common)] = common
         registers[len(common) : inputs] = values
         registers[inputs:first] = self.constants
-        places = self.code.ctypes.data, registers.ctypes.data
-        library().loop_columns(len(self.code), first, n, *places)
-        return registers[-self.results :]
+        address = registers.ctypes.data
+        done = 0
+        while True:
+            lines = self.code[done:]
+            made = library().loop_columns(len(lines), first + done, n, lines.ctypes.data, address)
+            if made < 0:
+                return None
+            if made == len(lines):
+                return registers[-self.results :]
+            _, a, place = lines[made]
+            done += made + 1
+            results = follow(int(registers[place, 0]), registers[a : first + done - 1])
+            registers[first + done - 1 :][: len(results)] = results

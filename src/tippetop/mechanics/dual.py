@@ -83,7 +83,7 @@ ARITHMETIC: dict[str, Callable] = {
     "divide": lambda a, b: _solved(a, [], b, b[0]),
     "sqrt": _root,
     "negative": lambda a: [-one for one in a],
-    "absolute": lambda a: [np.sign(plain(a[0])) * one for one in a],
+    "absolute": lambda a: [(1.0 * (a[0] > 0) - (a[0] < 0)) * one for one in a],
 }
 """Functions of NumPy, of the parts of their operands; a constant has one part."""
 
@@ -140,7 +140,8 @@ class Dual(NDArrayOperatorsMixin):
         return self.parts[1]
 
     def __bool__(self) -> bool:
-        return bool(self != 0)
+        COMPARED.get()(self)
+        return bool(self.value)
 
     def __pow__(self, power: Any) -> Any:
         if type(power) is int and power > 0:

@@ -145,7 +145,8 @@ def unit_of(*values: Any) -> Any:
 
     Numbers of a program give a number of the program, and a line.
     """
+    values = plain(values)
     if isinstance(values[0], Number):
         largest = reduce(np.maximum, map(abs, values))
         return values[0].program.line("unit", largest, 0.0, unit_of(largest.value))
-    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, plain(values)))))[1])
+    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])

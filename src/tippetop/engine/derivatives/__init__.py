@@ -5,5 +5,5 @@
 - `growth.growth` returns how fast errors of the start grow.
 
 A `Problem` and names of its numbers go in. Within a phase the variational equations are integrated;
-between phases formulas and jumps are called with dual numbers, recorded once as a `tape.Tape`.
+between phases formulas and jumps are called with dual numbers, recorded once as a `through.Tape`.
 """

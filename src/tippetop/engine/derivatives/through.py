@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
 from functools import lru_cache, partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,6 +41,7 @@ from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
+from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
 from ..expressions import AXES, Formulas, formulas_of
 from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
@@ -48,7 +50,6 @@ from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
 from ..variational import EXACT, Moving, compiled_columns, compiled_flow, in_motion
-from .tape import Tape
 
 
 MOST_LANES = 8
@@ -186,20 +187,78 @@ class Motion(NamedTuple):
         return np.where(counts, least, np.inf)
 
 
-def noted(directions: int, function: Callable, *given: Any) -> tuple[Any, np.ndarray]:
-    """Call a function; return its result, and the least change along each direction at which a
-    comparison turns out otherwise.
+def least_of(changes: Sequence, directions: int) -> np.ndarray:
+    """Return the least change along each direction, infinite without one."""
+    return np.fmin.reduce(np.reshape(changes, (-1, directions)), initial=np.inf)
+
+
+def noted(function: Callable, *given: Any) -> tuple[Any, list]:
+    """Call a function; return its result, and the changes along the directions at which each of its
+    comparisons turns out otherwise.
     """
-    least = [np.full(directions, np.inf)]
+    changes: list[Any] = []
 
     def note(one: Dual) -> None:
-        """Collect the change at which the comparison of a number with zero turns out otherwise."""
-        if np.shape(one.first) == (directions,):  # otherwise it is along another line
-            least.append(abs(one.value) / abs(one.first))
+        """Add the change at which the comparison of a number with zero turns out otherwise."""
+        if type(one) is Dual and not isinstance(one.first, float):  # that is along another line
+            changes.append(abs(one.value) / abs(one.first))
 
     context = copy_context()
     context.run(COMPARED.set, note)
-    return context.run(function, *given), np.fmin.reduce(least)
+    return context.run(function, *given), changes
+
+
+class Tape:
+    """A recorded function of numbers with derivatives, on one branch of its comparisons.
+
+    The function takes milliseconds, and its program microseconds.
+
+    Parameters
+    ----------
+    function
+        As for `evaluated`: a function of its inputs alone, as the program repeats this branch.
+    numbers
+        Inputs, as rows.
+    """
+
+    def __init__(self, function: Callable, numbers: np.ndarray):
+        """Call the function once, and record its operations."""
+
+        def recorded(_: Any, *inputs: Any) -> list:
+            """Return the results and their derivatives, then the changes of comparisons."""
+
+            def call(place: int, motion: Callable, *given: Any) -> list:
+                """Record a motion with derivatives as one line."""
+
+                def moved(*pairs: tuple) -> list:
+                    """Return its results, each before its derivative."""
+                    made = motion(*refill(given, (value for value, _ in pairs)))
+                    return [part for one in made for part in (one, 0.0)]
+
+                pairs = [parts_of(one, 1) for one in leaves(given)]
+                made = inputs[0].program.call(place, moved, *pairs)
+                return [*map(Dual, made[::2], made[1::2])]
+
+            duals = [*map(Dual, inputs[::2], inputs[1::2])]
+            (results, self.about), changes = noted(function, call, duals)
+            self.parts = 2 * len(results)
+            return [*chain(*(parts_of(one, 1) for one in results)), *changes]
+
+        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel())
+
+    def __call__(self, numbers: np.ndarray, follow: Any = None) -> tuple | None:
+        """Return what `evaluated` does; None if a comparison turns out otherwise."""
+        shape = -1, 2, numbers.shape[2]
+
+        def followed(place: int, columns: np.ndarray) -> np.ndarray:
+            """Follow a motion from columns, to columns."""
+            return follow(place, columns.reshape(shape).astype(float)).reshape(-1, shape[-1])
+
+        columns = self.program(np.zeros((0, 1)), numbers.reshape(-1, shape[-1]), followed)
+        if columns is None:
+            return None
+        results, changes = np.split(columns.astype(float), [self.parts])
+        return results.reshape(shape), least_of(changes, shape[-1]), self.about
 
 
 @lru_cache(maxsize=1024)
@@ -208,9 +267,7 @@ def tapes_of(key: tuple) -> list[Tape]:
     return []
 
 
-def evaluated(
-    key: tuple, function: Callable, numbers: np.ndarray, follow: Any = None
-) -> tuple[np.ndarray, np.ndarray, Any]:
+def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any = None) -> tuple:
     """Call a function with derivatives, by a tape of it if possible.
 
     Return its numbers as rows, the least change along each direction at which a comparison turns
@@ -231,21 +288,21 @@ def evaluated(
     tapes = tapes_of(key)
     for tape in tapes:
         if made := tape(numbers, follow):
-            return *made, tape.about
+            return made
     if len(tapes) < BRANCHES:
         with suppress(Exception):  # whatever it does that is no line of a tape
-            tape = Tape(function, numbers[:, 0, 0].tolist())
+            tape = Tape(function, numbers)
             if made := tape(numbers, follow):
                 tapes.append(tape)
-                return *made, tape.about
+                return made
     directions = numbers.shape[2]
 
     def call(place: int, _: Any, *given: Any) -> list:
         """Follow a motion, without a tape."""
         return duals_of(follow(place, rows_of(leaves(given), directions)))
 
-    (results, about), least = noted(directions, function, call, duals_of(numbers))
-    return rows_of(results, directions), least, about
+    (results, about), changes = noted(function, call, duals_of(numbers))
+    return rows_of(results, directions), least_of(changes, directions), about
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -330,8 +387,8 @@ class Pass:
             driver = self._plain_run()
         self.driver = driver
         body = driver.world.body if is_hybrid else problem.internal_body
-        _, least = noted(self.directions, self._numbers_of, wrt, body, ways)
-        self.notes = [Note(0.0, "the law of friction", least)]
+        _, changes = noted(self._numbers_of, wrt, body, ways)
+        self.notes = [Note(0.0, "the law of friction", least_of(changes, self.directions))]
         if is_hybrid:
             self._follow()
             return
