@@ -54,7 +54,8 @@ def some(case: str, n: int = 12, **columns: np.ndarray) -> Problems:
 
 def alone(tops: Problems) -> Outcomes:
     outcomes = Outcomes(tops)
-    hybrid_tops.run_each(outcomes, list(range(tops.n)), lambda: None)
+    _, valid = hybrid_tops.checked_tops(outcomes, lambda: None)
+    hybrid_tops.run_each(outcomes, np.flatnonzero(valid).tolist(), lambda: None)
     with np.errstate(all="ignore"):
         _conclude(outcomes)
     return outcomes

@@ -88,13 +88,10 @@ def measure(
     else:
         functions = event_functions(tops)
         alone = _ends_at_start(tops, functions)
-    numbers = np.flatnonzero(tops.valid & ~alone)
-    begun = tops
-    bodies = tops.pars
-    if is_hybrid and len(numbers):
-        begun, numbers = checked_tops(measured, numbers, ended)
-        bodies = bodies_of(begun)
+    begun, valid = checked_tops(measured, ended) if is_hybrid else (tops, tops.valid)
+    numbers = np.flatnonzero(valid & ~alone)
     if len(numbers):
+        bodies = bodies_of(begun) if is_hybrid else tops.pars
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // Pools.lanes))
         room = -(-len(numbers) // n)
         stop = threading.Event()
@@ -114,7 +111,7 @@ def measure(
         measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)
     if measured.passages:
         log_events(measured)
-    run_each(measured, np.flatnonzero(tops.valid & alone).tolist(), ended, events=events)
+    run_each(measured, np.flatnonzero(valid & alone).tolist(), ended, events=events)
     measured.faults.sort()
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])

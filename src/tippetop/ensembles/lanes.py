@@ -133,13 +133,13 @@ class Lanes:
         is_more = True
         while not self.stop.is_set():
             if is_more and under_way <= 0.75 * self.room:
-                new = [*islice(queue, self.room - under_way)]
-                is_more = under_way + len(new) == self.room
+                new = np.array([*islice(queue, self.room - under_way)], int)
                 under_way += len(new)
-                for top in new:
+                is_more = under_way == self.room
+                for top in new.tolist():
                     pools.start(top)
                 if self.is_hybrid:  # the first phase begins after a jump
-                    self.outcomes.begin(pools.rows_in(np.array(new, int)).T, new)
+                    self.outcomes.begin(pools.rows_in(new).T, new)
             if not under_way:
                 break
             ended, looks = pools.step(MOST_DRIVEN)
@@ -155,8 +155,8 @@ class Lanes:
                 self.ended()
             under_way -= len(ended)
             done += ended
-            logged = pools.log.filled[0] / max(1, len(pools.log.rows))
-            if max(logged, pools.samples.filled[0] / max(1, len(pools.samples.top))) > 0.5:
+            found = pools.log, pools.samples
+            if any(2 * some.filled[0] > len(some.states) for some in found):
                 self._look()
         self._look()
         self._write(np.array(done, int))
