@@ -26,10 +26,10 @@
    and their number, x its variable, the time since the start of the step over h; t, the internal
    time where a step of length h starts; j, the jumps of a system; c, a program of one of them. */
 
-#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
+#include <tgmath.h> /* of double and long double numbers */
 
 /* The first argument if the second one is NaN. */
 #define MIN(a, b) ((b) < (a) ? (b) : (a))
@@ -915,42 +915,40 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
-/* Execute a program. Return whether comparisons are as expected. */
+/* Write the result of an operation on a and b, in their type, to *to; it needs an int `exponent`. */
+#define ARITHMETIC                                 \
+    case ADD: *to = a + b; break;                  \
+    case SUBTRACT: *to = a - b; break;             \
+    case MULTIPLY: *to = a * b; break;             \
+    case DIVIDE: *to = a / b; break;               \
+    case POWER: *to = pow(a, b); break;            \
+    case NEGATIVE: *to = -a; break;                \
+    case SQRT: *to = sqrt(a); break;               \
+    case ABSOLUTE: *to = fabs(a); break;           \
+    case MAXIMUM: *to = MAX(a, b); break;          \
+    case EXP: *to = exp(a); break;                 \
+    case LOG: *to = log(a); break;                 \
+    case ARCTAN2: *to = atan2(a, b); break;        \
+    case SIN: *to = sin(a); break;                 \
+    case COS: *to = cos(a); break;                 \
+    case LESS: *to = a < b; break;                 \
+    case LESS_EQUAL: *to = a <= b; break;          \
+    case EQUAL: *to = a == b; break;               \
+    case UNIT:                                     \
+        frexp(a, &exponent);                       \
+        *to = ldexp(1, exponent);                  \
+        break;
+
+/* Execute a program. Return whether comparisons are as expected, and no number is divided by 0. */
 static bool execute(const Program *c, const Loop *const *loops) {
     real *r = c->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
+        if ((line->what == DIVIDE && b == 0) || (line->what == EXPECT && (a != 0) != (b != 0)))
+            return false;
         switch (line->what) {
-        case ADD: *to = a + b; break;
-        case SUBTRACT: *to = a - b; break;
-        case MULTIPLY: *to = a * b; break;
-        case DIVIDE:
-            if (b == 0)
-                return false;
-            *to = a / b;
-            break;
-        case POWER: *to = pow(a, b); break;
-        case LESS: *to = a < b; break;
-        case LESS_EQUAL: *to = a <= b; break;
-        case EQUAL: *to = a == b; break;
-        case NEGATIVE: *to = -a; break;
-        case SQRT: *to = sqrt(a); break;
-        case ABSOLUTE: *to = fabs(a); break;
-        case MAXIMUM: *to = MAX(a, b); break;
-        case EXP: *to = exp(a); break;
-        case LOG: *to = log(a); break;
-        case ARCTAN2: *to = atan2(a, b); break;
-        case SIN: *to = sin(a); break;
-        case COS: *to = cos(a); break;
-        case UNIT:
-            frexp(a, &exponent);
-            *to = ldexp(1, exponent);
-            break;
-        case EXPECT:
-            if ((a != 0) != (b != 0))
-                return false;
-            break;
+        ARITHMETIC
         case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
         }
     }
@@ -969,27 +967,7 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
             long double a = r[line->a * n + i], b = r[line->b * n + i];
             int exponent;
             switch (line->what) {
-            case ADD: *to = a + b; break;
-            case SUBTRACT: *to = a - b; break;
-            case MULTIPLY: *to = a * b; break;
-            case DIVIDE: *to = a / b; break;
-            case POWER: *to = powl(a, b); break;
-            case NEGATIVE: *to = -a; break;
-            case SQRT: *to = sqrtl(a); break;
-            case ABSOLUTE: *to = fabsl(a); break;
-            case MAXIMUM: *to = MAX(a, b); break;
-            case EXP: *to = expl(a); break;
-            case LOG: *to = logl(a); break;
-            case ARCTAN2: *to = atan2l(a, b); break;
-            case SIN: *to = sinl(a); break;
-            case COS: *to = cosl(a); break;
-            case LESS: *to = a < b; break;
-            case LESS_EQUAL: *to = a <= b; break;
-            case EQUAL: *to = a == b; break;
-            case UNIT:
-                frexpl(a, &exponent);
-                *to = ldexpl(1, exponent);
-                break;
+            ARITHMETIC
             case EXPECT:
                 if ((a != 0) != (b != 0))
                     return -1;

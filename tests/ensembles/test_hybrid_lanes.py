@@ -54,7 +54,8 @@ def some(case: str, n: int = 12, **columns: np.ndarray) -> Problems:
 
 def alone(tops: Problems) -> Outcomes:
     outcomes = Outcomes(tops)
-    hybrid_tops.run_each(outcomes, list(range(tops.n)), lambda: None)
+    _, valid = hybrid_tops.checked_tops(outcomes, lambda: None)
+    hybrid_tops.run_each(outcomes, np.flatnonzero(valid).tolist(), lambda: None)
     with np.errstate(all="ignore"):
         _conclude(outcomes)
     return outcomes
@@ -174,12 +175,12 @@ def test_a_stop_ends_the_pools_soon(monkeypatch) -> None:
     tops = some("hops", 64)
     ensemble.measure(tops, threads=1)  # compiles
     found: list[lanes.Lanes] = []
-    monkeypatch.setattr(ensemble, "_run_all", lambda workers, _: found.extend(workers))
+    monkeypatch.setattr(ensemble, "_run_all", lambda workers, *_: found.extend(workers))
     ensemble.measure(tops, threads=1)
     (worker,) = found
     thread = threading.Thread(target=worker.run, args=(iter(range(64)),))
     thread.start()
-    while thread.is_alive() and (worker.top_in < 0).all():
+    while thread.is_alive() and not worker.pools.record.possible:
         time.sleep(0.001)
     worker.stop.set()
     thread.join(0.5)

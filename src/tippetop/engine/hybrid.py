@@ -425,7 +425,7 @@ class PhaseSolver:
         return sides, zeros, passed
 
 
-def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[Any, Any]:
+def assembled(base: Problem, tops: Any, number: Callable) -> tuple[Any, Any]:
     """Return bodies as jumps take them, in internal units, and the phases of their system by name.
 
     Parameters
@@ -434,8 +434,6 @@ def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[A
         The run, or the base of several.
     tops
         The run again, or the `Problems`, whose numbers are arrays.
-    rules
-        Their contact, a `ContactLaw`, SI.
     number
         Converts numbers or arrays to the working precision.
     """
@@ -447,7 +445,7 @@ def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[A
 
     if system.assembled is None:
         return tops.internal_body, system.phases
-    return system.assembled(tops.internal_body, rules, internal)
+    return system.assembled(tops.internal_body, tops.contact, internal)
 
 
 class HybridDriver(Driver):
@@ -483,7 +481,7 @@ class HybridDriver(Driver):
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = assembled(problem, problem, problem.contact, number)
+        body, phases = assembled(problem, problem, number)
         body = refill(body, map(number, leaves(body)))
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
@@ -207,6 +208,8 @@ class JumpPrograms:
         world = world._replace(body=body, rules=rules, left=left, struck=struck)
         try:
             n, to, after, values = jump(run, state, world)
+            if n.ends or to.sampled:
+                return None
             sides, zeros, passed = to.begins(n, values, signs)
             ranged: list = []
             ranges: list = []
@@ -217,10 +220,10 @@ class JumpPrograms:
             if passed:
                 b = solver.phase.parameters(body)
                 passed = [k for k in passed if to.notes(k, solver, state, b)]
-        except Exception:  # whatever a jump does that is no line
+        except (InputError, TypeError, ValueError):  # a number that no line makes
             return None
         numbers = leaves(tuple(n.rows.values()))
-        if n.ends or to.sampled or len(numbers) > NUMBERS:
+        if len(numbers) > NUMBERS:
             return None
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay

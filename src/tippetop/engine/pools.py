@@ -1,18 +1,19 @@
 """Integrate many tops in SIMD lanes.
 
-Starts of tops go into `Pools.begin_tops`; `step` returns the slots of those that have ended, whose
-rows and tallies `ensembles.lanes` then reads. Each phase has a pool: the lanes of its integrator,
-and a queue of tops that are in this phase. The loop steps the phase in which most tops are until a
-lane ends, moves its top by a program to the queue of the next phase, and fills the lane from its
-queue. Python makes only the jumps that have no program. The result of a top does not depend on its
-neighbours, its slot or its turn.
+Starts of tops go into `new_tops`, whose arrays the `Pools` of several threads share; each thread
+begins other tops by `Pools.start`, and `step` returns those that have ended, whose rows and tallies
+`ensembles.lanes` then reads. Each phase has a pool: the lanes of its integrator, and a queue of
+tops that are in this phase. The loop steps the phase in which most tops are until a lane ends,
+moves its top by a program to the queue of the next phase, and fills the lane from its queue. Python
+makes only the jumps that have no program. The result of a top does not depend on its neighbours,
+its number or its turn.
 
 The start of a top is a jump too, to its first phase, and there are as many starts as tops. So it
 has programs like any other jump, those of a phase after the last one, and only the first few tops
 start by Python.
 
 Symbols
-    slot      index of a top among those under way, in all arrays; lane: index in a SIMD integrator
+    slot      number of a top, its index in all arrays; lane: index in a SIMD integrator
     phase     index of a phase; width: most variables of a state, padded with zeros
     numbers   of a body: those that formulas take, and of its contact
 """
@@ -85,33 +86,71 @@ class _Pools(NamedTuple):
     possible: int
 
 
-class Starts(NamedTuple):
-    """The starts of n tops, in internal units."""
+class Tops(NamedTuple):
+    """The arrays of n tops, which several threads share; each integrates other tops."""
 
-    states: np.ndarray  # (variables, n)
-    functions: np.ndarray  # (events, n); (1, n) NaN where the first phase is chosen
-    bodies: np.ndarray  # (numbers, n)
-    ends: np.ndarray  # (n,) of their runs
-    times: np.ndarray  # (rows, n) of rows
+    records: np.ndarray  # (n,)
+    states: np.ndarray  # (n, width)
+    bodies: np.ndarray  # (n, numbers)
+    tallies: Tallies  # of the tops, then of the empty lanes of each thread
+    rows: Rows  # at given times
+
+
+def new_tops(
+    pools: "Pools",
+    threads: int,
+    problems: Problems,
+    functions: np.ndarray,
+    bodies: np.ndarray,
+    times: np.ndarray,
+) -> Tops:
+    """Return the arrays of tops that have not begun.
+
+    Parameters
+    ----------
+    pools
+        Those of one of the threads.
+    threads
+        Number of threads.
+    problems
+        The tops.
+    functions
+        Their event functions at the start, (n, events); (n, 1) NaN where the first phase is chosen.
+    bodies
+        The numbers of their bodies, (numbers, n), internal.
+    times
+        Internal times of rows, (n, k).
+    """
+    n, count = times.shape
+    rows = pools.all_events
+    every = np.ones((len(rows.events), n + threads))
+    every[:, :n] = functions.T
+    tallies = new_tallies(rows, every)
+    tallies.lane["status"][n:] = Status.FINISHED.code
+    records = np.zeros(n, TOP_RECORD)
+    records["end"] = records["stop"] = problems.end
+    width = pools.log.states.shape[1]
+    states = np.zeros((n, width))
+    states[:, : len(problems.start)] = problems.start.T
+    phases = np.zeros((n, count), np.int64)
+    made = (times < 0).sum(axis=1)
+    output = Rows(times, np.full((n, count, width), np.nan), phases, made, False, count)
+    return Tops(records, states, np.ascontiguousarray(bodies.T), tallies, output)
 
 
 class Pools:
-    """Integrate tops, each of which has a slot, in the pools of their phases.
+    """Integrate tops in the pools of their phases, on one thread.
 
     The base of `ensembles.lanes` (one phase) and of `HybridPools` (several).
 
     Attributes
     ----------
-    tops, states, bodies
-        Arrays over slots: the top there, its state and the numbers of its body.
-    of_tops
-        The tallies of the tops in the slots; the last ones are those of empty lanes.
-    rows
-        Those of the tops in the slots, at given times.
+    tops, states, bodies, of_tops, rows
+        The arrays of `Tops`.
     log, samples
-        Events and states on the way, of slots times phases plus the phase.
+        Events and states on the way, of tops times phases plus the phase.
     failures
-        Why tops are invalid, by slot.
+        Why tops are invalid.
     """
 
     lanes = LANES
@@ -121,39 +160,31 @@ class Pools:
     samples: Samples
     rows_of: Any
 
-    def allocate_tops(
-        self, room: int, phases: int, width: int, numbers: int, row_count: int, programs: Any = None
-    ) -> None:
-        """Allocate the arrays; no top has begun.
+    def share(self, tops: Tops, thread: int, phases: int = 1, programs: Any = None) -> None:
+        """Set the arrays of the tops; none has begun.
 
         Parameters
         ----------
-        room
-            Number of slots: tops that may be under way.
-        phases, width, numbers
-            Number of phases, most variables of a top, and numbers of its body.
-        row_count
-            Number of rows of each top.
+        tops
+            All tops of an ensemble.
+        thread
+            Number of this thread.
+        phases
+            Number of phases.
         programs
             The `JumpPrograms` of tops that have several phases.
         """
-        events = self.all_events.events
+        self.tops, self.states, self.bodies, self.of_tops, self.rows = tops
         self.failures: dict[int, str] = {}
-        self.over: list[int] = []  # slots of tops that ended where they began
+        self.over: list[int] = []  # tops that ended where they began
         self.parameters: dict[int, np.ndarray] = {}
-        self.tops = np.zeros(room, TOP_RECORD)
-        self.of_tops = new_tallies(self.all_events, np.ones((len(events), room + 1)))
-        self.of_tops.lane["status"] = Status.FINISHED.code
-        self.states = np.zeros((room, width))
-        self.bodies = np.zeros((room, numbers))
-        times = np.zeros((room, row_count))
-        states = np.zeros((room, row_count, width))
-        made = np.zeros(room, np.int64)
-        self.rows = Rows(times, states, times.astype(int), made, False, row_count)
-        self.called = np.zeros(room, np.int64)
+        self.empty = len(self.tops) + thread  # place of the tally of empty lanes
+        self.called = np.zeros(self.empty, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
-        queues = np.zeros((phases, room), np.int64)
+        queues = np.zeros((phases, self.empty), np.int64)
+        events = self.all_events.events
         none = np.zeros(len(events) + 1, np.uint64)
+        numbers = self.bodies.shape[1]
         jumps = programs.jumps if programs else Jumps(none, none, events, none, 0.0, 0, 0, numbers)
         self.arrays = _Pools(  # must outlive the structure
             jumps._replace(made=none[:0]),
@@ -164,8 +195,8 @@ class Pools:
             self.bodies,
             self.called,
             phases,
-            room,
-            width,
+            self.empty,
+            self.states.shape[1],
             calls=0,
             possible=0,
         )
@@ -174,27 +205,10 @@ class Pools:
 
     def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
         """Add the pool of a phase, whose parameters are these numbers of a body, by index."""
-        loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, len(self.tops)
+        loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, self.empty
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
-
-    def begin_tops(self, slots: np.ndarray, starts: Starts, which: np.ndarray) -> None:
-        """Begin tops, by their numbers in `starts`, in free slots, (k,) each."""
-        states, functions, bodies, ends, times = (values[..., which].T for values in starts)
-        count = len(self.all_events.events), len(slots)
-        tallies = new_tallies(self.all_events, np.broadcast_to(functions.T, count))
-        for arrays, start in zip(self.of_tops, tallies, strict=True):
-            arrays[..., slots] = start
-        self.states[slots] = 0.0
-        self.states[slots, : len(starts.states)] = states
-        self.bodies[slots] = bodies[:, : self.bodies.shape[1]]
-        self.rows.times[slots], self.rows.states[slots] = times, np.nan
-        self.rows.filled[slots] = (times < 0).sum(axis=1)
-        self.tops[slots] = 0
-        self.tops["end"][slots] = self.tops["stop"][slots] = ends
-        for slot in slots.tolist():
-            self.start(slot)
 
     def start(self, slot: int) -> None:
         """Begin the first phase of a top."""
@@ -213,8 +227,9 @@ class Pools:
 
     @QUIET
     def step(self, most: int) -> tuple[list[int], list[int]]:
-        """Make about this many steps of lanes. Return the slots of tops that have ended, and of
-        those that may have settled.
+        """Make about this many steps of lanes.
+
+        Return the tops that have ended, and those that may have settled.
         """
         self.record.calls = 0
         library().loop_pools(self.record_at, most)
@@ -231,59 +246,48 @@ class Pools:
                 (looks if waits == A_LOOK else ended).append(slot)
         return ended, looks
 
-    def rows_in(self, slots: np.ndarray) -> np.ndarray:
-        """Return the rows of the present states of the tops in slots (k,)."""
-        return self.rows_of(self.tops["phase"][slots], self.states[slots], slots)
-
-    def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-        """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
-        phases = self.rows.phases[slots, numbers] % len(self.pools)
-        return self.rows_of(phases, self.rows.states[slots, numbers], slots)
+    def rows_in(self, tops: np.ndarray) -> np.ndarray:
+        """Return the rows of the present states of tops (k,)."""
+        return self.rows_of(self.tops["phase"][tops], self.states[tops], tops)
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
     """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
-    base: Any = tops.base
-    tables = [tops.given(name) for name in ("contact", "stem") if name in base.tables]
-    rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
-    body, _ = assembled(base, tops, rules, lambda value: value.astype(float))
-    return np.array([np.broadcast_to(v, tops.n) for v in (*leaves(body), rules.e_n)], float)
+    body, _ = assembled(tops.base, tops, lambda value: value.astype(float))
+    numbers = *leaves(body), tops.contact.e_n
+    return np.array([np.broadcast_to(v, tops.n) for v in numbers], float)
 
 
 class HybridPools(Pools, HybridDriver):
     """Pools of tops whose contact may change its phase.
 
     It is also the driver of one top at a time, that for which Python makes a jump: `_load` reads it
-    from its slot, `_store` writes it back.
+    from the arrays of all, `_store` writes it back.
 
     Parameters
     ----------
     problem
         One of the tops.
-    room, row_count
-        As for `allocate_tops`.
     stop
         Set it to give up while equations are being compiled.
     """
 
     learns_start = True
 
-    def __init__(
-        self, problem: Problem, room: int, row_count: int, stop: threading.Event | None = None
-    ):
-        """Set how long the loop steps between two looks at its tops, and begin the first top."""
+    def __init__(self, problem: Problem, stop: threading.Event | None = None):
+        """Set how long the loop steps between two looks at its tops."""
         settled_for = SETTLED_FOR if problem.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, ENDLESS, EVERY, 0, settled_every=EVERY)
-        self.sizes = room, row_count
         super().__init__(problem, stop)
 
     def begin_run(self) -> None:
-        """Allocate the arrays of all tops; none has begun."""
-        room, row_count = self.sizes
-        programs = self.jump_programs
-        programs.patience = PATIENCE
+        """Begin no run: `start` begins tops."""
+        self.jump_programs.patience = PATIENCE
+
+    def join(self, tops: Tops, thread: int) -> None:
+        """Set the arrays of the tops; see `Pools.share`."""
         phases = len(self.phases)
-        self.allocate_tops(room, phases, self.width, len(programs.body), row_count, programs)
+        self.share(tops, thread, phases, self.jump_programs)
         motion = new_motion(self.variables, 0, 1, 1)
         found = self.findings()
         none = Loaded(None, 0, 0, False, 0)

@@ -15,12 +15,12 @@ import numpy as np
 
 from ..engine.derivatives.growth import growth
 from ..engine.observables import event_functions
-from ..engine.pools import Pools, Starts, bodies_of
+from ..engine.pools import HybridPools, Pools, bodies_of, new_tops
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
 from .hybrid_tops import checked_tops, problem_of, run_each
-from .lanes import MOST_STEPS, Lanes
+from .lanes import MOST_STEPS, Lanes, PoolOfOne
 from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude
 from .top_events import log_events
 
@@ -88,27 +88,30 @@ def measure(
     else:
         functions = event_functions(tops)
         alone = _ends_at_start(tops, functions)
-    numbers = np.flatnonzero(tops.valid & ~alone)
-    begun = tops
-    bodies = tops.pars
-    if is_hybrid and len(numbers):
-        begun, numbers = checked_tops(measured, numbers, ended)
-        bodies = bodies_of(begun)
+    begun, valid = checked_tops(measured, ended) if is_hybrid else (tops, tops.valid)
+    numbers = np.flatnonzero(valid & ~alone)
     if len(numbers):
-        first = int(numbers[0])
-        starts = Starts(begun.start, functions.T, bodies, begun.end, measured.times.T)
+        bodies = bodies_of(begun) if is_hybrid else tops.pars
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // Pools.lanes))
         room = -(-len(numbers) // n)
-        workers = [
-            Lanes(measured, starts, first, ended, room, wanted, events=events, most=most)
+        stop = threading.Event()
+        first = problem_of(tops, int(numbers[0]))
+        pools = [
+            HybridPools(first, stop)
+            if is_hybrid
+            else PoolOfOne(tops, wanted, events=events, most=most)
             for _ in range(n)
         ]
-        _run_all(workers, iter(numbers.tolist()))
+        every = new_tops(pools[0], n, begun, functions, bodies, measured.times)
+        for thread, its in enumerate(pools):
+            its.join(every, thread)
+        workers = [Lanes(measured, its, ended, room, stop) for its in pools]
+        _run_all(workers, iter(numbers.tolist()), stop)
         possible = sum(worker.pools.record.possible for worker in workers)
         measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)
     if measured.passages:
         log_events(measured)
-    run_each(measured, np.flatnonzero(tops.valid & alone).tolist(), ended, events=events)
+    run_each(measured, np.flatnonzero(valid & alone).tolist(), ended, events=events)
     measured.faults.sort()
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])
@@ -127,7 +130,7 @@ def measure(
     return measured
 
 
-def _run_all(workers: list[Lanes], queue: Iterator[int]) -> None:
+def _run_all(workers: list[Lanes], queue: Iterator[int], stop: threading.Event) -> None:
     """Integrate the tops of a queue on a thread each; stop all if one fails, or on Ctrl-C."""
     if len(workers) == 1:
         workers[0].run(queue)
@@ -137,8 +140,7 @@ def _run_all(workers: list[Lanes], queue: Iterator[int]) -> None:
             for done in as_completed([pool.submit(worker.run, queue) for worker in workers]):
                 done.result()
         finally:
-            for worker in workers:
-                worker.stop.set()
+            stop.set()
 
 
 def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:

@@ -60,45 +60,28 @@ def problem_of(tops: Problems, top: int) -> Problem:
     )
 
 
-def faults_of(problem: Problem) -> list[str]:
-    """Return why a problem cannot be integrated alone, in sentences; empty if it can."""
-    return [*problem.clashes(), *contact_faults(problem)]
-
-
-def checked(outcomes: Outcomes, top: int) -> Problem | None:
-    """Return the problem of a top by its number; mark an invalid one in `outcomes`: None."""
-    problem = problem_of(outcomes.tops, top)
-    if faults := faults_of(problem):
-        outcomes.refuse(top, faults[0])
-        return None
-    return problem
-
-
-def checked_tops(
-    outcomes: Outcomes, numbers: np.ndarray, ended: Callable[[], None]
-) -> tuple[Problems, np.ndarray]:
-    """Return all tops with the gaps at which they begin, and which of `numbers` are valid.
+def checked_tops(outcomes: Outcomes, ended: Callable[[], None]) -> tuple[Problems, np.ndarray]:
+    """Return all tops with the gaps at which they begin, and which of them are valid, (n,).
 
     Parameters
     ----------
     outcomes
         A row per top; invalid ones are marked.
-    numbers
-        Numbers of the tops that are checked.
     ended
-        Called for each top that is invalid.
+        Called for each top that turns out to be invalid.
     """
     tops = outcomes.tops
     gaps = np.full(tops.n, np.nan)
-    for top in numbers.tolist():
-        if problem := checked(outcomes, top):
-            gaps[top] = problem.initial.get("gap", 0.0)
-        else:
+    for top in np.flatnonzero(tops.valid).tolist():
+        problem = problem_of(tops, top)
+        if faults := [*problem.clashes(), *contact_faults(problem)]:
+            outcomes.refuse(top, faults[0])
             ended()
-    numbers = numbers[np.isfinite(gaps[numbers])]
+        else:
+            gaps[top] = problem.initial.get("gap", 0.0)
     if touches(tops.base) and "initial.gap" not in tops.columns:
         tops = replace(tops, columns={**tops.columns, "initial.gap": gaps})
-    return tops, numbers
+    return tops, np.isfinite(gaps)
 
 
 def run_each(
@@ -109,7 +92,7 @@ def run_each(
     Parameters
     ----------
     outcomes
-        A row per top; tops that cannot be integrated are marked as invalid.
+        A row per top; tops that cannot be integrated are marked as invalid, as by `checked_tops`.
     numbers
         Numbers of the tops.
     ended
@@ -118,17 +101,16 @@ def run_each(
         Whether events are logged.
     """
     for top in numbers:
-        problem = checked(outcomes, top)
         try:
-            if problem:
-                _run(outcomes, top, problem, events)
+            _run(outcomes, top, events)
         except InputError as error:
             outcomes.refuse(top, error.sentences[0])
         ended()
 
 
-def _run(outcomes: Outcomes, top: int, problem: Problem, logs: bool) -> None:
+def _run(outcomes: Outcomes, top: int, logs: bool) -> None:
     """Run a top and write its row of `outcomes`, in internal units; `logs`: and its events."""
+    problem = problem_of(outcomes.tops, top)
     internal = outcomes.times[top]
     wanted = internal >= 0
     times = internal[wanted] * problem.unit(SECOND)

@@ -13,7 +13,7 @@ import numpy as np
 from ..engine.expressions import formulas_of
 from ..engine.loop import MOST_COEFFICIENTS, Loop, new_motion
 from ..engine.observables import Observables, values_of
-from ..engine.pools import HybridPools, Pools, Starts
+from ..engine.pools import HybridPools, Pools, Tops
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
@@ -24,8 +24,8 @@ from .hybrid_tops import problem_of
 from .outcomes import SWINGS, Outcomes
 
 
-ROOM, ROWS = 512, 1 << 18
-"""Tops under way on a thread, enough for full lanes in every phase, and their rows, 50 MB."""
+ROOM = 512
+"""Tops under way on a thread, enough for full lanes in every phase."""
 MOST_DRIVEN = 512
 """Steps between two looks of Python: at most 12 ms."""
 # of a lane, between two looks at the invariants, which take 0.2 ms: half of them at most
@@ -41,8 +41,6 @@ class PoolOfOne(Pools):
     ----------
     tops
         All tops that may enter it.
-    room, row_count
-        As for `allocate_tops`.
     wanted, events, most
         As in `ensemble.measure`.
     """
@@ -50,14 +48,12 @@ class PoolOfOne(Pools):
     def __init__(
         self,
         tops: Problems,
-        room: int,
-        row_count: int,
         wanted: Collection[str] | None,
         *,
         events: bool,
         most: int,
     ):
-        """Compile the equations, select the events to find, and allocate lanes and tops."""
+        """Compile the equations, select the events to find, and allocate samples and log."""
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
         code = compiled_when((formulas, "double", base.tolerance, self.lanes, tops.orientation))
@@ -67,19 +63,24 @@ class PoolOfOne(Pools):
             return wanted is None or any(name.startswith(names) for name in wanted)
 
         rows = watched(code.rows, base, reads)
-        made = code.integrator
-        width, numbers = len(made.state), len(made.pars)
+        self.code = code
+        width = len(code.integrator.state)
         logged = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
         self.all_events = rows
         self.variables = len(tops.start)
         self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
         self.log = new_log(2 * logged * events, width)
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        self.allocate_tops(room, 1, width, numbers, row_count)
+        self.rules = Rules(settled_for, most, EVERY, 0)
+
+    def join(self, tops: Tops, thread: int) -> None:
+        """Set the arrays of the tops, and add the pool; see `Pools.share`."""
+        self.share(tops, thread)
+        made = self.code.integrator
+        numbers = len(made.pars)
+        motion = new_motion(len(made.state), numbers, made.order + 1, self.lanes)
         found = self.of_tops, self.log, self.samples
-        motion = new_motion(width, numbers, made.order + 1, self.lanes)
-        rules = Rules(settled_for, most, EVERY, 0)
-        self.loop = Loop(motion, rows, *found, rules, code.machine)
+        self.loop = Loop(motion, self.all_events, *found, self.rules, self.code.machine)
         self.add_pool(0, self.loop, range(numbers))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
@@ -94,16 +95,12 @@ class Lanes:
     ----------
     outcomes
         A row per top; the rows of tops that end here are written.
-    starts
-        The starts of all tops.
-    first
-        The number of a top that is integrated.
+    pools
+        Those of this thread, with the arrays of all tops.
     ended
         Called whenever a top has ended.
     room
         Number of tops that may be under way.
-    wanted, events, most
-        As in `ensemble.measure`.
 
     Attributes
     ----------
@@ -114,93 +111,65 @@ class Lanes:
     def __init__(
         self,
         outcomes: Outcomes,
-        starts: Starts,
-        first: int,
+        pools: HybridPools | PoolOfOne,
         ended: Callable[[], None],
-        room: int = ROOM,
-        wanted: Collection[str] | None = None,
-        *,
-        events: bool = False,
-        most: int = MOST_STEPS,
+        room: int,
+        stop: threading.Event,
     ):
         """Set up lanes without tops; equations of phases are compiled later."""
         self.outcomes = outcomes
-        self.starts = starts
+        self.pools: Any = pools
         self.ended = ended
         self.tops = outcomes.tops
-        self.stop = threading.Event()
-        row_count = outcomes.times.shape[1]
-        self.room = min(room, ROOM, max(ROOM // 8, ROWS // max(1, row_count)))
-        self.top_in = np.full(self.room, -1)
+        self.room = min(room, ROOM)
+        self.stop = stop
         self.is_hybrid = self.tops.base.system.is_hybrid
-        self.pools: Any
-        if self.is_hybrid:
-            problem = problem_of(self.tops, first)
-            self.pools = HybridPools(problem, self.room, row_count, self.stop)
-        else:
-            self.pools = PoolOfOne(
-                self.tops, self.room, row_count, wanted, events=events, most=most
-            )
 
     def run(self, queue: Iterator[int]) -> None:
         """Integrate tops of a queue, which threads may share, until it is empty."""
-        free = list(range(self.room))
-        done = list[int]()  # slots of tops that have ended
+        pools = self.pools
+        under_way = 0
+        done = list[int]()
         is_more = True
         while not self.stop.is_set():
-            idle = len(free) + len(done)
-            if idle == self.room or (is_more and idle >= self.room / 4):
-                if done:
-                    self._look()
-                    self._write(np.array(done))
-                free += done
-                done = []
-                if is_more:
-                    is_more = self._begin(queue, free)
-            if len(free) == self.room:
-                return
-            pools = self.pools
+            if is_more and under_way <= 0.75 * self.room:
+                new = np.array([*islice(queue, self.room - under_way)], int)
+                under_way += len(new)
+                is_more = under_way == self.room
+                for top in new.tolist():
+                    pools.start(top)
+                if self.is_hybrid:  # the first phase begins after a jump
+                    self.outcomes.begin(pools.rows_in(new).T, new)
+            if not under_way:
+                break
             ended, looks = pools.step(MOST_DRIVEN)
-            for slot in looks:
-                if self._stays(slot):
-                    pools.of_tops.lane["status"][slot] = Status.SETTLED.code
-                    ended.append(slot)
+            for top in looks:
+                if self._stays(top):
+                    pools.of_tops.lane["status"][top] = Status.SETTLED.code
+                    ended.append(top)
                     continue
                 if not self.is_hybrid:
-                    pools.of_tops.lane["lasts_since"][slot] = np.nan
-                pools.push(slot)
+                    pools.of_tops.lane["lasts_since"][top] = np.nan
+                pools.push(top)
             for _ in ended:
                 self.ended()
+            under_way -= len(ended)
             done += ended
-            logged = pools.log.filled[0] / max(1, len(pools.log.rows))
-            if max(logged, pools.samples.filled[0] / max(1, len(pools.samples.top))) > 0.5:
+            found = pools.log, pools.samples
+            if any(2 * some.filled[0] > len(some.states) for some in found):
                 self._look()
-
-    # --- starts of tops --------------------------------------------------------------------------
-
-    def _begin(self, queue: Iterator[int], free: list[int]) -> bool:
-        """Begin tops in slots of the list `free`, which are removed from it.
-
-        Return whether the queue may have more.
-        """
-        which = np.array([*islice(queue, len(free))], int)
-        is_more = len(which) == len(free)
-        slots = np.array([free.pop() for _ in which], int)
-        self.top_in[slots] = which
-        self.pools.begin_tops(slots, self.starts, which)
-        if self.is_hybrid:  # the first phase begins after a jump
-            self.outcomes.begin(self.pools.rows_in(slots).T, which)
-        return is_more
+        self._look()
+        self._write(np.array(done, int))
 
     # --- rows of tops ----------------------------------------------------------------------------
 
-    def _stays(self, slot: int) -> bool:
+    def _stays(self, top: int) -> bool:
         """Return whether a top that may have settled has done so for good."""
         pools = self.pools
-        problem = problem_of(self.tops, int(self.top_in[slot]))
+        problem = problem_of(self.tops, top)
         view = Observables(problem)
-        last = pools.rows_in(np.array([slot]))
-        is_settled = settled_since(view, pools.of_tops.lane[slot], last) is not None
+        last = pools.rows_in(np.array([top]))
+        is_settled = settled_since(view, pools.of_tops.lane[top], last) is not None
         return is_settled and stays(problem, view.evaluate(last))
 
     def _look(self) -> None:
@@ -210,35 +179,36 @@ class Lanes:
         """
         pools = self.pools
         if count := int(pools.samples.filled[0]):
-            slots, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
-            rows = pools.rows_of(phases, pools.samples.states[:count], slots)
-            self.outcomes.look(rows.T, self.top_in[slots])
+            tops, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
+            rows = pools.rows_of(phases, pools.samples.states[:count], tops)
+            self.outcomes.look(rows.T, tops)
             pools.samples.filled[0] = 0
         if count := int(pools.log.filled[0]):
-            found = pools.log.rows[:count].copy()
-            found["phase"] = self.top_in[found["phase"]]
-            self.outcomes.passages.append((found, pools.log.states[:count].copy()))
+            found = pools.log.rows, pools.log.states
+            self.outcomes.passages.append(tuple(array[:count].copy() for array in found))
             pools.log.filled[0] = 0
 
-    def _write(self, slots: np.ndarray) -> None:
-        """Write the rows of `outcomes` of the tops in these slots, which have ended."""
+    def _write(self, tops: np.ndarray) -> None:
+        """Write the rows of `outcomes` of these tops, which have ended."""
         pools = self.pools
         outcomes = self.outcomes
         columns = outcomes.columns
-        status = pools.of_tops.lane["status"][slots]
-        outcomes.status[self.top_in[slots]] = status
-        for slot in slots[status == Status.INVALID.code].tolist():
-            outcomes.refuse(int(self.top_in[slot]), pools.failures[slot])
-        slots = slots[status != Status.INVALID.code]
-        tops = self.top_in[slots]
-        final = pools.rows_in(slots).T
+        status = pools.of_tops.lane["status"][tops]
+        outcomes.status[tops] = status
+        for top, sentence in pools.failures.items():
+            outcomes.refuse(top, sentence)
+        tops = tops[status != Status.INVALID.code]
+        final = pools.rows_in(tops).T
         outcomes.final[:, tops] = final
         if self.is_hybrid:
             outcomes.look(final, tops)
-        place, row = np.nonzero(np.isfinite(pools.rows.states[slots, :, 0]))
-        outcomes.rows[tops[place], row] = pools.rows_made(slots[place], row)
+        rows = pools.rows
+        place, row = np.nonzero(np.isfinite(rows.states[tops, :, 0]))
+        made = tops[place], row
+        phases = rows.phases[made] % len(pools.pools)
+        outcomes.rows[made] = pools.rows_of(phases, rows.states[made], tops[place])
 
-        tallies = pools.of_tops.lane[slots]
+        tallies = pools.of_tops.lane[tops]
         theta = values_of(self.tops, final, tops)["theta"]
         at = tallies["waits_at"]
         counts = tallies["waiting"] * (theta - at) >= NOISE_FLOOR  # the turning that waits
@@ -246,12 +216,12 @@ class Lanes:
         for name, nearer in ("theta_min", np.fmin), ("theta_max", np.fmax):
             tallies[name][counts] = nearer(tallies[name], at)[counts]
         columns["t_end"][tops] = tallies["t"]
-        columns["steps"][tops] = pools.tops["steps"][slots] + tallies["steps"]
+        columns["steps"][tops] = pools.tops["steps"][tops] + tallies["steps"]
         for name in SWINGS:
             columns[name][tops] = tallies[name]
 
-        functions = pools.of_tops.functions[:, slots]
-        kept = iter(pools.of_tops.kept[:, slots])
+        functions = pools.of_tops.functions[:, tops]
+        kept = iter(pools.of_tops.kept[:, tops])
         settled = ~slides(self.tops, final, tops)
         if self.is_hybrid:
             settled &= ~np.isnan(tallies["lasts_since"])

@@ -91,6 +91,14 @@ class Problems:
             return self.base.system.replaced(base, varied)
         return {**base, **varied}
 
+    @property
+    def contact(self) -> Any:
+        """Return the law of the contact, SI, with arrays (n,); None where it never opens."""
+        rules = self.base.contact
+        for table in {"contact", "stem"} & self.base.tables.keys():
+            rules = rules._replace(**self.given(table))
+        return rules
+
     def _wide(self, value: Any) -> Any:
         """Return a number as a column, (n,), in the type in which units are converted.
 

@@ -12,7 +12,9 @@ import numpy as np
 from ..arguments import PlainData
 from ..columns import counted
 from ..engine.status import Status
-from ..ensembles import ensemble, hybrid_tops
+from ..ensembles import ensemble
+from ..ensembles.hybrid_tops import checked_tops
+from ..ensembles.outcomes import Outcomes
 from ..store import root
 from ..store.root import column
 from .plan import Plan
@@ -142,11 +144,8 @@ def faults_of(plan: Plan, invalid: np.ndarray) -> list[str]:
     """Return sentences on why the first of the tops `invalid`, numbers (k,), are invalid."""
     some = invalid[:FAULTS]
     tops = ensemble.vary(plan.base, plan.columns(some))
-    faults = list(tops.checked[1])
-    if plan.base.system.is_hybrid:  # each top is asked for its contact
-        faults += [
-            (i, fault)
-            for i in np.flatnonzero(tops.valid).tolist()
-            for fault in hybrid_tops.faults_of(hybrid_tops.problem_of(tops, i))[:1]
-        ]
+    outcomes = Outcomes(tops)
+    if plan.base.system.is_hybrid:
+        checked_tops(outcomes, lambda: None)
+    faults = *tops.checked[1], *outcomes.faults
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

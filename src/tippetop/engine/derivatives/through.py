@@ -432,10 +432,8 @@ class Pass:
         first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
         body = first
         self.e_n: tuple = ()
-        rules = problem.contact
+        rules = tops.contact
         if rules is not None:
-            for table in {"contact", "stem"} & problem.tables.keys():
-                rules = rules._replace(**tops.given(table))
             self.e_n = (rules.e_n,)
         if system.assembled is not None:
             body, _ = system.assembled(first, rules, internal)
