@@ -835,6 +835,7 @@ class HybridDriver(Driver):
         The numbers `AS_ROW` and that after the last phase mark states that are rows already.
         `slots` are those of the tops, (k,), where a loop has many.
         """
+        variables = self.problem.variables
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
         known = (phases == AS_ROW) | (phases == len(self.phases))
@@ -845,22 +846,12 @@ class HybridDriver(Driver):
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
                 b = solver.b if slots is None else self.parameters_in(slots[some], solver)
-                self.read(rows, some, solver, states, b)
+                q, carried = solver.variables.split(states[some].T)
+                read, _ = self.problem.system.read(solver.phase, q, carried, b)
+                values = variables.join(read[: variables.moving], carried)
+                for k, value in enumerate(values):
+                    rows[some, k] = value
         return rows
-
-    def read(
-        self, rows: np.ndarray, some: Any, solver: PhaseSolver, states: np.ndarray, b: Any
-    ) -> None:
-        """Write rows[some] from states[some] of a phase with parameters b, in place.
-
-        `some` is an index, or an array of them.
-        """
-        variables = self.problem.variables
-        q, carried = solver.variables.split(states[some].T)
-        read, _ = self.problem.system.read(solver.phase, q, carried, b)
-        values = variables.join(read[: variables.moving], carried)
-        for k, value in enumerate(values):
-            rows[some, k] = value
 
     # --- where the run is ------------------------------------------------------------------------
 

@@ -353,8 +353,8 @@ class HybridPools(Pools, HybridDriver):
         self.set_output(
             Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False)
         )
-        self.slot, self.top = slot, self.tops[slot]
-        top = self.top
+        self.slot = slot
+        self.top = top = self.tops[slot]
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
         names = ["began", "until", "short_phases", "end"]
@@ -363,31 +363,24 @@ class HybridPools(Pools, HybridDriver):
         self.workspace = self.solver.workspace
         self.last = self.state.copy()
 
-    def _store(self, slot: int) -> None:
+    def _store(self) -> None:
         """Write the top that the driver holds back to its slot, after a jump."""
         self.add_in_jump()
         top = self.top
         top["until"] = min(self.until, self.end)
-        self._set_end(slot)
-        top["began"], top["phase"], top["short_phases"] = (
-            self.began,
-            self.solver.at,
-            self.short_phases,
-        )
+        top["stop"], top["stops_by"] = self.next_end()
+        top["began"], top["phase"] = self.began, self.solver.at
+        top["short_phases"] = self.short_phases
         self.series = None
         self.logged[0] = 0
         self.tables.rows.clear()
 
-    def _set_end(self, slot: int) -> None:
-        """Set where the next steps of the top that the driver holds end."""
-        self.tops["stop"][slot], self.tops["stops_by"][slot] = self.next_end()
-
     def attend(self, slot: int) -> int:
         """Start a top, make its jump, or set the end of its next step in a sampled phase."""
         self._load(slot)
-        top = self.tops[slot]
+        top = self.top
         if top["waits"] == AN_END:
-            self._set_end(slot)
+            top["stop"], top["stops_by"] = self.next_end()
             return A_LANE
         try:
             if self.solver is self.before:
@@ -399,7 +392,7 @@ class HybridPools(Pools, HybridDriver):
         except InputError as error:
             self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
-        self._store(slot)
+        self._store()
         if ends is not None:
             self.status[0] = ends.code
             return NOTHING
