@@ -30,6 +30,7 @@ import numpy as np
 
 from ..arguments import PlainData
 from ..errors import BuildError, InputError, Interrupted, is_one_number
+from ..mechanics.dual import has_derivatives
 from ..mechanics.event import ON_ZERO, zero_of
 from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, STALL, Exit, Next, Phase
 from ..mechanics.moment import moment
@@ -195,7 +196,7 @@ class Jump:
         """Make the jump: return its `Next`; the next phase, its variables and event functions.
 
         If the jump raises ArithmeticError, or one of this package cannot compute, the run ends as
-        `stalled`.
+        `stalled`. With derivatives in the body there are no event functions.
 
         Parameters
         ----------
@@ -226,10 +227,13 @@ class Jump:
             carried = getattr(n.x, "carried", carried)
             b = to.phase.parameters(world.body)
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
+            after = to.variables.join(q, carried)
+            if has_derivatives(world.body):
+                return n, to, after, ()
             values = to.formulas.functions(q, carried, b)
             if not world.rules:
                 self.check(wrong_time(n, to) or wrong_root(n, to, q, carried, values))
-            return n, to, to.variables.join(q, carried), values
+            return n, to, after, values
         except (InputError, BuildError, Interrupted):
             raise
         except Exception as error:
@@ -466,6 +470,7 @@ class HybridDriver(Driver):
     solver: PhaseSolver
     slot = 0  # of the tallies of the run
     parameters_in: Any  # slots of tops in lanes and a phase -> its parameters
+    first_jump: Jump  # to the first phase
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
@@ -551,6 +556,7 @@ class HybridDriver(Driver):
                 self.sentence = n.message
             if n.phase:
                 break
+        self.first_jump = jump
         if self.learns_start:
             self.jump_programs.learn(jump, state, world)
         self._enter(begun, self.number(0), None)

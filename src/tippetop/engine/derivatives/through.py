@@ -25,7 +25,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import lru_cache, partial
+from functools import lru_cache, partial, reduce
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -35,8 +35,8 @@ from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
-from ...mechanics.form import Exit, Phase
-from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin
+from ...mechanics.form import Phase
+from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin, sqrt
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
@@ -44,7 +44,7 @@ from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
 from ..expressions import AXES, Formulas, formulas_of
-from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
+from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, PhaseSolver
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
@@ -144,9 +144,9 @@ class Motion(NamedTuple):
         events = self.formulas.events
         return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
 
-    def slopes(self, event: Any, state: np.ndarray, order: int = 1) -> tuple:
+    def slopes(self, event: Any, state: np.ndarray) -> tuple:
         """Return the rates of a state; and a function of an event, or the time without one, and its
-        time derivatives up to an order, as rows.
+        first two time derivatives, as rows.
         """
         count = len(self.pars)
         size = len(self.variables.names)
@@ -154,37 +154,30 @@ class Motion(NamedTuple):
         def function(_: Any, numbers: tuple) -> tuple:
             """Return the rates, then the function and its time derivatives."""
             b = self.formulas.body(iter(numbers))
-            moving = in_motion(self.variables, numbers[count:], b, order)
+            moving = in_motion(self.variables, numbers[count:], b, 2)
             q, _ = self.variables.split(moving)
             h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
-            return [*(one.first for one in moving), *parts_of(h, order)], None
+            return [*(one.first for one in moving), *parts_of(h, 2)], None
 
         numbers = np.concatenate([self.pars, state[:size]])
-        key = self.formulas, self.variables, event, order
-        made, *_ = evaluated(key, function, numbers)
+        made, *_ = evaluated((self.formulas, self.variables, event), function, numbers)
         return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
-    def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
-        """Return the state as it moves with an event, or with a time.
+    def happens(self, event: Any, state: np.ndarray, known: Any = None) -> tuple:
+        """Return the state as it moves with an event, or with a time; and the change along each
+        direction at which the event no longer happens.
 
-        `known`: the derivatives of its function, where they are known better than from the state.
+        There the next extreme of its function comes to zero. `known`: the derivatives of its
+        function, where they are known better than from the state.
         """
-        rates, (h, pace) = self.slopes(event, state)
+        rates, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state)
         moved = state.copy()
-        moved[:, 1] -= np.outer(rates, h[1] if known is None else known) / pace[0]
-        return moved
-
-    def lost(self, event: Any, state: np.ndarray) -> np.ndarray:
-        """Return the change along each direction at which an event no longer happens.
-
-        There the next extreme of its function comes to zero.
-        """
-        _, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state, 2)
+        moved[:, 1] -= np.outer(rates, by if known is None else known) / pace[0]
         extreme = pace**2 / (2 * abs(bend))
         least = extreme / abs(by - pace / bend * turns)
         # a disc gives way where the function falls like a square root: it has no extreme there
         counts = (extreme > NOISE) & (abs(pace / bend) > BRIEF)
-        return np.where(counts, least, np.inf)
+        return moved, np.where(counts, least, np.inf)
 
 
 def least_of(changes: Sequence, directions: int) -> np.ndarray:
@@ -488,18 +481,16 @@ class Pass:
 
         It fills `samples`, `shifts` and `notes`.
         """
-        system = self.problem.system
         self.given = self.body, self.e_n
         self.known = rows_of(leaves(self.given), self.directions)
         self.regions: list[str] = [*self.driver.impacts.stages] if self.e_n else []
-        exit = Exit("start", (), system.begin or begin_in_first)
-        phase = completed(system.phase, self.problem.variables)
+        jump = self.driver.first_jump
         state = self.start
         ended = 0.0
         for number, interval in enumerate(self.driver.intervals):
-            name, zeros, lasts, state = self._jumped(phase, exit, state)
+            name, zeros, lasts, state = self._jumped(jump, state)
             if name != interval.solver.name:
-                self.notes.append(Note(ended, f"what follows `{exit.event}`", 0 * lasts))
+                self.notes.append(Note(ended, f"what follows `{jump.exit.event}`", 0 * lasts))
                 return
             motion = self._motion_of(interval.solver)
             which = self._within(ended, interval.began)
@@ -511,17 +502,16 @@ class Pass:
                 return
             ended = interval.ended
             self.shifts.setdefault(ended, state[-1, 1])
-            phase = interval.solver.phase
-            exit = interval.jump.exit
+            jump = interval.jump
 
-    def _jumped(self, phase: Phase, exit: Exit, state: np.ndarray) -> tuple:
+    def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
         Return the next phase, the events whose functions are zero where it begins, the derivatives
         of the longest time that it lasts, and the state there.
         """
         driver = self.driver
-        world = driver.world._replace(phase=phase)
+        world = driver.world
         impacts: Any = getattr(driver, "impacts", None)
 
         def jumped(call: Callable, numbers: Sequence) -> tuple:
@@ -542,34 +532,22 @@ class Pass:
             if rules:
                 e_n = world.rules._replace(e_n=rules[0])
                 now = now._replace(rules=e_n, struck=partial(impacts.struck, piece=piece))
-            q, carried = variables_of(phase.form).split(state)
-            x = phase.leave(q, phase.parameters(body))
-            if hasattr(x, "carried"):
-                x = x._replace(carried=carried)
-            n = exit.jump(x, now)
+            n, _, begun, _ = jump(driver, state, now)
             if n.ends:
                 return [n.delay], ("", ())
-            to = driver.solver_of(n.phase)
-            carried = getattr(n.x, "carried", carried)
-            q = to.phase.enter(n.x, to.phase.parameters(body))
-            begun = [*to.variables.join(q, carried), state[-1] + n.delay]
-            return [n.lasts, *begun], (n.phase, (*n.zeros,))
+            return [n.lasts, *begun, state[-1] + n.delay], (n.phase, (*n.zeros,))
 
-        restitution = world.rules and world.rules.restitution
-        key = phase, exit.jump, restitution, kinds(world.body)
+        key = jump.phase, jump.exit.jump, jump.kind, kinds(world.body)
         numbers = np.concatenate([self.known, state])
         try:
             (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
-        except ArithmeticError:
-            return "", (), state[-1, 1], state
-        except (TypeError, AttributeError, ValueError) as error:
+        except InputError as error:
             raise InputError(
-                f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
-                "with derivatives: use operators and NumPy's functions, not `math` or `float`, but "
-                f"{type(error).__name__}: {error}"
+                f"{jump.where} must take numbers with derivatives: use operators and NumPy's "
+                f"functions, not `math` or `float`, but {error}"
             ) from error
-        if not exit.smooth:
-            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{exit.event}`", least))
+        if not jump.exit.smooth:
+            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{jump.exit.event}`", least))
         return *about, lasts[1], np.array(begun)
 
     def _within(self, began: float, ended: float) -> np.ndarray:
@@ -600,7 +578,7 @@ class Pass:
         event = exit and events.get(exit.event)
         stops = []
         if event and event.name == STICK.name:
-            _, (_, pace) = motion.slopes(event, rows_of(last, self.directions))
+            _, (_, pace, _) = motion.slopes(event, rows_of(last, self.directions))
             stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
@@ -614,7 +592,7 @@ class Pass:
             state = after[..., -1].copy()
             done = stop
             if stop < end:
-                state = motion.happens(event, state)
+                state, _ = motion.happens(event, state)
         if is_whole:
             state[:, 0] = last[:, None]
         known = None
@@ -624,10 +602,10 @@ class Pass:
             known = (end - interval.began) * (SIMPSON @ paces)
         elif not event:  # by the clock
             known = state[-1, 1] - start[-1, 1] - lasts
-        if event and not exit.smooth:
-            self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
         if exit:
-            state = motion.happens(event, state, known)
+            state, least = motion.happens(event, state, known)
+            if event and not exit.smooth:
+                self.notes.append(Note(end, f"`{event.name}`", least))
         self.between.append(Samples(motion, np.array([number]), state[..., None]))
         return state
 
@@ -650,7 +628,7 @@ class Pass:
         after = results[3 : 3 + len(state)]
         if made[2] >= 0:
             state[:, 0] = after[:, 0]
-            state = motion.happens(formulas.events[int(made[2])], state)
+            state, _ = motion.happens(formulas.events[int(made[2])], state)
         after[:, 1] = state[:, 1]
         return results
 
@@ -701,7 +679,7 @@ class Pass:
         values = dict(zip(names, duals_of(rows), strict=True))
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
-            values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
+            values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
         return values
 
     @QUIET
@@ -759,19 +737,16 @@ def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: 
     return awaited(follow, "the variational equations are integrated")
 
 
-def _quaternion(products: Sequence, order: int) -> list[Dual]:
-    """Return unit quaternions with their derivatives, of 4 q q^t.
+def _quaternion(products: Sequence) -> list[Dual]:
+    """Return unit quaternions with their derivatives, of P = 4 q q^t.
 
-    The derivatives of P = 4 q q^t are P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
+    With a constant q0 near q, P q0 is along q, and its length is that of the unit vector times a
+    number.
     """
-    value, *moves = (
-        np.array([[one.parts[k] for one in row] for row in products]) for k in range(order + 1)
-    )
-    q = np.array(quaternion(value))
-    turns = [np.einsum("ij...,j...->i...", move, q) / 4 for move in moves]
-    if order > 1:
-        turns[1] += q[:, None] * (turns[0] ** 2).sum(axis=0)
-    return [Dual(*one) for one in zip(q, *turns, strict=True)]
+    near = quaternion([[plain(one) for one in row] for row in products])
+    along = [reduce(operator.add, map(operator.mul, row, near)) for row in products]
+    size = sqrt(reduce(operator.add, (one * one for one in along)))
+    return [one / size for one in along]
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
