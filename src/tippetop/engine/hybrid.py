@@ -447,7 +447,7 @@ def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[A
 
     def internal(value: Any, unit: Any) -> Any:
         """Return SI values of this unit in internal units, in the working precision."""
-        return number(np.asarray(value, base.exact) / tops.scales.of(unit))
+        return number(value / tops.scales.of(unit))
 
     if system.assembled is None:
         return tops.internal_body, system.phases

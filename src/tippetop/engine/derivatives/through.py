@@ -36,7 +36,7 @@ from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
 from ...mechanics.form import Phase
-from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin, sqrt
+from ...mechanics.operand import Vector, kinds, leaves, refill, sqrt
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
@@ -44,7 +44,7 @@ from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
 from ..expressions import AXES, Formulas, formulas_of
-from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, PhaseSolver
+from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, PhaseSolver, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
@@ -301,6 +301,18 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
 # --- the pass -------------------------------------------------------------------------------------
 
 
+class DualProblems(Problems):
+    """A run whose numbers have derivatives."""
+
+    def _wide(self, value: Any) -> Any:
+        """Return the number as it is."""
+        return value
+
+    def _rounded(self, rows: Any) -> Any:
+        """Return the numbers as they are."""
+        return rows
+
+
 class Note(NamedTuple):
     """How far numbers may change before a comparison or an exit differs: see `Pass.notes`."""
 
@@ -398,7 +410,6 @@ class Pass:
         `of_world` is the body of the plain run, whose values are kept bit by bit.
         """
         problem = self.problem
-        system = problem.system
         keys = (name.partition(".")[::2] for name in wrt)
         given = [float(problem.tables[table].get(key, 0.0)) for table, key in keys]
         units = [problem.rules[name].unit for name in wrt]
@@ -410,37 +421,16 @@ class Pass:
         numbers: Any = {
             name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
         }
-        tops = Problems(problem, numbers)
-        b = tops.body(lambda value: value)
-        mass, length = system.scales(b)
-        scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
-        of_scales = rows_of(scales, self.directions, self.order)
-        self.scales = Scales(*duals_of(of_scales[..., None]))
-
-        def internal(value: Any, unit: Any) -> Any:
-            """Return an SI value of this unit in internal units, with derivatives."""
-            return value / scales.of(unit)
-
-        units = leaves(system.body_units(problem.law.units()))
-        first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
-        body = first
+        tops = DualProblems(problem, numbers, problem.orientation)
+        scales = rows_of(tops.scales, self.directions, self.order)
+        self.scales = Scales(*duals_of(scales[..., None]))
         self.e_n: tuple = ()
         rules = problem.contact
         if rules is not None:
             for table in {"contact", "stem"} & problem.tables.keys():
                 rules = rules._replace(**tops.given(table))
             self.e_n = (rules.e_n,)
-        if system.assembled is not None:
-            body, _ = system.assembled(first, rules, internal)
-        data = tops.given("initial")
-        theta = data.get("theta", 0.0)
-        s = sin(theta)
-        z = cos(theta)
-        angles = system.start(data, s, z, b)
-        variables = problem.variables
-        q, carried = variables.start(data, angles, s, z, b)
-        values = [*map(internal, (*q, *carried), variables.units.values())]
-        start = variables.join(values[: variables.moving], values[variables.moving :])
+        body, _ = assembled(problem, tops, rules, lambda value: value)
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
@@ -448,8 +438,8 @@ class Pass:
             made[:, 0] = np.array(values)[:, None]
             return made
 
-        self.start = rows([*start, 0.0], [*problem.start(), 0.0])
-        self.first = rows(leaves(first), leaves(problem.internal_body))
+        self.start = rows([*tops.start, 0.0], [*problem.start(), 0.0])
+        self.first = rows(leaves(tops.internal_body), leaves(problem.internal_body))
         self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
 
     def _plain_run(self) -> HybridDriver:
