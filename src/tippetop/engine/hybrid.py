@@ -429,21 +429,18 @@ class PhaseSolver:
         return sides, zeros, passed
 
 
-def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[Any, Any]:
+def assembled(system: System, tops: Any, number: Callable) -> tuple[Any, Any]:
     """Return bodies as jumps take them, in internal units, and the phases of their system by name.
 
     Parameters
     ----------
-    base
-        The run, or the base of several.
+    system
+        The system.
     tops
-        The run again, or the `Problems`, whose numbers are arrays.
-    rules
-        Their contact, a `ContactLaw`, SI.
+        A run, or `Problems`, whose numbers are arrays or have derivatives.
     number
         Converts numbers or arrays to the working precision.
     """
-    system = base.system
 
     def internal(value: Any, unit: Any) -> Any:
         """Return SI values of this unit in internal units, in the working precision."""
@@ -451,7 +448,7 @@ def assembled(base: Problem, tops: Any, rules: Any, number: Callable) -> tuple[A
 
     if system.assembled is None:
         return tops.internal_body, system.phases
-    return system.assembled(tops.internal_body, rules, internal)
+    return system.assembled(tops.internal_body, tops.contact, internal)
 
 
 class HybridDriver(Driver):
@@ -488,7 +485,7 @@ class HybridDriver(Driver):
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = assembled(problem, problem, problem.contact, number)
+        body, phases = assembled(system, problem, number)
         body = refill(body, map(number, leaves(body)))
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})

@@ -241,11 +241,9 @@ class Pools:
 
 def bodies_of(tops: Problems) -> np.ndarray:
     """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
-    base: Any = tops.base
-    tables = [tops.given(name) for name in ("contact", "stem") if name in base.tables]
-    rules = base.contact._replace(**{name: v for table in tables for name, v in table.items()})
-    body, _ = assembled(base, tops, rules, lambda value: value.astype(float))
-    return np.array([np.broadcast_to(v, tops.n) for v in (*leaves(body), rules.e_n)], float)
+    body, _ = assembled(tops.base.system, tops, lambda value: value.astype(float))
+    numbers = *leaves(body), tops.contact.e_n
+    return np.array([np.broadcast_to(v, tops.n) for v in numbers], float)
 
 
 class HybridPools(Pools, HybridDriver):

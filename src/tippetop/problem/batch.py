@@ -113,6 +113,14 @@ class Problems:
         given |= dotted_numbers({table: self.given(table) for table in around})
         return self.base.system.body_of(given, friction, number)
 
+    @property
+    def contact(self) -> Any:
+        """Their contact, SI, a `ContactLaw`, or None."""
+        rules: Any = self.base.contact
+        for table in {"contact", "stem"} & self.base.tables.keys():
+            rules = rules._replace(**self.given(table))
+        return rules
+
     @cached_property
     def _body(self) -> Any:
         """Return the bodies that formulas take, in SI units and in the widest precision."""

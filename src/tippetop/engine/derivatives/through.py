@@ -424,13 +424,8 @@ class Pass:
         tops = DualProblems(problem, numbers, problem.orientation)
         scales = rows_of(tops.scales, self.directions, self.order)
         self.scales = Scales(*duals_of(scales[..., None]))
-        self.e_n: tuple = ()
-        rules = problem.contact
-        if rules is not None:
-            for table in {"contact", "stem"} & problem.tables.keys():
-                rules = rules._replace(**tops.given(table))
-            self.e_n = (rules.e_n,)
-        body, _ = assembled(problem, tops, rules, lambda value: value)
+        body, _ = assembled(problem.system, tops, lambda value: value)
+        self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
