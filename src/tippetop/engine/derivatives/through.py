@@ -22,6 +22,7 @@ Symbols
 import math
 import operator
 import threading
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
@@ -35,7 +36,6 @@ from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
-from ...mechanics.form import Phase
 from ...mechanics.operand import Vector, kinds, leaves, refill, sqrt
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
@@ -44,7 +44,7 @@ from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
 from ..expressions import AXES, Formulas, formulas_of
-from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, PhaseSolver, assembled
+from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
@@ -94,7 +94,6 @@ class Motion(NamedTuple):
     formulas: Formulas
     variables: Variables
     pars: np.ndarray  # as rows
-    phase: Phase | None = None
     tolerance: float = EXACT
 
     @property
@@ -321,14 +320,6 @@ class Note(NamedTuple):
     least: np.ndarray  # relative change along each direction
 
 
-class Samples(NamedTuple):
-    """States of a motion at several times, with their derivatives."""
-
-    motion: Motion
-    which: np.ndarray  # the numbers of the times, or that of the phase for each of them
-    state: np.ndarray  # rows, (n, ..., times)
-
-
 class NoRows:
     """The `Request` of a run without rows."""
 
@@ -383,9 +374,10 @@ class Pass:
         self.times = times
         self.directions = ways.shape[1]
         self.order = order
-        self.motions = dict[Phase, Motion]()
-        self.samples = list[Samples]()
-        self.between = list[Samples]()  # states in each phase, for what nearly happened
+        # by phase, which is None in a smooth run; states are rows, (n, ..., times)
+        self.motions = dict[Any, Motion]()
+        self.samples = defaultdict[Any, list](list)  # numbers of the times, and states there
+        self.between = defaultdict[Any, list](list)  # numbers of the phases, and states in them
         self.shifts = {0.0: np.zeros(self.directions)}
         is_hybrid = problem.system.is_hybrid
         if is_hybrid and driver is None:
@@ -398,10 +390,9 @@ class Pass:
             self._follow()
             return
         formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        pars = self._pars(self.body)
-        motion = Motion(formulas, problem.variables, pars, None, problem.tolerance)
-        which = np.arange(len(times))
-        self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
+        motion = Motion(formulas, problem.variables, self._pars(self.body), problem.tolerance)
+        self.motions[None] = motion
+        self.samples[None].append((np.arange(len(times)), motion.flow(times, self.start)))
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
         """Set start, body and scales of the run, in internal units, with derivatives.
@@ -453,14 +444,6 @@ class Pass:
         """Return the numbers of a body, with derivatives, as rows."""
         return rows_of(leaves(body), self.directions, self.order)
 
-    def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the `Motion` of a phase, made when it is first entered."""
-        phase = solver.phase
-        if phase not in self.motions:
-            pars = self._pars(phase.parameters(self.body))
-            self.motions[phase] = Motion(solver.formulas, solver.variables, pars, phase)
-        return self.motions[phase]
-
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives.
 
@@ -477,12 +460,16 @@ class Pass:
             if name != interval.solver.name:
                 self.notes.append(Note(ended, f"what follows `{jump.exit.event}`", 0 * lasts))
                 return
-            motion = self._motion_of(interval.solver)
-            which = self._within(ended, interval.began)
+            solver = interval.solver
+            phase = solver.phase
+            if phase not in self.motions:
+                pars = self._pars(phase.parameters(self.body))
+                self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             if interval.began - ended < BRIEF:
+                which = self._within(ended, interval.began)
                 stays = np.repeat(state[..., None], len(which), axis=-1)
-                self.samples.append(Samples(motion, which, stays))
-            state = self._ended(number, interval, motion, state, lasts, zeros)
+                self.samples[phase].append((which, stays))
+            state = self._ended(number, interval, state, lasts, zeros)
             if interval.jump is None or not interval.ended <= self.times[-1]:
                 return
             ended = interval.ended
@@ -537,14 +524,12 @@ class Pass:
 
     def _within(self, began: float, ended: float) -> np.ndarray:
         """Return which of the times lie after one time, or at the start, and not after another."""
-        first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
-        return np.arange(first, np.searchsorted(self.times, ended, side="right"))
+        return np.flatnonzero(((self.times > began) | (began == 0)) & (self.times <= ended))
 
     def _ended(
         self,
         number: int,
         interval: PhaseInterval,
-        motion: Motion,
         state: np.ndarray,
         lasts: np.ndarray,
         zeros: Any,
@@ -553,13 +538,15 @@ class Pass:
 
         `zeros`: the events whose functions are zero there.
         """
+        phase = interval.solver.phase
+        motion = self.motions[phase]
         start = state
         done = interval.began
         end = min(interval.ended, self.times[-1])
         is_whole = end == interval.ended
         last = np.append(interval.last, interval.ended)
         exit: Any = interval.jump.exit if interval.jump and is_whole else None
-        events = {one.name: one for one in interval.solver.phase.events}
+        events = {one.name: one for one in phase.events}
         event = exit and events.get(exit.event)
         stops = []
         if event and event.name == STICK.name:
@@ -572,8 +559,8 @@ class Pass:
             apart = np.linspace(done, stop, count + 2)[1:]
             after = motion.flow(np.append(self.times[which], apart) - done, state)
             inside = after[..., len(which) : -1]
-            self.samples.append(Samples(motion, which, after[..., : len(which)]))
-            self.between.append(Samples(motion, np.full(count, number), inside))
+            self.samples[phase].append((which, after[..., : len(which)]))
+            self.between[phase].append((np.full(count, number), inside))
             state = after[..., -1].copy()
             done = stop
             if stop < end:
@@ -591,7 +578,7 @@ class Pass:
             state, least = motion.happens(event, state, known)
             if event and not exit.smooth:
                 self.notes.append(Note(end, f"`{event.name}`", least))
-        self.between.append(Samples(motion, np.array([number]), state[..., None]))
+        self.between[phase].append((np.array([number]), state[..., None]))
         return state
 
     def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
@@ -611,20 +598,19 @@ class Pass:
         state = motion.flow(elapsed, state[: len(variables.names)])[..., 0]
         results = rows_of(made, self.directions)
         after = results[3 : 3 + len(state)]
+        state[:, 0] = after[:, 0]
         if made[2] >= 0:
-            state[:, 0] = after[:, 0]
             state, _ = motion.happens(formulas.events[int(made[2])], state)
-        after[:, 1] = state[:, 1]
+        after[:] = state
         return results
 
     # --- what was found ---------------------------------------------------------------------------
 
-    def _together(self, samples: list[Samples]) -> Iterator[Samples]:
-        """Yield the samples of each motion, joined to one, so that it is evaluated once."""
-        for motion in {id(one.motion): one.motion for one in samples}.values():
-            mine = [one for one in samples if one.motion is motion]
-            which, state = (np.concatenate([one[k] for one in mine], axis=-1) for k in (1, 2))
-            yield Samples(motion, which, state)
+    def _together(self, samples: dict[Any, list]) -> Iterator[tuple]:
+        """Yield each phase, its motion, and its samples, joined so that they are evaluated once."""
+        for phase, mine in samples.items():
+            which, states = (np.concatenate(each, axis=-1) for each in zip(*mine, strict=True))
+            yield phase, self.motions[phase], which, states
 
     @QUIET
     def rows(self) -> np.ndarray:
@@ -632,16 +618,16 @@ class Pass:
         rows (variables, ..., times).
         """
         if not self.problem.system.is_hybrid:
-            return self.samples[0].state[:-1]
+            return self.samples[None][0][1][:-1]
         variables = self.problem.variables
         rows = np.full((len(variables.names), 2, self.directions, len(self.times)), np.nan)
         if self.times[0] == 0:  # a phase may begin later
             rows[..., 0] = self.start[:-1]
-        for motion, which, state in self._together(self.samples):
+        for phase, motion, which, state in self._together(self.samples):
             for row, rate in zip(state, motion.rates(state[:, 0, 0]), strict=False):
                 row[1] -= rate * state[-1, 1]
             q, carried = motion.variables.split(duals_of(state))
-            read, _ = self.problem.system.read(motion.phase, q, carried, motion.body)
+            read, _ = self.problem.system.read(phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
                 row[0][:, which], row[1][:, which] = parts_of(one, 1)
@@ -676,9 +662,7 @@ class Pass:
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         at = np.searchsorted(self.times, times)
-        is_known = np.isin(times, [*self.shifts])
-        at[is_known] = -1
-        for motion, which, states in self._together(self.samples):
+        for _, motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
             if not len(mine):
                 continue
@@ -690,17 +674,16 @@ class Pass:
                 happens = np.array(names)[mine] == name
                 shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
-        for k in np.flatnonzero(is_known):
-            shifts[:, k] = self.shifts[times[k]]
+        for k, time in enumerate(times):
+            shifts[:, k] = self.shifts.get(time, shifts[:, k])
         return shifts
 
     @QUIET
     def margins(self) -> list[Note]:
         """Return all notes in order of time, with those of exits that nearly happened."""
         notes = list(self.notes)
-        for motion, which, state in self._together(self.between):
-            assert motion.phase is not None
-            exits = {one.event for one in motion.phase.exits if not one.smooth}
+        for phase, motion, which, state in self._together(self.between):
+            exits = {one.event for one in phase.exits if not one.smooth}
             for name, (h, by) in motion.functions(duals_of(state), motion.body).items():
                 if name not in exits:
                     continue
