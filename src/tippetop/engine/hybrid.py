@@ -30,6 +30,7 @@ import numpy as np
 
 from ..arguments import PlainData
 from ..errors import BuildError, InputError, Interrupted, is_one_number
+from ..mechanics.dual import has_derivatives
 from ..mechanics.event import ON_ZERO, zero_of
 from ..mechanics.form import CLOCK, ENDS, MOST_LOGGED, STALL, Exit, Next, Phase
 from ..mechanics.moment import moment
@@ -195,7 +196,7 @@ class Jump:
         """Make the jump: return its `Next`; the next phase, its variables and event functions.
 
         If the jump raises ArithmeticError, or one of this package cannot compute, the run ends as
-        `stalled`.
+        `stalled`. With derivatives in the body there are no event functions.
 
         Parameters
         ----------
@@ -226,10 +227,13 @@ class Jump:
             carried = getattr(n.x, "carried", carried)
             b = to.phase.parameters(world.body)
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
+            after = to.variables.join(q, carried)
+            if has_derivatives(world.body):
+                return n, to, after, ()
             values = to.formulas.functions(q, carried, b)
             if not world.rules:
                 self.check(wrong_time(n, to) or wrong_root(n, to, q, carried, values))
-            return n, to, to.variables.join(q, carried), values
+            return n, to, after, values
         except (InputError, BuildError, Interrupted):
             raise
         except Exception as error:
@@ -425,23 +429,22 @@ class PhaseSolver:
         return sides, zeros, passed
 
 
-def assembled(base: Problem, tops: Any, number: Callable) -> tuple[Any, Any]:
+def assembled(system: System, tops: Any, number: Callable) -> tuple[Any, Any]:
     """Return bodies as jumps take them, in internal units, and the phases of their system by name.
 
     Parameters
     ----------
-    base
-        The run, or the base of several.
+    system
+        The system.
     tops
-        The run again, or the `Problems`, whose numbers are arrays.
+        A run, or `Problems`, whose numbers are arrays or have derivatives.
     number
         Converts numbers or arrays to the working precision.
     """
-    system = base.system
 
     def internal(value: Any, unit: Any) -> Any:
         """Return SI values of this unit in internal units, in the working precision."""
-        return number(np.asarray(value, base.exact) / tops.scales.of(unit))
+        return number(value / tops.scales.of(unit))
 
     if system.assembled is None:
         return tops.internal_body, system.phases
@@ -464,6 +467,7 @@ class HybridDriver(Driver):
     solver: PhaseSolver
     slot = 0  # of the tallies of the run
     parameters_in: Any  # slots of tops in lanes and a phase -> its parameters
+    first_jump: Jump  # to the first phase
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
     short_phases = 0  # phases in a row that were too short
@@ -481,7 +485,7 @@ class HybridDriver(Driver):
         number = float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = assembled(problem, problem, number)
+        body, phases = assembled(system, problem, number)
         body = refill(body, map(number, leaves(body)))
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
@@ -549,6 +553,7 @@ class HybridDriver(Driver):
                 self.sentence = n.message
             if n.phase:
                 break
+        self.first_jump = jump
         if self.learns_start:
             self.jump_programs.learn(jump, state, world)
         self._enter(begun, self.number(0), None)

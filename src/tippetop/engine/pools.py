@@ -253,7 +253,7 @@ class Pools:
 
 def bodies_of(tops: Problems) -> np.ndarray:
     """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
-    body, _ = assembled(tops.base, tops, lambda value: value.astype(float))
+    body, _ = assembled(tops.base.system, tops, lambda value: value.astype(float))
     numbers = *leaves(body), tops.contact.e_n
     return np.array([np.broadcast_to(v, tops.n) for v in numbers], float)
 

@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..mechanics.contact.surroundings import by_table, dotted_numbers
+from ..mechanics.dual import plain
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit
@@ -120,6 +121,14 @@ class Problems:
         given |= dotted_numbers({table: self.given(table) for table in around})
         return self.base.system.body_of(given, friction, number)
 
+    @property
+    def contact(self) -> Any:
+        """Their contact, SI, a `ContactLaw`, or None."""
+        rules: Any = self.base.contact
+        for table in {"contact", "stem"} & self.base.tables.keys():
+            rules = rules._replace(**self.given(table))
+        return rules
+
     @cached_property
     def _body(self) -> Any:
         """Return the bodies that formulas take, in SI units and in the widest precision."""
@@ -136,7 +145,7 @@ class Problems:
         length = length * self._wide(self.base.form.length_unit)
         # without gravity the unit is a second; it may be a constant
         gravity = self._wide(getattr(self._body, "g", length))
-        ratio = np.sqrt(np.asarray(length, float) / np.asarray(gravity, float))
+        ratio = np.sqrt(np.asarray(plain(length), float) / np.asarray(plain(gravity), float))
         return Scales(mass, length, self._wide(2.0 ** np.round(np.log2(ratio))))
 
     def unit(self, unit: Unit) -> np.ndarray:
@@ -168,7 +177,7 @@ class Problems:
                     f"`normalised_to` of `{system.name}` must name numbers of its body "
                     f"({', '.join(names)}), but has `{name}`."
                 )
-            numbers = np.asarray(getattr(body, name), dtype=float)
+            numbers = np.asarray(plain(getattr(body, name)), dtype=float)
             far = ~(abs(numbers - value) <= ROUNDING) & np.isfinite(numbers)
             if far.any():
                 raise InputError(
@@ -194,9 +203,11 @@ class Problems:
             return self.state
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
         theta = data.get("theta", self._wide(0.0))
-        pole = np.asarray(theta, float) == math.pi  # 3.141592653589793 means the pole
-        s = np.where(pole, self._wide(0.0), np.sin(theta))[()]
-        z = np.where(pole, self._wide(-1.0), np.cos(theta))[()]
+        pole = np.asarray(plain(theta), float) == math.pi  # 3.141592653589793 means the pole
+        s = np.sin(theta)
+        z = np.cos(theta)
+        s = s - np.where(pole, plain(s), self._wide(0.0))[()]  # which may have derivatives
+        z = z - np.where(pole, plain(z) + 1, self._wide(0.0))[()]
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)

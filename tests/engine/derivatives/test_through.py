@@ -305,7 +305,9 @@ def test_a_jump_that_takes_no_derivatives_is_refused_with_its_name() -> None:
         return Next("fall", x._replace(v=math.sqrt(x.v * x.v)), zeros={"ground": 1})
 
     start = changed("plain-point", bounce)
-    with pytest.raises(tt.InputError, match="the jump by `ground` of `plain-point` must take"):
+    with pytest.raises(
+        tt.InputError, match="the jump by `ground` from phase `fall` of `plain-point` must take"
+    ):
         tt.derivatives.sensitivities(start, ["g"], until=1.0)
 
 

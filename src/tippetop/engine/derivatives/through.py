@@ -22,10 +22,11 @@ Symbols
 import math
 import operator
 import threading
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import lru_cache, partial
+from functools import lru_cache, partial, reduce
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -35,8 +36,7 @@ from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
-from ...mechanics.form import Exit, Phase
-from ...mechanics.operand import Vector, cos, kinds, leaves, refill, sin
+from ...mechanics.operand import Vector, kinds, leaves, refill, sqrt
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
@@ -44,7 +44,7 @@ from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
 from ..expressions import AXES, Formulas, formulas_of
-from ..hybrid import QUIET, HybridDriver, PhaseInterval, PhaseSolver, begin_in_first, completed
+from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
@@ -94,7 +94,6 @@ class Motion(NamedTuple):
     formulas: Formulas
     variables: Variables
     pars: np.ndarray  # as rows
-    phase: Phase | None = None
     tolerance: float = EXACT
 
     @property
@@ -144,9 +143,9 @@ class Motion(NamedTuple):
         events = self.formulas.events
         return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
 
-    def slopes(self, event: Any, state: np.ndarray, order: int = 1) -> tuple:
+    def slopes(self, event: Any, state: np.ndarray) -> tuple:
         """Return the rates of a state; and a function of an event, or the time without one, and its
-        time derivatives up to an order, as rows.
+        first two time derivatives, as rows.
         """
         count = len(self.pars)
         size = len(self.variables.names)
@@ -154,37 +153,30 @@ class Motion(NamedTuple):
         def function(_: Any, numbers: tuple) -> tuple:
             """Return the rates, then the function and its time derivatives."""
             b = self.formulas.body(iter(numbers))
-            moving = in_motion(self.variables, numbers[count:], b, order)
+            moving = in_motion(self.variables, numbers[count:], b, 2)
             q, _ = self.variables.split(moving)
             h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
-            return [*(one.first for one in moving), *parts_of(h, order)], None
+            return [*(one.first for one in moving), *parts_of(h, 2)], None
 
         numbers = np.concatenate([self.pars, state[:size]])
-        key = self.formulas, self.variables, event, order
-        made, *_ = evaluated(key, function, numbers)
+        made, *_ = evaluated((self.formulas, self.variables, event), function, numbers)
         return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
-    def happens(self, event: Any, state: np.ndarray, known: Any = None) -> np.ndarray:
-        """Return the state as it moves with an event, or with a time.
+    def happens(self, event: Any, state: np.ndarray, known: Any = None) -> tuple:
+        """Return the state as it moves with an event, or with a time; and the change along each
+        direction at which the event no longer happens.
 
-        `known`: the derivatives of its function, where they are known better than from the state.
+        There the next extreme of its function comes to zero. `known`: the derivatives of its
+        function, where they are known better than from the state.
         """
-        rates, (h, pace) = self.slopes(event, state)
+        rates, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state)
         moved = state.copy()
-        moved[:, 1] -= np.outer(rates, h[1] if known is None else known) / pace[0]
-        return moved
-
-    def lost(self, event: Any, state: np.ndarray) -> np.ndarray:
-        """Return the change along each direction at which an event no longer happens.
-
-        There the next extreme of its function comes to zero.
-        """
-        _, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state, 2)
+        moved[:, 1] -= np.outer(rates, by if known is None else known) / pace[0]
         extreme = pace**2 / (2 * abs(bend))
         least = extreme / abs(by - pace / bend * turns)
         # a disc gives way where the function falls like a square root: it has no extreme there
         counts = (extreme > NOISE) & (abs(pace / bend) > BRIEF)
-        return np.where(counts, least, np.inf)
+        return moved, np.where(counts, least, np.inf)
 
 
 def least_of(changes: Sequence, directions: int) -> np.ndarray:
@@ -308,20 +300,24 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
 # --- the pass -------------------------------------------------------------------------------------
 
 
+class DualProblems(Problems):
+    """A run whose numbers have derivatives."""
+
+    def _wide(self, value: Any) -> Any:
+        """Return the number as it is."""
+        return value
+
+    def _rounded(self, rows: Any) -> Any:
+        """Return the numbers as they are."""
+        return rows
+
+
 class Note(NamedTuple):
     """How far numbers may change before a comparison or an exit differs: see `Pass.notes`."""
 
     time: float
     what: str
     least: np.ndarray  # relative change along each direction
-
-
-class Samples(NamedTuple):
-    """States of a motion at several times, with their derivatives."""
-
-    motion: Motion
-    which: np.ndarray  # the numbers of the times, or that of the phase for each of them
-    state: np.ndarray  # rows, (n, ..., times)
 
 
 class NoRows:
@@ -378,9 +374,10 @@ class Pass:
         self.times = times
         self.directions = ways.shape[1]
         self.order = order
-        self.motions = dict[Phase, Motion]()
-        self.samples = list[Samples]()
-        self.between = list[Samples]()  # states in each phase, for what nearly happened
+        # by phase, which is None in a smooth run; states are rows, (n, ..., times)
+        self.motions = dict[Any, Motion]()
+        self.samples = defaultdict[Any, list](list)  # numbers of the times, and states there
+        self.between = defaultdict[Any, list](list)  # numbers of the phases, and states in them
         self.shifts = {0.0: np.zeros(self.directions)}
         is_hybrid = problem.system.is_hybrid
         if is_hybrid and driver is None:
@@ -393,10 +390,9 @@ class Pass:
             self._follow()
             return
         formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        pars = self._pars(self.body)
-        motion = Motion(formulas, problem.variables, pars, None, problem.tolerance)
-        which = np.arange(len(times))
-        self.samples.append(Samples(motion, which, motion.flow(times, self.start)))
+        motion = Motion(formulas, problem.variables, self._pars(self.body), problem.tolerance)
+        self.motions[None] = motion
+        self.samples[None].append((np.arange(len(times)), motion.flow(times, self.start)))
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
         """Set start, body and scales of the run, in internal units, with derivatives.
@@ -405,7 +401,6 @@ class Pass:
         `of_world` is the body of the plain run, whose values are kept bit by bit.
         """
         problem = self.problem
-        system = problem.system
         keys = (name.partition(".")[::2] for name in wrt)
         given = [float(problem.tables[table].get(key, 0.0)) for table, key in keys]
         units = [problem.rules[name].unit for name in wrt]
@@ -417,35 +412,11 @@ class Pass:
         numbers: Any = {
             name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
         }
-        tops = Problems(problem, numbers)
-        b = tops.body(lambda value: value)
-        mass, length = system.scales(b)
-        scales = Scales(mass, length * problem.form.length_unit, problem.unit(SECOND))
-        of_scales = rows_of(scales, self.directions, self.order)
-        self.scales = Scales(*duals_of(of_scales[..., None]))
-
-        def internal(value: Any, unit: Any) -> Any:
-            """Return an SI value of this unit in internal units, with derivatives."""
-            return value / scales.of(unit)
-
-        units = leaves(system.body_units(problem.law.units()))
-        first = refill(b, map(internal, leaves(b), units))._replace(**system.folds(problem.form))
-        body = first
-        self.e_n: tuple = ()
-        rules = tops.contact
-        if rules is not None:
-            self.e_n = (rules.e_n,)
-        if system.assembled is not None:
-            body, _ = system.assembled(first, rules, internal)
-        data = tops.given("initial")
-        theta = data.get("theta", 0.0)
-        s = sin(theta)
-        z = cos(theta)
-        angles = system.start(data, s, z, b)
-        variables = problem.variables
-        q, carried = variables.start(data, angles, s, z, b)
-        values = [*map(internal, (*q, *carried), variables.units.values())]
-        start = variables.join(values[: variables.moving], values[variables.moving :])
+        tops = DualProblems(problem, numbers, problem.orientation)
+        scales = rows_of(tops.scales, self.directions, self.order)
+        self.scales = Scales(*duals_of(scales[..., None]))
+        body, _ = assembled(problem.system, tops, lambda value: value)
+        self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
@@ -453,8 +424,8 @@ class Pass:
             made[:, 0] = np.array(values)[:, None]
             return made
 
-        self.start = rows([*start, 0.0], [*problem.start(), 0.0])
-        self.first = rows(leaves(first), leaves(problem.internal_body))
+        self.start = rows([*tops.start, 0.0], [*problem.start(), 0.0])
+        self.first = rows(leaves(tops.internal_body), leaves(problem.internal_body))
         self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
 
     def _plain_run(self) -> HybridDriver:
@@ -473,53 +444,46 @@ class Pass:
         """Return the numbers of a body, with derivatives, as rows."""
         return rows_of(leaves(body), self.directions, self.order)
 
-    def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the `Motion` of a phase, made when it is first entered."""
-        phase = solver.phase
-        if phase not in self.motions:
-            pars = self._pars(phase.parameters(self.body))
-            self.motions[phase] = Motion(solver.formulas, solver.variables, pars, phase)
-        return self.motions[phase]
-
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives.
 
         It fills `samples`, `shifts` and `notes`.
         """
-        system = self.problem.system
         self.given = self.body, self.e_n
         self.known = rows_of(leaves(self.given), self.directions)
         self.regions: list[str] = [*self.driver.impacts.stages] if self.e_n else []
-        exit = Exit("start", (), system.begin or begin_in_first)
-        phase = completed(system.phase, self.problem.variables)
+        jump = self.driver.first_jump
         state = self.start
         ended = 0.0
         for number, interval in enumerate(self.driver.intervals):
-            name, zeros, lasts, state = self._jumped(phase, exit, state)
+            name, zeros, lasts, state = self._jumped(jump, state)
             if name != interval.solver.name:
-                self.notes.append(Note(ended, f"what follows `{exit.event}`", 0 * lasts))
+                self.notes.append(Note(ended, f"what follows `{jump.exit.event}`", 0 * lasts))
                 return
-            motion = self._motion_of(interval.solver)
-            which = self._within(ended, interval.began)
+            solver = interval.solver
+            phase = solver.phase
+            if phase not in self.motions:
+                pars = self._pars(phase.parameters(self.body))
+                self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             if interval.began - ended < BRIEF:
+                which = self._within(ended, interval.began)
                 stays = np.repeat(state[..., None], len(which), axis=-1)
-                self.samples.append(Samples(motion, which, stays))
-            state = self._ended(number, interval, motion, state, lasts, zeros)
+                self.samples[phase].append((which, stays))
+            state = self._ended(number, interval, state, lasts, zeros)
             if interval.jump is None or not interval.ended <= self.times[-1]:
                 return
             ended = interval.ended
             self.shifts.setdefault(ended, state[-1, 1])
-            phase = interval.solver.phase
-            exit = interval.jump.exit
+            jump = interval.jump
 
-    def _jumped(self, phase: Phase, exit: Exit, state: np.ndarray) -> tuple:
+    def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
         Return the next phase, the events whose functions are zero where it begins, the derivatives
         of the longest time that it lasts, and the state there.
         """
         driver = self.driver
-        world = driver.world._replace(phase=phase)
+        world = driver.world
         impacts: Any = getattr(driver, "impacts", None)
 
         def jumped(call: Callable, numbers: Sequence) -> tuple:
@@ -540,46 +504,32 @@ class Pass:
             if rules:
                 e_n = world.rules._replace(e_n=rules[0])
                 now = now._replace(rules=e_n, struck=partial(impacts.struck, piece=piece))
-            q, carried = variables_of(phase.form).split(state)
-            x = phase.leave(q, phase.parameters(body))
-            if hasattr(x, "carried"):
-                x = x._replace(carried=carried)
-            n = exit.jump(x, now)
+            n, _, begun, _ = jump(driver, state, now)
             if n.ends:
                 return [n.delay], ("", ())
-            to = driver.solver_of(n.phase)
-            carried = getattr(n.x, "carried", carried)
-            q = to.phase.enter(n.x, to.phase.parameters(body))
-            begun = [*to.variables.join(q, carried), state[-1] + n.delay]
-            return [n.lasts, *begun], (n.phase, (*n.zeros,))
+            return [n.lasts, *begun, state[-1] + n.delay], (n.phase, (*n.zeros,))
 
-        restitution = world.rules and world.rules.restitution
-        key = phase, exit.jump, restitution, kinds(world.body)
+        key = jump.phase, jump.exit.jump, jump.kind, kinds(world.body)
         numbers = np.concatenate([self.known, state])
         try:
             (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
-        except ArithmeticError:
-            return "", (), state[-1, 1], state
-        except (TypeError, AttributeError, ValueError) as error:
+        except InputError as error:
             raise InputError(
-                f"the jump by `{exit.event}` of `{self.problem.system.name}` must take numbers "
-                "with derivatives: use operators and NumPy's functions, not `math` or `float`, but "
-                f"{type(error).__name__}: {error}"
+                f"{jump.where} must take numbers with derivatives: use operators and NumPy's "
+                f"functions, not `math` or `float`, but {error}"
             ) from error
-        if not exit.smooth:
-            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{exit.event}`", least))
+        if not jump.exit.smooth:
+            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{jump.exit.event}`", least))
         return *about, lasts[1], np.array(begun)
 
     def _within(self, began: float, ended: float) -> np.ndarray:
         """Return which of the times lie after one time, or at the start, and not after another."""
-        first = 0 if began == 0 else np.searchsorted(self.times, began, side="right")
-        return np.arange(first, np.searchsorted(self.times, ended, side="right"))
+        return np.flatnonzero(((self.times > began) | (began == 0)) & (self.times <= ended))
 
     def _ended(
         self,
         number: int,
         interval: PhaseInterval,
-        motion: Motion,
         state: np.ndarray,
         lasts: np.ndarray,
         zeros: Any,
@@ -588,17 +538,19 @@ class Pass:
 
         `zeros`: the events whose functions are zero there.
         """
+        phase = interval.solver.phase
+        motion = self.motions[phase]
         start = state
         done = interval.began
         end = min(interval.ended, self.times[-1])
         is_whole = end == interval.ended
         last = np.append(interval.last, interval.ended)
         exit: Any = interval.jump.exit if interval.jump and is_whole else None
-        events = {one.name: one for one in interval.solver.phase.events}
+        events = {one.name: one for one in phase.events}
         event = exit and events.get(exit.event)
         stops = []
         if event and event.name == STICK.name:
-            _, (_, pace) = motion.slopes(event, rows_of(last, self.directions))
+            _, (_, pace, _) = motion.slopes(event, rows_of(last, self.directions))
             stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
             stops = [stop for stop in stops if (done + end) / 2 < stop < end]
         for stop in (*stops, end) if end > done else ():
@@ -607,12 +559,12 @@ class Pass:
             apart = np.linspace(done, stop, count + 2)[1:]
             after = motion.flow(np.append(self.times[which], apart) - done, state)
             inside = after[..., len(which) : -1]
-            self.samples.append(Samples(motion, which, after[..., : len(which)]))
-            self.between.append(Samples(motion, np.full(count, number), inside))
+            self.samples[phase].append((which, after[..., : len(which)]))
+            self.between[phase].append((np.full(count, number), inside))
             state = after[..., -1].copy()
             done = stop
             if stop < end:
-                state = motion.happens(event, state)
+                state, _ = motion.happens(event, state)
         if is_whole:
             state[:, 0] = last[:, None]
         known = None
@@ -622,11 +574,11 @@ class Pass:
             known = (end - interval.began) * (SIMPSON @ paces)
         elif not event:  # by the clock
             known = state[-1, 1] - start[-1, 1] - lasts
-        if event and not exit.smooth:
-            self.notes.append(Note(end, f"`{event.name}`", motion.lost(event, state)))
         if exit:
-            state = motion.happens(event, state, known)
-        self.between.append(Samples(motion, np.array([number]), state[..., None]))
+            state, least = motion.happens(event, state, known)
+            if event and not exit.smooth:
+                self.notes.append(Note(end, f"`{event.name}`", least))
+        self.between[phase].append((np.array([number]), state[..., None]))
         return state
 
     def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
@@ -646,20 +598,19 @@ class Pass:
         state = motion.flow(elapsed, state[: len(variables.names)])[..., 0]
         results = rows_of(made, self.directions)
         after = results[3 : 3 + len(state)]
+        state[:, 0] = after[:, 0]
         if made[2] >= 0:
-            state[:, 0] = after[:, 0]
-            state = motion.happens(formulas.events[int(made[2])], state)
-        after[:, 1] = state[:, 1]
+            state, _ = motion.happens(formulas.events[int(made[2])], state)
+        after[:] = state
         return results
 
     # --- what was found ---------------------------------------------------------------------------
 
-    def _together(self, samples: list[Samples]) -> Iterator[Samples]:
-        """Yield the samples of each motion, joined to one, so that it is evaluated once."""
-        for motion in {id(one.motion): one.motion for one in samples}.values():
-            mine = [one for one in samples if one.motion is motion]
-            which, state = (np.concatenate([one[k] for one in mine], axis=-1) for k in (1, 2))
-            yield Samples(motion, which, state)
+    def _together(self, samples: dict[Any, list]) -> Iterator[tuple]:
+        """Yield each phase, its motion, and its samples, joined so that they are evaluated once."""
+        for phase, mine in samples.items():
+            which, states = (np.concatenate(each, axis=-1) for each in zip(*mine, strict=True))
+            yield phase, self.motions[phase], which, states
 
     @QUIET
     def rows(self) -> np.ndarray:
@@ -667,16 +618,16 @@ class Pass:
         rows (variables, ..., times).
         """
         if not self.problem.system.is_hybrid:
-            return self.samples[0].state[:-1]
+            return self.samples[None][0][1][:-1]
         variables = self.problem.variables
         rows = np.full((len(variables.names), 2, self.directions, len(self.times)), np.nan)
         if self.times[0] == 0:  # a phase may begin later
             rows[..., 0] = self.start[:-1]
-        for motion, which, state in self._together(self.samples):
+        for phase, motion, which, state in self._together(self.samples):
             for row, rate in zip(state, motion.rates(state[:, 0, 0]), strict=False):
                 row[1] -= rate * state[-1, 1]
             q, carried = motion.variables.split(duals_of(state))
-            read, _ = self.problem.system.read(motion.phase, q, carried, motion.body)
+            read, _ = self.problem.system.read(phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
             for row, one in zip(rows, every, strict=True):
                 row[0][:, which], row[1][:, which] = parts_of(one, 1)
@@ -699,7 +650,7 @@ class Pass:
         values = dict(zip(names, duals_of(rows), strict=True))
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
-            values |= zip(QUATERNION, _quaternion(outer(*axes), order), strict=True)
+            values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
         return values
 
     @QUIET
@@ -711,9 +662,7 @@ class Pass:
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         at = np.searchsorted(self.times, times)
-        is_known = np.isin(times, [*self.shifts])
-        at[is_known] = -1
-        for motion, which, states in self._together(self.samples):
+        for _, motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
             if not len(mine):
                 continue
@@ -725,17 +674,16 @@ class Pass:
                 happens = np.array(names)[mine] == name
                 shift = some[-1, 1] - by / in_time[name][1]
                 shifts[:, mine[happens]] = shift[:, happens]
-        for k in np.flatnonzero(is_known):
-            shifts[:, k] = self.shifts[times[k]]
+        for k, time in enumerate(times):
+            shifts[:, k] = self.shifts.get(time, shifts[:, k])
         return shifts
 
     @QUIET
     def margins(self) -> list[Note]:
         """Return all notes in order of time, with those of exits that nearly happened."""
         notes = list(self.notes)
-        for motion, which, state in self._together(self.between):
-            assert motion.phase is not None
-            exits = {one.event for one in motion.phase.exits if not one.smooth}
+        for phase, motion, which, state in self._together(self.between):
+            exits = {one.event for one in phase.exits if not one.smooth}
             for name, (h, by) in motion.functions(duals_of(state), motion.body).items():
                 if name not in exits:
                     continue
@@ -757,19 +705,16 @@ def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: 
     return awaited(follow, "the variational equations are integrated")
 
 
-def _quaternion(products: Sequence, order: int) -> list[Dual]:
-    """Return unit quaternions with their derivatives, of 4 q q^t.
+def _quaternion(products: Sequence) -> list[Dual]:
+    """Return unit quaternions with their derivatives, of P = 4 q q^t.
 
-    The derivatives of P = 4 q q^t are P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
+    With a constant q0 near q, P q0 is along q, and its length is that of the unit vector times a
+    number.
     """
-    value, *moves = (
-        np.array([[one.parts[k] for one in row] for row in products]) for k in range(order + 1)
-    )
-    q = np.array(quaternion(value))
-    turns = [np.einsum("ij...,j...->i...", move, q) / 4 for move in moves]
-    if order > 1:
-        turns[1] += q[:, None] * (turns[0] ** 2).sum(axis=0)
-    return [Dual(*one) for one in zip(q, *turns, strict=True)]
+    near = quaternion([[plain(one) for one in row] for row in products])
+    along = [reduce(operator.add, map(operator.mul, row, near)) for row in products]
+    size = sqrt(reduce(operator.add, (one * one for one in along)))
+    return [one / size for one in along]
 
 
 def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:

@@ -475,40 +475,38 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     end.
     """
     given = x, world.body, (w,)
-    values = plain(given)
-    left = plain(world.left)
+    values = leaves(plain(given))
 
-    def begun(numbers: Any, left: Any) -> Next | None:
+    def begun(numbers: Any) -> Next | None:
         """Return the plain slide of other numbers."""
-        x, body, (w,) = numbers
-        return slide(x, world._replace(body=body, left=left), ball, plain(beta), cause, w)
+        x, body, (w,) = refill(given, iter(numbers))
+        there = world._replace(body=body, left=plain(world.left))
+        return slide(x, there, ball, plain(beta), cause, w)
 
-    known = begun(values, left)
+    known = begun(values)
     if known is None:
         return None
-    derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
-    ways = [*np.array(derivatives, np.longdouble).T]
-    sizes = [MOVE / max(np.max(np.abs(way)), 1e-300) for way in ways]
-    pattern = known.series([known.delay])
+    delay: Any = known.delay
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
         """Return the rate of the end if the numbers change by `way` and the time by `pace`."""
         total: Any = 0.0
         for k, weight in WEIGHTS.items():
-            numbers = map(eighty_bits, leaves(values))
-            moved = [one + k * size * by for one, by in zip(numbers, way, strict=True)]
-            n = begun(refill(given, iter(moved)), eighty_bits(left))
+            n = begun(wide + k * size * way)
             if n is None:
                 raise ArithmeticError("a slow slide has no derivative")
             total = total + weight * np.array(leaves(n.series([known.delay + k * size * pace])))
         return np.array(total[:, 0] / size, float)
 
-    by = np.array([slope(way, size, 0.0) for way, size in zip(ways, sizes, strict=True)])
-    delay: Any = known.delay
-    end = np.array([one[0] for one in leaves(pattern)], float)
+    wide = np.array([*map(eighty_bits, values)])
+    derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
+    ways = np.array(derivatives, np.longdouble).T
+    by = np.array([slope(way, MOVE / max(*abs(way), 1e-300), 0.0) for way in ways])
+    pattern = known.series([delay])
+    end = np.array(leaves(pattern), float)[:, 0]
     speed = len(pattern[0]) - 1
     if end[speed] < STOPS_AT:
-        rates = slope(0 * ways[0], MOVE, delay) / delay
+        rates = slope(0 * wide, MOVE, delay) / delay
         shift = -by[:, speed] / rates[speed]
         by = by + np.outer(shift, rates)
         delay = Dual(delay, shift)
