@@ -182,7 +182,7 @@ class Jump:
 
     @property
     def where(self) -> str:
-        """Return the name of the jump for messages."""
+        """Return the name of the jump for messages: "the jump by `land` from phase ... of ..."."""
         of_phase = f" from phase `{self.name}`" if self.name else ""
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
@@ -251,7 +251,10 @@ def begin_in_first(x: Any, world: World) -> Next:
 
 
 def wrong_time(n: Next, to: "PhaseSolver") -> str:
-    """Return the fault of the times or the series of a Next; "" without one."""
+    """Return the fault of the times or the series of a Next, a clause after "must"; "" without one.
+
+    `to` is the solver of the phase that it leads to.
+    """
     for what in ("delay", "lasts"):
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
@@ -272,9 +275,10 @@ def wrong_time(n: Next, to: "PhaseSolver") -> str:
 
 
 def wrong_root(n: Next, to: "PhaseSolver", q: Any, carried: Any, values: Sequence) -> str:
-    """Return the fault of the multiplicities of a Next; "" without one.
+    """Return the fault of the multiplicities of a Next, a clause after "must"; "" without one.
 
-    It is a fault if the event function, or its slope for a multiple root, is not zero.
+    It is a fault if the event function, or its slope for a multiple root, is not zero in the state
+    q, `carried` where the phase of `to` begins; `values` are the event functions there.
     """
     rates = to.phase.form.rates(q, to.b)
     moved = type(q)(*(v + NEAR * rate for v, rate in zip(q, rates, strict=True)))
@@ -576,7 +580,10 @@ class HybridDriver(Driver):
                 self.jump_programs.register(solver, jump)
 
     def codes(self) -> tuple[Compiled, ...]:
-        """Return the integrators of all phases, compiled."""
+        """Return the integrators of all phases, compiled, in the order of `phases`.
+
+        Their fingerprint is in stores: the order must not change, nor may a phase be left out.
+        """
         return tuple(self.solver_of(name).workspace.compiled for name in self.phases)
 
     def set_phase(self, solver: PhaseSolver, began: float) -> None:

@@ -173,14 +173,18 @@ class Pools:
         self.record_at = ctypes.addressof(self.record)
 
     def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
-        """Add the pool of a phase, whose parameters are these numbers of a body, by index."""
+        """Add the pool of a phase: its lanes are those of the loop, and all are empty.
+
+        `parameters` are the indices, among the numbers of a body, of those that its integrator has;
+        `by_steps` lets the caller set the end of each step, for sampled events.
+        """
         loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, len(self.tops)
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
     def begin_tops(self, slots: np.ndarray, begun: Begun) -> None:
-        """Begin tops in free slots, (k,)."""
+        """Begin k tops in free slots, (k,); each waits for a lane of its first phase."""
         starts = new_tallies(self.all_events, begun.functions)
         for arrays, start in zip(self.of_tops, starts, strict=True):
             arrays[..., slots] = start
@@ -195,11 +199,11 @@ class Pools:
             self.start(slot)
 
     def start(self, slot: int) -> None:
-        """Begin the first phase of a top."""
+        """Begin the first phase of the top in a slot; pools of several phases override it."""
         self.push(slot)
 
     def push(self, slot: int) -> None:
-        """Append a top to the queue of its phase."""
+        """Append the top in a slot to the queue of its phase, `tops["phase"]`."""
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
@@ -234,7 +238,10 @@ class Pools:
         return self.rows_of(self.tops["phase"][slots], self.states[slots], slots)
 
     def rows_made(self, slots: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-        """Return rows at given times of the tops in slots, by their numbers, (k,) each."""
+        """Return rows (k, variables) that were made at given times.
+
+        `slots` (k,) are those of the tops, `numbers` (k,) those of the rows of each, from 0.
+        """
         phases = self.rows.phases[slots, numbers] % len(self.pools)
         return self.rows_of(phases, self.rows.states[slots, numbers], slots)
 
@@ -318,7 +325,10 @@ class HybridPools(Pools, HybridDriver):
         return self.states[self.slot, : len(self.workspace.motion.state)]
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state and the time of the top that the driver holds."""
+        """Set the state and the time (high, low) of the top that the driver holds, in its slot.
+
+        Like the other overrides here it replaces the arrays of a single run by those of all tops.
+        """
         self.top["high"], self.top["low"] = clock
         self.states[self.slot] = 0.0
         self.states[self.slot, : len(state)] = state
@@ -339,7 +349,10 @@ class HybridPools(Pools, HybridDriver):
                 self.push(slot)
 
     def _load(self, slot: int) -> None:
-        """Load a top from its slot into the driver: the methods of `HybridDriver` act on it."""
+        """Load a top from its slot into the driver: the methods of `HybridDriver` act on it.
+
+        Tallies, rows and state are views of the arrays of all tops; `_store` writes back the rest.
+        """
         *numbers, e_n = self.bodies[slot].tolist()
         body = refill(self.world.body, iter(numbers))
         self.world = self.world._replace(body=body, rules=self.world.rules._replace(e_n=e_n))
@@ -380,7 +393,10 @@ class HybridPools(Pools, HybridDriver):
         self.tops["stop"][slot], self.tops["stops_by"][slot] = self.next_end()
 
     def attend(self, slot: int) -> int:
-        """Start a top, make its jump, or set the end of its next step in a sampled phase."""
+        """Start a top, make its jump, or set the end of its next step in a sampled phase.
+
+        Return what the top waits for next, as `Pools.attend`.
+        """
         self._load(slot)
         top = self.tops[slot]
         if top["waits"] == AN_END:
@@ -404,5 +420,5 @@ class HybridPools(Pools, HybridDriver):
         return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
     def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
-        """Return the parameters of a phase of the tops in slots (k,)."""
+        """Return the parameters b of the phase of a solver for the tops in slots: numbers (k,)."""
         return solver.phase.parameters(refill(self.world.body, iter(self.bodies[slots].T)))

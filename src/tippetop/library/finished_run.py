@@ -111,7 +111,7 @@ class Run:
         return self._table("impacts")
 
     def _table(self, name: str) -> xr.Dataset:
-        """Return a table. Raises AttributeError if the run has none of this name."""
+        """Return a table, not a copy. Raises AttributeError if the run has none of this name."""
         if name not in self._names:
             raise AttributeError(name)  # `__getattr__` explains it
         return self._datasets[name]

@@ -223,7 +223,10 @@ def given_type(name: str) -> str:
 
 
 def run_options(**options: Any) -> dict[str, Any]:
-    """Return the options that are given, as the table [run]; its signature has each option."""
+    """Return the options that are given, not None, as the table [run] of a scenario.
+
+    Its signature, set below, lists each option: `takes(run_options)` adds them to other functions.
+    """
     return {name: value for name, value in options.items() if value is not None}
 
 

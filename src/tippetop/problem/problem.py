@@ -174,7 +174,10 @@ class Problem(RunOptions):
         return Problems(self, {}, self.orientation, state)
 
     def table(self) -> dict[str, Any]:
-        """Return the options as the table [run] of a scenario, without those that do not apply."""
+        """Return the options as the table [run] of a scenario, by key, SI.
+
+        Options that do not apply to this `output`, and None, are left out.
+        """
         unused = {
             "times": ("output", "keyframe_steps"),
             "keyframes": ("output_step", "output_times"),

@@ -419,7 +419,7 @@ class Pass:
         return rows_of(leaves(body), self.directions, self.order)
 
     def _motion_of(self, solver: PhaseSolver) -> Motion:
-        """Return the `Motion` of a phase, made when it is first entered."""
+        """Return the `Motion` of a solver's phase, made when it is first entered, then kept."""
         phase = solver.phase
         if phase not in self.motions:
             pars = self._pars(phase.parameters(self.body))
@@ -477,7 +477,10 @@ class Pass:
             state = numbers[len(self.known) :]
 
             def piece(region: str, *given: Any) -> list:
-                """Integrate a piece of an impact; this replaces `ImpactMotions.piece`."""
+                """Integrate a piece of an impact with derivatives, and return its results.
+
+                It replaces `ImpactMotions.piece`, so it has the same arguments and results.
+                """
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 

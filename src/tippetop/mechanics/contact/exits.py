@@ -298,9 +298,10 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
 
 def opening(n: Next, world: Any) -> Any:
-    """Return the second derivative of the other ball's gap at the start of the phase n.
+    """Return the second derivative of the other ball's gap at the start of the phase of n.
 
-    The other ball touches too. In flight the result is infinite.
+    The other ball touches too, so it leaves the plane if the result is positive. In flight it is
+    infinite.
     """
     phase = world.phases[n.phase]
     if phase.label == "flight":
