@@ -150,9 +150,9 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value, or a tree of dicts and lists, as TOML contains it: numbers of Python.
+    """Return a tree of mappings, lists and arrays as dicts and lists with numbers of Python.
 
-    Arrays become lists. Raises InputError for what TOML does not have.
+    Other values are returned unchanged. Raises InputError for a tree that is too deep.
     """
     import numpy as np
 

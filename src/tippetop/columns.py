@@ -201,7 +201,10 @@ def with_coordinates(table: xr.Dataset) -> xr.Dataset:
 
 
 def plain_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as any file can contain them: numbers, texts, and others as JSON texts."""
+    """Return attributes as any file can contain them: numbers, texts, and others as JSON texts.
+
+    True and False are JSON texts too; attributes that are None are left out.
+    """
     return {
         name: value
         if isinstance(value, int | float | str) and not isinstance(value, bool)

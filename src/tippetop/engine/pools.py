@@ -315,7 +315,7 @@ class HybridPools(Pools, HybridDriver):
 
     @property
     def clock(self) -> tuple[Any, Any]:
-        """Return the internal time of the top that the driver holds."""
+        """Return the internal time of the top that the driver holds, the pair (high, low)."""
         clock: tuple[float, float] = self.top[["high", "low"]].item()
         return clock
 

@@ -278,11 +278,12 @@ class Run:
         Returns
         -------
         Certificate
-            `against` (the wider precision), `window` [s], the largest difference of `theta`
-            [rad] if the system has it, whether both end the same way, the largest differences of
-            every column (`columns`), of the times of `turnings` [s], and of `phases` and
-            `impacts`, in SI units; only their `counts` where the two runs have different numbers
-            of them. It joins the summary.
+            `against` (the wider precision; None if there is no wider one), `window` [s], the
+            largest difference of `theta` [rad] if the system has it, whether both end the same way,
+            the largest differences of every column (`columns`), of the times of `turnings` [s], and
+            of `phases` and `impacts`, in SI units; only their `counts` where the two runs have
+            different numbers of them. `thresholds` of the contact have an effect that no wider
+            precision shows. It joins the summary.
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)

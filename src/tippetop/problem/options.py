@@ -216,7 +216,10 @@ UNITS: dict[str, Unit] = {
 
 
 def given_type(name: str) -> str:
-    """Return the type that callers may pass for an option: with a unit also a text, or None."""
+    """Return the type that callers may pass for an option, as text, such as "float | str | None".
+
+    An option with a unit may be a text; None leaves it out.
+    """
     each = OPTIONS[name]
     own = str(each.type).removesuffix(" | None") + (" | str" if each.metadata["unit"] else "")
     return f"{each.metadata['given'] or own} | None"

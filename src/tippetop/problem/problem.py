@@ -160,7 +160,11 @@ class Problem(RunOptions):
 
     @cached_property
     def alone(self) -> Problems:
-        """This run as the only one of its `Problems`."""
+        """This run as the only one of its `Problems`, which compute its numbers.
+
+        If it starts from the end of another run (`origin`) in the same form and variables, it has
+        the exact state; otherwise its state is computed of the initial data.
+        """
         origin = self.origin
         names = self.variables.names
         state = None

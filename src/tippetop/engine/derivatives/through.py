@@ -204,7 +204,10 @@ def noted(directions: int, function: Callable, *given: Any) -> tuple[Any, np.nda
 
 @lru_cache(maxsize=1024)
 def tapes_of(key: tuple) -> list[Tape]:
-    """Return the tapes of a function, one for each branch on which it was called so far."""
+    """Return the tapes of a function, one for each branch on which it was called so far.
+
+    It is the cache that keeps them: `evaluated` appends to the list for a key, which starts empty.
+    """
     return []
 
 
