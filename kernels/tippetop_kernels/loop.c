@@ -1080,6 +1080,7 @@ static bool ends_phase(Top *t, const Loop *l, integer lane) {
     return within || by_clock;
 }
 
+/* Is a phase that ends now the last: is at most AT_END of the run left? */
 static bool is_at_end(const Top *t) {
     return t->end - t->high <= AT_END * t->end;
 }
@@ -1287,7 +1288,7 @@ const char *loop_digest(void) {
     return DIGEST;
 }
 
-/* The size of the structure `Loop`, which `engine.loop.library` compares with that of Python. */
+/* The size of the structure `Loop`, which a test compares with that of `engine.loop`. */
 integer loop_structure_size(void) {
     return sizeof(Loop);
 }

@@ -115,7 +115,7 @@ class Problem(RunOptions):
 
     @property
     def law(self) -> type[FrictionLaw]:
-        """The friction law: its numbers and their units."""
+        """The class of the friction law (not its numbers); it knows names and units of these."""
         return type(self.friction)
 
     @cached_property

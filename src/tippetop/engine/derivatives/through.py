@@ -151,7 +151,10 @@ class Motion(NamedTuple):
         size = len(self.variables.names)
 
         def function(_: Any, numbers: tuple) -> tuple:
-            """Return the rates, then the function and its time derivatives."""
+            """Return the rates, then the function and its time derivatives; and no second result.
+
+            `numbers`: those of the body, then the variables.
+            """
             b = self.formulas.body(iter(numbers))
             moving = in_motion(self.variables, numbers[count:], b, order)
             q, _ = self.variables.split(moving)
