@@ -183,8 +183,8 @@ typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate sums, which the processor adds at the
-   same time. */
+/* p(x), p'(x) and p''(x)/2 of n coefficients, lowest power first. Even and odd powers are separate
+   sums, which the processor adds at the same time. */
 static Jet jet(const real *p, integer n, real x) {
     real y = x * x;
     real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
@@ -204,7 +204,7 @@ static Jet jet(const real *p, integer n, real x) {
 }
 
 /* The zero of a monotone p on [0, 1], where it ends with the value `end`, by Newton's rule, kept
-   between bounds. 0 if rounding hides the zero there. */
+   between bounds. 0 if rounding hides the zero there. p as for `jet`. */
 static real zero_of(const real *p, integer n, real end) {
     real low = 0, high = 1, x = p[0] / (p[0] - end);
     if ((p[0] > 0) == (end > 0))

@@ -454,7 +454,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     delay = number(min(duration, eighty_bits(world.left)))
 
     def series(times: Any) -> tuple[Any, Any]:
-        """Return the states and integrals at times since the start of the slide."""
+        """Return the records of states and integrals, (n,), at times since the slide's start."""
         return read(at([eighty_bits(one) for one in times]))
 
     q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
@@ -493,7 +493,10 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     pattern = known.series([known.delay])
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return the rate of the end if the numbers change by `way` and the time by `pace`."""
+        """Return the rate of the end's leaves, (n,), if numbers change by `way`, time by `pace`.
+
+        `way` has the order of `leaves(given)`; `size` is the step of the difference.
+        """
         total: Any = 0.0
         for k, weight in WEIGHTS.items():
             numbers = map(eighty_bits, leaves(values))
