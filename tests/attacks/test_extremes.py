@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from tops import scenarios, spread
 
 from tippetop.errors import InputError
-from tippetop.library.scenarios import checked
+from tippetop.library.scenarios import problem_of
 from tippetop.problem import Problem
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario import build
@@ -105,4 +105,4 @@ def test_a_motion_does_not_depend_on_form_and_precision(
     other = dataclasses.replace(problem, form=form)
     if away_from_poles(mine) and away_from_poles(reference):
         with contextlib.suppress(InputError):  # a start that this form does not take
-            compare(solve(checked(other)), reference, [*near, nudged(other, "theta")])
+            compare(solve(problem_of(other)), reference, [*near, nudged(other, "theta")])

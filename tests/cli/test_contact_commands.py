@@ -1,10 +1,9 @@
 """A top whose contact changes its phase, from the command line."""
 
-import json
 from pathlib import Path
 
 import pytest
-from typed import typed
+from typed import answered, reported, typed
 
 
 SCENARIO = """
@@ -38,21 +37,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_info_tells_the_phases_in_a_line(folder: Path, capsys: pytest.CaptureFixture) -> None:
-    assert typed(f"info {folder}/a.zarr") == 0
-    line = " ".join(capsys.readouterr().out.partition("phases")[2].split())
+def test_info_tells_the_phases_in_a_line(folder: Path) -> None:
+    _, out, _ = answered("info", folder / "a.zarr")
+    line = " ".join(out.partition("phases")[2].split())
     assert "rolls once, flies" in line
     assert "first flies until 0.0451294 s" in line
     assert "at last rolls from 0.1337" in line
-    assert typed(f"info {folder}/a.zarr --json") == 0
-    phases = json.loads(capsys.readouterr().out)["contact_phases"]
+    phases = reported(f"info {folder}/a.zarr")["contact_phases"]
     assert phases["counts"]["roll"] == 1
     assert phases["impacts"] == phases["counts"]["flight"]
 
 
-def test_a_check_says_the_phase_of_the_start(folder: Path, capsys: pytest.CaptureFixture) -> None:
-    assert typed(f"check {folder}/a.toml --json") == 0
-    start = json.loads(capsys.readouterr().out)["at_start"]
+def test_a_check_says_the_phase_of_the_start(folder: Path) -> None:
+    start = reported(f"check {folder}/a.toml")["at_start"]
     assert start["phase"]["value"] == "flight"
     assert start["normal_force"]["value"] == 0
     assert "jellett_taken" not in start

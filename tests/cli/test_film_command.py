@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nightly import at_night
-from typed import typed
+from typed import refused, typed
 
 
 encoder = pytest.importorskip("imageio_ffmpeg", reason="no encoder: pip install 'tippetop[film]'")
@@ -50,33 +50,30 @@ def test_a_film_has_its_size_and_lasts_as_long_as_the_motion(
 def test_a_film_that_cannot_be_made_is_refused(
     short_run: Path,
     tmp_path: Path,
-    capsys: pytest.CaptureFixture,
     options: str,
     code: int,
     words: str,
 ) -> None:
     (tmp_path / "is.mp4").touch()
-    assert typed(f"film {short_run} --out {tmp_path}/{options}") == code
-    assert words in capsys.readouterr().err
+    assert words in refused(f"film {short_run} --out {tmp_path}/{options}", code)
     assert [path.name for path in tmp_path.iterdir()] == ["is.mp4"]
 
 
-def test_a_film_of_a_sweep_is_refused(
-    whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
-    assert typed(f"film {whole} --out {tmp_path}/x.mp4") == 2
-    assert "must be a run to be viewed, but is a sweep" in capsys.readouterr().err
+def test_a_film_of_a_sweep_is_refused(whole: Path, tmp_path: Path) -> None:
+    assert "must be a run to be viewed, but is a sweep" in refused(
+        f"film {whole} --out {tmp_path}/x.mp4"
+    )
 
 
 def test_too_many_frames_and_an_encoder_without_ffmpeg_are_refused(
-    short_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    short_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert typed(f"film {short_run} --out {tmp_path}/x.mp4 --speed 1e-9") == 2
-    assert "must have at most 100000 frames" in capsys.readouterr().err
+    assert "must have at most 100000 frames" in refused(
+        f"film {short_run} --out {tmp_path}/x.mp4 --speed 1e-9"
+    )
 
     def absent() -> None:
         raise RuntimeError("No ffmpeg exe could be found.")
 
     monkeypatch.setattr(encoder, "get_ffmpeg_exe", absent)
-    assert typed(f"film {short_run} --out {tmp_path}/x.mp4") == 2
-    assert "requires the encoder ffmpeg" in capsys.readouterr().err
+    assert "requires the encoder ffmpeg" in refused(f"film {short_run} --out {tmp_path}/x.mp4")

@@ -27,25 +27,15 @@ STARTS = {
     "disc": SLIDES,
     "rolling-disc": ROLLS,
 }
-CYLINDER = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 3e-6, "g": 9.82}
-OUTLINES = {"a": 0.03, "b": 0.02, "c": 1e-3, "ring": 0.02, "tube": 2e-3}
 EVERY_FORM = [(name, form) for name in STARTS for form in SYSTEMS[name].forms]
 
 
 def made(system: str, form: str, theta: float | None = None, **options: object) -> Problem:
     used = SYSTEMS[system]
-    given = {**CYLINDER, **examples.HEAVY, **examples.CANONICAL, **OUTLINES}
     start = {**STARTS[system], **({} if theta is None else {"theta": theta})}
     law = ("viscous", {"mu": 0.3}) if used.frictional else ("none", {})
-    return examples.problem(
-        system,
-        {name: given[name] for name in used.parameters},
-        start,
-        1.0,
-        law,
-        form=form,
-        **options,
-    )
+    numbers = examples.numbers_of(system)
+    return examples.problem(system, numbers, start, 1.0, law, form=form, **options)
 
 
 def at_start(problem: Problem) -> dict:

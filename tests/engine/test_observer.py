@@ -6,6 +6,7 @@ from math import factorial
 
 import numpy as np
 import pytest
+from limits import assert_near
 from numpy.polynomial import Polynomial
 from polynomials import Given
 
@@ -135,7 +136,7 @@ def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(
     found = followed(rows, *slice_of(lanes, rng), signs)
     codes = [Status.LIFTOFF, Status.FALLEN, Status.RUNNING, Status.LIFTOFF]
     assert found.lane["status"].tolist() == [status.code for status in codes]
-    np.testing.assert_allclose(found.lane["t"], [0.9, 0.9, UNTIL, 0.9], rtol=0, atol=1e-12)
+    assert_near(found.lane["t"], [0.9, 0.9, UNTIL, 0.9], 1e-12)
     assert found.kept[len(KEPT) + 2].tolist() == [2, 2, 3, 2]
     assert found.lane["steps"][2] == STEPS
     assert np.all(found.lane["steps"][[0, 1, 3]] < STEPS)
@@ -224,9 +225,7 @@ def test_every_zero_is_logged_once_with_its_sign_and_kept(
         )
         n = log.filled[0]
         steepness = f.deriv()(roots)  # where roots are close, rounding of the function moves them
-        np.testing.assert_allclose(
-            (log.rows["time"][:n] - roots) * steepness, 0, rtol=0, atol=1e-12
-        )
+        assert_near((log.rows["time"][:n] - roots) * steepness, 0, 1e-12)
         assert log.rows["sign"][:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
         first, last, *counts = tallies.kept[:, 0]
         assert counts == [len(roots), (len(roots) + 1) // 2]
@@ -242,7 +241,7 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
     """
     f = leaves_to * Polynomial.fromroots([noise, 0.45])
     tallies, log = passages_of([(event("passage"), 0, 0.0)], [f], on_zero=True)
-    np.testing.assert_allclose(log.rows["time"][: log.filled[0]], [0.45], rtol=0, atol=1e-14)
+    assert_near(log.rows["time"][: log.filled[0]], [0.45], 1e-14)
     assert log.rows["sign"][0] == leaves_to
     assert tallies.kept[2, 0] == 1
 

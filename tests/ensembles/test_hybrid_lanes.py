@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from limits import assert_below
+from limits import assert_below, assert_near
 from nightly import at_night
 from touching import BODY, BOUNCE, DRILLING, TOSSED
 
@@ -70,6 +70,18 @@ def same(a: Outcomes, b: Outcomes, which: np.ndarray | None = None) -> None:
         np.testing.assert_array_equal(of_a[k], values, name)
 
 
+def few_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let pools have four lanes, room for few tops, and return to Python after each."""
+    monkeypatch.setattr(lanes, "ROOM", 3)
+    monkeypatch.setattr(lanes, "MOST_DRIVEN", 1)
+    monkeypatch.setattr(pools.Pools, "lanes", 4)
+
+
+def assert_column(found: np.ndarray, single: np.ndarray) -> None:
+    """Check that numbers of lanes are those of single runs, by the size of the latter."""
+    assert_near(found, single, 1e-8 * np.nanmax(np.abs(single), initial=1e-3))
+
+
 @pytest.mark.parametrize("case", [at_night(case) if case in RARE else case for case in TOPS])
 def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
     tops, few = some(case, 9), slice(None, None, 4)
@@ -78,14 +90,12 @@ def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
     single = alone(ensemble.vary(tops.base, columns))
     np.testing.assert_array_equal(measured.status[few], single.status)
     np.testing.assert_array_equal(measured.kind[few], single.kind)
-    np.testing.assert_allclose(measured.final[:, few], single.final, rtol=0, atol=1e-9)
+    assert_near(measured.final[:, few], single.final, 1e-9)
     for name, drift in measured.drift.items():
-        np.testing.assert_allclose(drift[few], single.drift[name], rtol=0, atol=1e-12)
+        assert_near(drift[few], single.drift[name], 1e-12)
     for name, values in single.columns.items():
         if name not in ("turnings", "normal_force_min"):  # of rounding, where an axis rests
-            scale = np.nanmax(np.abs(values), initial=1e-3)
-            found = measured.columns[name][few]
-            np.testing.assert_allclose(found, values, rtol=0, atol=1e-8 * scale)
+            assert_column(measured.columns[name][few], values)
 
 
 def test_tops_that_stand_on_their_stem_begin_there_whatever_their_inclination() -> None:
@@ -97,7 +107,7 @@ def test_tops_that_stand_on_their_stem_begin_there_whatever_their_inclination() 
         own = build.problem(tables | {"initial": ON_STEM["initial"] | {"theta": theta}})
         assert hybrid_tops.problem_of(tops, top).initial == own.initial
     measured, single = ensemble.measure(tops, threads=1), alone(tops)
-    np.testing.assert_allclose(measured.final, single.final, rtol=0, atol=1e-9)
+    assert_near(measured.final, single.final, 1e-9)
     assert_below(1e-12, measured.drift)
 
 
@@ -111,9 +121,7 @@ def test_the_bits_of_a_top_do_not_depend_on_the_others(monkeypatch, case: str) -
     order = np.array([7, 2, 11, 0, 5])
     columns = {key: values[order] for key, values in tops.columns.items()}
     same(measured, ensemble.measure(ensemble.vary(tops.base, columns), threads=2), order)
-    monkeypatch.setattr(lanes, "ROOM", 3)
-    monkeypatch.setattr(lanes, "MOST_DRIVEN", 1)
-    monkeypatch.setattr(pools.Pools, "lanes", 4)
+    few_lanes(monkeypatch)
     monkeypatch.setattr(jump_programs.JumpPrograms, "register", lambda *_: None)
     same(measured, ensemble.measure(tops, threads=1))
 
@@ -159,7 +167,7 @@ def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
     assert [top for top, _ in measured.faults] == [2]
     single = alone(tops)
     np.testing.assert_array_equal(measured.status, single.status)
-    np.testing.assert_allclose(measured.final, single.final, rtol=0, atol=1e-9)
+    assert_near(measured.final, single.final, 1e-9)
 
 
 def test_a_stop_ends_the_pools_soon() -> None:

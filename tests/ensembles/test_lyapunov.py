@@ -3,10 +3,10 @@ unless asked for.
 """
 
 import numpy as np
+from plans import plan_of
 
 import tippetop as tt
 from tippetop.sweeps import chunk
-from tippetop.sweeps.plan import Plan
 
 
 SPINS = [120.0, -1.0, 330.0]
@@ -32,14 +32,7 @@ def test_each_top_has_the_exponent_of_its_run() -> None:
 
 
 def test_a_sweep_keeps_it_where_it_is_named() -> None:
-    plan = Plan.from_tables(
-        {
-            "scenario": "inverting",
-            "keep": ["lyapunov"],
-            "axis": AXES,
-            "set": {"run": {"until": 0.1}},
-        }
-    )
+    plan = plan_of(*AXES, keep=["lyapunov"], set={"run": {"until": 0.1}})
     table = chunk.columns(
         chunk.measure(plan.base, plan.columns(np.arange(1)), plan.keep), plan.keep
     )
@@ -53,5 +46,5 @@ def test_a_top_whose_contact_opens_has_one_too() -> None:
     rows = tt.ensemble("flying", {"mu": [0.1, 0.3]}, until=0.05, lyapunov=True)
     alone = tt.derivatives.lyapunov("flying", {"mu": 0.3}, until=0.05, rows=2)
     assert float(rows.lyapunov[1]) == float(alone.exponent[-1])
-    plan = Plan.from_tables({"scenario": "flying", "keep": ["lyapunov"], "axis": AXES})
+    plan = plan_of(*AXES, scenario="flying", keep=["lyapunov"])
     assert list(chunk.column_schema(plan.base, plan.keep)) == ["status", "lyapunov"]

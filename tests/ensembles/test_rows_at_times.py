@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_hybrid_lanes import CASES, TOPS, some
+from test_hybrid_lanes import CASES, TOPS, assert_column, few_lanes, some
 
-from tippetop.engine import pools
 from tippetop.engine.observables import Observables
 from tippetop.engine.status import Status
-from tippetop.ensembles import ensemble, lanes
+from tippetop.ensembles import ensemble
 from tippetop.ensembles.hybrid_tops import problem_of
 from tippetop.ensembles.rows_at_times import rows_at_times
 from tippetop.mechanics.contact.contact_phases import PHASES
@@ -49,8 +48,7 @@ def test_rows_in_lanes_are_those_of_single_runs(case: str) -> None:
     assert (status == Status.FINISHED.code).all()
     for top in (0, 7):
         for name, values in rows_alone(tops, top, times).items():
-            scale = np.nanmax(np.abs(values), initial=1e-3)
-            np.testing.assert_allclose(found[name][top], values, rtol=0, atol=1e-8 * scale)
+            assert_column(found[name][top], values)
 
 
 @pytest.mark.parametrize("case", ["inverts", *CASES])
@@ -58,9 +56,7 @@ def test_the_bits_of_rows_do_not_depend_on_other_tops(monkeypatch, case: str) ->
     tops, until = tops_of(case)
     times = np.linspace(0.0, until, 101)
     found, _ = rows_at_times(tops, times, NAMES, threads=2)
-    monkeypatch.setattr(lanes, "ROOM", 3)
-    monkeypatch.setattr(lanes, "MOST_DRIVEN", 1)
-    monkeypatch.setattr(pools.Pools, "lanes", 4)
+    few_lanes(monkeypatch)
     again, _ = rows_at_times(tops, times, NAMES, threads=1)
     for name, values in found.items():
         np.testing.assert_array_equal(values, again[name], name)

@@ -2,16 +2,16 @@
 in sentences.
 """
 
-import json
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from limits import assert_near
 from measured import AXIS, written
 from nightly import at_night
-from typed import typed
+from typed import reported, typed
 
 import tippetop as tt
 from tippetop.exchange.misfit import Misfit
@@ -205,9 +205,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     run = tt.run("inverting", parameters=body, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
     place = np.stack([run.x.values, run.y.values, height], axis=1)
-    np.testing.assert_allclose(
-        -off, place + turned(run.orientation.values, np.array(arm)), rtol=0, atol=1e-9
-    )
+    assert_near(-off, place + turned(run.orientation.values, np.array(arm)), 1e-9)
 
 
 def test_numbers_that_say_the_same_are_named(film: Path) -> None:
@@ -218,9 +216,7 @@ def test_numbers_that_say_the_same_are_named(film: Path) -> None:
     assert "cannot be distinguished" in found.reason
 
 
-def test_the_command_prints_json_and_writes_a_scenario(
-    film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
+def test_the_command_prints_json_and_writes_a_scenario(film: Path, tmp_path: Path) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
     some = film.read_text().splitlines()[::3]
     (tmp_path / "some.csv").write_text("\n".join(some))
@@ -228,8 +224,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
         f"fit {tmp_path}/some.csv inverting --set initial.theta=0.5 --free friction.mu --starts 3"
     )
     words += " --within 0.05 --no-systematic"
-    assert typed(f"{words} --json --out {out} --figure {figure}") == 0
-    said = json.loads(capsys.readouterr().out)
+    said = reported(f"{words} --out {out} --figure {figure}")
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03
     assert said["reason"] == "the numbers fit: the residuals are noise."
     assert (said["converged"], said["trustworthy"]) == (True, True)

@@ -4,6 +4,7 @@ cameras.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,6 +33,18 @@ SCENARIO = {
 }
 
 
+def times_around(t: np.ndarray) -> np.ndarray:
+    """Return five times around each, for differences."""
+    return np.ravel(t[:, None] + H * np.arange(-2, 3))
+
+
+def felt_by(chip: np.ndarray, places: np.ndarray, turns: np.ndarray, gravity: Any) -> np.ndarray:
+    """Return what an accelerometer reads at the middle of five times, in axes of the body."""
+    p = places + turns @ chip
+    bent = (-p[:, 0] + 16 * p[:, 1] - 30 * p[:, 2] + 16 * p[:, 3] - p[:, 4]) / (12 * H**2)
+    return np.einsum("nji,nj->ni", turns[:, 2], bent - gravity)
+
+
 @pytest.fixture(scope="module")
 def film() -> dict[str, np.ndarray]:
     """Columns of a measured motion for 0.4 s, SI."""
@@ -41,17 +54,10 @@ def film() -> dict[str, np.ndarray]:
     place = [0, 0, R - C * turn[2, 2]]
     s = np.concatenate([place, np.zeros(3), I3 * 155.0 * turn[:, 2], turn.ravel(), [0.0]])
     t = np.linspace(0.01, 0.4, 40)
-    times = np.ravel(t[:, None] + H * np.arange(-2, 3))
     rates = tilted.motion(tilted.sliding(lambda v: MU), tilted.body_of(TOP))
-    found = solve_ivp(rates, (0, 0.41), s, "DOP853", times, rtol=1e-13, atol=1e-15).y.T
+    found = solve_ivp(rates, (0, 0.41), s, "DOP853", times_around(t), rtol=1e-13, atol=1e-15).y.T
     found = found.reshape(40, 5, -1)
     turns, places = found[..., 9:18].reshape(40, 5, 3, 3), found[..., :3]
-
-    def read(chip: np.ndarray) -> np.ndarray:
-        p = places + turns @ chip
-        bent = (-p[:, 0] + 16 * p[:, 1] - 30 * p[:, 2] + 16 * p[:, 3] - p[:, 4]) / (12 * H**2)
-        return np.einsum("nji,nj->ni", turns[:, 2], bent + G * UP)
-
     moved = (turns[:, 0] - 8 * turns[:, 1] + 8 * turns[:, 3] - turns[:, 4]) / (12 * H)
     in_space = moved @ turns[:, 2].transpose(0, 2, 1)
     in_body = turns[:, 2].transpose(0, 2, 1) @ moved
@@ -60,8 +66,8 @@ def film() -> dict[str, np.ndarray]:
     for c, (i, k), n in zip("xyz", axes, range(3), strict=True):
         columns[f"omega_body_{c} [rad/s]"] = in_body[:, i, k]
         columns[f"omega_{c} [rad/s]"] = in_space[:, i, k]
-        columns[f"accelerometer_{c} [m/s^2]"] = read(ARM)[:, n]
-        columns[f"centre_{c}"] = read(np.zeros(3))[:, n]
+        columns[f"accelerometer_{c} [m/s^2]"] = felt_by(ARM, places, turns, -G * UP)[:, n]
+        columns[f"centre_{c}"] = felt_by(0 * ARM, places, turns, -G * UP)[:, n]
     columns["omega3 [rpm]"] = in_body[:, 1, 0] * 60 / (2 * np.pi)
     columns |= {"x [m]": places[:, 2, 0], "y [m]": places[:, 2, 1]}
     for azimuth, elevation in ((0, 0), (90, 0), (-37.5, 20)):
@@ -154,7 +160,7 @@ def test_a_chip_is_where_places_and_attitudes_of_a_run_have_it(
     """Where the contact may change it is at the centre of mass; z is the normal of the plane."""
     chip = ARM * (preset != "flying" and (preset, tilt) != ("spinning-egg", 0.2))
     t = np.linspace(0.05, 0.09, 5)
-    times = np.ravel(t[:, None] + H * np.arange(-2, 3))
+    times = times_around(t)
     changes = [f"plane.tilt={tilt}", "plane.azimuth=0.5"] if tilt else []
     top = tt.load(preset, changes)
     run = tt.run(tt.load(preset, [*changes, f"run.output_times={times.tolist()}"], 0.1))
@@ -176,10 +182,7 @@ def test_a_chip_is_where_places_and_attitudes_of_a_run_have_it(
         place = -body.c * turns[:, :, 2]
     else:
         place = np.stack([rows.x.values, rows.y.values, height], axis=1)
-    turns = turns.reshape(5, 5, 3, 3)
-    p = place.reshape(5, 5, 3) + turns @ chip
-    bent = (-p[:, 0] + 16 * p[:, 1] - 30 * p[:, 2] + 16 * p[:, 3] - p[:, 4]) / (12 * H**2)
-    felt = np.einsum("nji,nj->ni", turns[:, 2], bent - gravity)
+    felt = felt_by(chip, place.reshape(5, 5, 3), turns.reshape(5, 5, 3, 3), gravity)
     columns = {"t [s]": t, "theta [rad]": rows.theta.values[2::5]}
     columns |= {f"accelerometer_{c} [m/s2]": felt[:, n] for n, c in enumerate("xyz")}
     path = table(tmp_path, columns, "theta", "accelerometer")

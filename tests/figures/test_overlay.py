@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from typed import typed
+from typed import refused
 
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels, overlay
@@ -85,7 +85,7 @@ def test_a_part_of_a_run_keeps_its_first_row_for_the_changes() -> None:
             in_window({"trajectory": trajectory, "events": events}, attrs, start, until)
 
 
-def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_picture_that_is_there_stays(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     path.write_text("mine")
     for words in (
@@ -93,8 +93,9 @@ def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFix
         "run inverting --until 0.01 --figure",
         "surface inverting --figure",
     ):
-        assert typed(f"{words} {path}") == 5
-        assert f"`{path}` must not exist yet, but does: use --overwrite" in capsys.readouterr().err
+        assert f"`{path}` must not exist yet, but does: use --overwrite" in refused(
+            f"{words} {path}", 5
+        )
     assert path.read_text() == "mine"
     with pytest.raises(Exception, match="must not exist"):
         drawing.write(figure(1, 1).subplots(), path)

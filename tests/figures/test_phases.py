@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from limits import assert_near
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import to_rgb
 from typed import typed
@@ -136,5 +137,5 @@ def sticking(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_stored_run_is_drawn_with_its_phases(sticking: Path, kind: str) -> None:
     made = tt.open(sticking).plot(kind)
     for axes in made.axes:
-        np.testing.assert_allclose(shades(axes)[0], [0, 0.02878761568, 0.05], rtol=0, atol=1e-11)
+        assert_near(shades(axes)[0], [0, 0.02878761568, 0.05], 1e-11)
     assert legend(made) == ["slip: 57.6 %", "roll: 42.4 %"]

@@ -30,6 +30,9 @@ HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 """A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
 GLIDING = Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 """CANONICAL as a ball that glides."""
+OUTLINES = {"a": 0.03, "b": 0.02, "c": 1e-3, "ring": 0.02, "tube": 2e-3}
+OUTLINES |= dict.fromkeys(("delta", "x", "y", "h"), 1e-4) | {"I2": 3.1e-6}
+"""Outlines of other bodies, of CANONICAL's size."""
 PRESETS = {
     "tippe-top": "inverting",
     "rolling-tippe-top": "rolling",
@@ -45,6 +48,12 @@ PRESETS = {
     "rolling-ellipsoid": "rattleback",
 }
 """A preset of each system."""
+
+
+def numbers_of(system: str) -> dict[str, float]:
+    """Return usual parameters of a system."""
+    numbers = HEAVY if "heavy" in system else {**CANONICAL, "I": 4e-6, **OUTLINES}
+    return {name: numbers[name] for name in SYSTEMS[system].parameters}
 
 
 def problem(
@@ -111,6 +120,7 @@ class Case(NamedTuple):
 
 
 ANGLES = {"thetadot": "theta_dot", "phidot": "phi_dot"}
+"""Names of the references, and ours."""
 COLUMNS = {
     "theta": "theta",
     "lambda": "jellett",
@@ -124,9 +134,14 @@ COLUMNS = {
 }
 
 
+def stored_reference(name: str) -> dict[str, Any]:
+    """Return the document of a reference."""
+    return json.loads((Path(__file__).parents[1] / "reference" / f"{name}.json").read_text())
+
+
 def reference(name: str, system: str, form: str, precision: str = "double") -> Case:
     """A reference case as a problem of a system in a form."""
-    stored = json.loads((Path(__file__).parent.parent / "reference" / f"{name}.json").read_text())
+    stored = stored_reference(name)
     given = {k: float(v) for k, v in stored["parameters"].items()}
     given["I"] = given["I1"]
     initial = {ANGLES.get(k, k): float(Fraction(v)) for k, v in stored["initial_exact"].items()}

@@ -17,6 +17,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from tippetop.mechanics.contact import body as contact
@@ -215,14 +216,19 @@ class Angles(NamedTuple):
     omega3: Any
 
 
+def root_of_d(z: Any, b: Any) -> Any:
+    """Return D/L_3 of a ball at z = cos(theta)."""
+    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
+    return np.sqrt(gamma + sigma * (alpha - z) ** 2 + sigma * gamma * (1 - z**2))
+
+
 def angles_of_integrals(q: Any, b: Any) -> Angles:
     """Euler angles of z, z', D, lambda: L_3 from D = L_3 sqrt(d), L_z from lambda = R
     L_z - c L_3.
     """
     s = np.sqrt(1 - q.z**2)
-    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
-    L3 = q.D / np.sqrt(gamma + sigma * (alpha - q.z) ** 2 + sigma * gamma * s**2)
-    Lz = q.lam / b.R + alpha * L3
+    L3 = q.D / root_of_d(q.z, b)
+    Lz = (q.lam + b.c * L3) / b.R
     theta = np.pi / 2 - np.arcsin(q.z)  # complex steps go through arcsin
     return Angles(theta, -q.z_dot / s, q.phi, (Lz - L3 * q.z) / (b.I1 * s**2), L3 / b.I3)
 
@@ -434,9 +440,7 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
         bend = contact.by_scalars(s, b).outline.bend if len(b.outline) else 0.0
         yield "lambda' by the bend", rate, -bend * s.z_dot * (L3 - m.u[2] * m.L[2])
     if "routh" in case.formulas:
-        gamma, sigma, alpha, z = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R, m.u[2]
-        d = gamma + sigma * (alpha - z) ** 2 + sigma * gamma * (1 - z**2)
-        yield "D", case.quantity("routh"), L3 * np.sqrt(d)
+        yield "D", case.quantity("routh"), L3 * root_of_d(m.u[2], b)
     if "Lz" in case.formulas:
         about_tip = m.L + b.m * np.cross(m.arm, arm_speed, axis=0)
         yield "L_z", case.quantity("Lz"), about_tip[2]
@@ -670,10 +674,8 @@ def lane(record: Any, i: int) -> Any:
     return refill(record, iter([float(np.broadcast_to(x, STATES)[i]) for x in leaves(record)]))
 
 
-def broken(law: Callable[[Case], Pairs], made: Case) -> str | None:
-    """The first pair that does not agree, with the state that failed; None if all do, and there was
-    one.
-    """
+def assert_holds(law: Callable[[Case], Pairs], made: Case) -> None:
+    """Check that there are pairs, and that all agree. A failure names the state of the first."""
     what = None
     for what, found, expected in law(made):
         found, expected = np.broadcast_arrays(np.asarray(found), np.asarray(expected))
@@ -682,10 +684,11 @@ def broken(law: Callable[[Case], Pairs], made: Case) -> str | None:
         if not np.all(error < TOLERANCE):
             i = int(np.argmax(np.where(np.isfinite(error), error, np.inf)))
             said = " ".join((law.__doc__ or "").split())
-            return (
+            pytest.fail(
                 f"{law.__name__}: {said}\n"
                 f"{what} is {float(found.flat[i])!r}, must be {float(expected.flat[i])!r} "
                 f"(error {error.flat[i]:.1e})\n"
-                f"at {lane(made.state, i)}\nwith {lane(made.body, i)}"
+                f"at {lane(made.state, i)}\nwith {lane(made.body, i)}",
+                pytrace=False,
             )
-    return f"{law.__name__}: nothing was compared" if what is None else None
+    assert what is not None, f"{law.__name__}: nothing was compared"

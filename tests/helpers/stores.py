@@ -28,22 +28,23 @@ r.COMMIT_EVERY, r.ROWS_PER_CHUNK, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
 """Short slices, small chunks, frequent commits."""
 
 
-def short_slices(monkeypatch: pytest.MonkeyPatch, commit_every: float = 0.0) -> None:
+def short_slices(
+    monkeypatch: pytest.MonkeyPatch,
+    commit_every: float = 0.0,
+    steps: int = STEPS,
+    rows: int = 1000,
+    events: int = 250,
+) -> None:
     """What PRELUDE does, with a commit after each slice, or after so many seconds."""
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
-    for name, value in (
-        ("COMMIT_EVERY", commit_every),
-        ("ROWS_PER_CHUNK", 1000),
-        ("EVENTS_PER_CHUNK", 250),
-    ):
-        monkeypatch.setattr(recording, name, value)
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", steps)
+    monkeypatch.setattr(recording, "COMMIT_EVERY", commit_every)
+    monkeypatch.setattr(recording, "ROWS_PER_CHUNK", rows)
+    monkeypatch.setattr(recording, "EVENTS_PER_CHUNK", events)
 
 
 def tiny_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Slices of 8 steps, a commit after each, and chunks of some rows."""
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
-    for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 32), ("EVENTS_PER_CHUNK", 4)):
-        monkeypatch.setattr(recording, name, value)
+    short_slices(monkeypatch, steps=8, rows=32, events=4)
 
 
 def turning(until: float, *sets: str) -> Problem:

@@ -100,8 +100,8 @@ class Body(NamedTuple):
         return self.plane @ [self.x, self.y, 0.0]
 
 
-def body_of(top: Any, **around: float) -> Body:
-    """Return the body of a record, with its surroundings."""
+def body_of(top: Any, air: Any = (), plane: Any = ()) -> Body:
+    """Return the body of a record, with the tables of its surroundings."""
     centre, half, more = [0, 0, getattr(top, "c", 0.0)], np.zeros(3), {}
     if hasattr(top, "l"):
         centre = [0, 0, -top.l]
@@ -115,7 +115,7 @@ def body_of(top: Any, **around: float) -> Body:
     else:
         half = np.array([top.b, top.b, top.a])
     inertia = top.I1, getattr(top, "I2", top.I1), top.I3
-    return Body(top.m, inertia, centre, half, top.g, **more, **around)
+    return Body(top.m, inertia, centre, half, top.g, **more, **dict(air), **dict(plane))
 
 
 def split(s: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -285,6 +285,13 @@ def assert_motion(row: Any, b: Body, s: np.ndarray, bound: float) -> None:
     found = {name: np.abs(x - y).max() for name, x, y in pairs}
     found["angular momentum"] /= np.abs(s[6:9]).max()
     assert_below(bound, found, "difference from the motion of Newton and Euler")
+
+
+def assert_moves(rows: Any, b: Body, force: Callable, bound: float) -> None:
+    """Check that the last row follows from the first one under a force, as `assert_motion` does."""
+    first, last = rows.isel(time=0), rows.isel(time=-1)
+    _, end = follow(force, b, state_of(first, b), float(last.time - first.time))
+    assert_motion(last, b, end, bound)
 
 
 def state_of(row: Any, b: Body) -> np.ndarray:

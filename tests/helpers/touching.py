@@ -1,13 +1,13 @@
 """Scenarios whose contact changes its phase: those of the reference, and one that bounces."""
 
-import json
 from collections import namedtuple
 from fractions import Fraction
-from pathlib import Path
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from examples import ANGLES, stored_reference
 from examples import CANONICAL as BODY
 
 from tippetop.engine.impacts import ImpactMotions
@@ -16,7 +16,6 @@ from tippetop.mechanics.contact.response import kicked
 from tippetop.mechanics.operand import Vector
 
 
-NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
 LEINE_GLOCKER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 STEM = {"r": 0.005, "h": 0.013}
 DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
@@ -57,7 +56,7 @@ ROCKING: dict[str, Any] = {
 
 def reference(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a case of the reference, with rows at its times, and the case."""
-    case = json.loads((Path(__file__).parent.parent / "reference" / f"{name}.json").read_text())
+    case = stored_reference(name)
     system = "gliding-cylinder" if "theta_unwrapped" in case else "tippe-top"
     exact = {
         key: float(Fraction(value))
@@ -71,7 +70,7 @@ def reference(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
         else {"I1": exact["I1"], "I3": exact["I3"]}
     )
     initial = {
-        NAMES.get(key, key): value if isinstance(value, bool) else float(Fraction(value))
+        ANGLES.get(key, key): value if isinstance(value, bool) else float(Fraction(value))
         for key, value in case["initial_exact"].items()
     }
     times = [float(t) for t in case["t"]]
@@ -126,7 +125,7 @@ def gained(v: Any, made: Any, Omega_z: Any = 0) -> Any:
     return sum(pushed, made.twist.z * (Omega_z + made.Omega_z)) / 2
 
 
-_motions: dict[tuple, ImpactMotions] = {}
+impact_motions = cache(ImpactMotions)
 
 
 def struck(
@@ -141,9 +140,6 @@ def struck(
 ) -> SimpleNamespace:
     """The impact of a body that arrives with v = (v_e, v_2, v_n) and turns about the vertical, and
     whose axis lies in the x-z plane."""
-    key = type(b.friction), restitution, precision
-    if key not in _motions:
-        _motions[key] = ImpactMotions(*key)
     if precision == "double":
         s, z, *v = map(float, (s, z, *v))
     none = 0 * s
@@ -151,7 +147,7 @@ def struck(
     u, L = Vector(s, none, z), Vector(along * s, none, along * z + b.I1 * Omega_z)
     velocity = centre_velocity(Turning(u, L), Vector(*v), b)
     x = Moving(u, L, velocity, none, CARRIED)
-    made = _motions[key].struck(x, b, e_n)
+    made = impact_motions(type(b.friction), restitution, precision).struck(x, b, e_n)
     after = kicked(x, b, made.p, made.twist)
     velocity, omega = velocities(after, b)
     names = ("v_e", "v_2", "v_n", "p_e", "p_2", "p_z")

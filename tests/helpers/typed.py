@@ -2,8 +2,10 @@
 
 import contextlib
 import io
+import json
 import shlex
 from collections.abc import Container
+from typing import Any
 
 from tippetop.cli import outcome
 
@@ -27,3 +29,13 @@ def answered(*words: object, codes: Container[int] = (0,)) -> tuple[int, str, st
     assert all(line.startswith("tippetop: ") for line in messages), messages
     assert messages or not code
     return code, out.getvalue(), "\n".join(messages)
+
+
+def reported(words: str) -> Any:
+    """Run a command with `--json` in this process and return its report."""
+    return json.loads(answered(*shlex.split(words), "--json")[1])
+
+
+def refused(words: str, code: int = 2) -> str:
+    """Run a command that fails with this code in this process and return its messages."""
+    return answered(*shlex.split(words), codes=[code])[2]

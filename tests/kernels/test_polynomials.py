@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from limits import assert_near
 from numpy.polynomial.polynomial import polyval
 from polynomials import crossings, extremes, ranges
 
@@ -28,9 +29,7 @@ def test_two_zeros_that_nearly_meet_are_crossings(rng: np.random.Generator) -> N
             assert now == (p[0] > 0)
             assert len(zeros) == (2 if gap > 1e-6 else 0), gap
             if len(zeros):
-                np.testing.assert_allclose(
-                    zeros, middle + np.array([-0.5, 0.5]) * gap, rtol=0, atol=1e-15 / gap + 1e-15
-                )
+                assert_near(zeros, middle + np.array([-0.5, 0.5]) * gap, 1e-15 / gap + 1e-15)
 
 
 def test_a_zero_between_two_steps_counts_once() -> None:
@@ -53,7 +52,7 @@ def test_polynomials_of_the_highest_orders_are_searched(n: int, rng: np.random.G
         out, _ = crossings(p, bool(p[0] > 0))
         zeros = (np.arange(-3, 6) + 0.5) * np.pi - a
         inside = zeros[(zeros > 0) & (zeros < 3)] / 3
-        np.testing.assert_allclose(out, inside, rtol=0, atol=1e-14 if n > 20 else 1e-8)
+        assert_near(out, inside, 1e-14 if n > 20 else 1e-8)
         low, high, *_ = extremes(p, np.inf, -np.inf)
         turns = np.arange(-3, 6) * np.pi - a
         at = np.cos(a + np.concatenate([[0.0, 3.0], turns[(turns > 0) & (turns < 3)]]))

@@ -1,13 +1,11 @@
 """Test surfaces on disk: written by chunks, equal to those in memory; and commands."""
 
-import json
-
 import numpy as np
 import pandas
 import pytest
 import xarray as xr
 from examples import CANONICAL
-from typed import typed
+from typed import refused, reported, typed
 
 from tippetop.landscape import surface, surface_recording
 from tippetop.landscape.landscape_body import top
@@ -36,24 +34,21 @@ def test_store_is_the_surface(tmp_path, place):
     assert [p.name for p in tmp_path.iterdir()] == ["F.zarr"]
 
 
-def test_surface_command(tmp_path, place, capsys):
+def test_surface_command(tmp_path, place):
     out, picture = place, tmp_path / "F.png"
     words = f"--D=-6e-4:8e-4:21 --lambda 0:7e-6:31 --out {out}"
     assert typed(f"surface inverting {words} --figure {picture}") == 0
     assert root.open_group(out, "surface").F.shape == (21, 31)
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert typed(f"plot {out} --out {tmp_path}/again.png") == 0
-    capsys.readouterr()
-    assert typed(f"info {out} --json") == 0
-    assert json.loads(capsys.readouterr().out)["content"] == "surface"
+    assert reported(f"info {out}")["content"] == "surface"
     assert typed(f"surface inverting {words}") == 5  # the store is there
 
 
-def test_potential_command(tmp_path, capsys):
+def test_potential_command(tmp_path):
     out = tmp_path / "V.zarr"
     words = f"--D 3e-4 --lambda 4e-6 --n 101 --out {out} --figure {tmp_path}/V.svg"
-    assert typed(f"potential inverting {words} --json") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = reported(f"potential inverting {words}")
     V = root.open_group(out, "potential").V
     assert V.sizes == {"z": 101}
     assert found["F"] <= V.min() <= found["F"] * 1.001
@@ -62,14 +57,15 @@ def test_potential_command(tmp_path, capsys):
     assert isinstance(V, xr.DataArray)
 
 
-def test_an_interrupted_command_leaves_nothing(tmp_path, capsys, monkeypatch):
+def test_an_interrupted_command_leaves_nothing(tmp_path, monkeypatch):
     def stop(*a):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(surface_recording.surface, "minima", stop)
     axes = "--D=-6e-4:8e-4:21 --lambda 0:7e-6:31"
-    assert typed(f"surface inverting {axes} --out {tmp_path}/F.zarr") == 130
-    assert "nothing more was stored" in capsys.readouterr().err
+    assert "nothing more was stored" in refused(
+        f"surface inverting {axes} --out {tmp_path}/F.zarr", 130
+    )
     assert list(tmp_path.iterdir()) == []
 
 

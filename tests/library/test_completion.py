@@ -12,7 +12,7 @@ from pathlib import Path
 import jedi
 import pytest
 from mypy import api
-from typed import typed
+from typed import refused, typed
 
 import tippetop as tt
 from tippetop.problem.options import OPTIONS
@@ -102,8 +102,7 @@ def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str])
     for name in OPTIONS:
         assert printed.count(f"\n{name} ") + printed.count(f"\n# {name} ") == 2
         if name not in ("until", "columns"):  # options of `tippetop run` themselves
-            assert typed(f"run inverting --{name.replace('_', '-')} 1") == 2
-            assert "are changed by --set" in capsys.readouterr().err
+            assert "are changed by --set" in refused(f"run inverting --{name.replace('_', '-')} 1")
 
 
 def test_a_name_of_a_module_is_found() -> None:

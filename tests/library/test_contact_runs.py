@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from examples import CANONICAL as BODY
-from limits import assert_below
+from limits import assert_below, assert_near
 from nightly import at_night
 from touching import DRILLING, LEINE_GLOCKER, STEM, TOSSED
 
@@ -66,11 +66,9 @@ def test_events_and_columns_of_users_mean_the_same_in_every_phase(case: str) -> 
         ("high", rows.z.values - low),
     ):
         passed = np.flatnonzero(np.diff(np.sign(values)))
-        np.testing.assert_allclose(times(run, name), rows.time.values[passed], rtol=0, atol=2.1e-5)
+        assert_near(times(run, name), rows.time.values[passed], 2.1e-5)
     assert run.summary.kept["times"] == len(times(run, "above")) > 1
-    np.testing.assert_allclose(
-        run.trajectory.twice, 2 * np.cos(run.trajectory.theta), rtol=0, atol=1e-14
-    )
+    assert_near(run.trajectory.twice, 2 * np.cos(run.trajectory.theta), 1e-14)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -200,7 +198,7 @@ def test_runs_of_phases_in_quad_agree_with_80_bits(law: dict, start: dict, until
     ]
     kinds = [run.events.kind.values.tolist() for run in ends]
     assert kinds[0] == kinds[1]
-    np.testing.assert_allclose(ends[0].events.time, ends[1].events.time, rtol=0, atol=1e-16)
+    assert_near(ends[0].events.time, ends[1].events.time, 1e-16)
     assert_below(1e-16, ends[1].summary.drift)
 
 
@@ -230,7 +228,7 @@ def test_events_and_columns_read_the_reaction_from_the_start_on() -> None:
     at = times(run, "half")
     rows = tt.run("leine-glocker-stem", output_times=at, columns=[used], until=0.1).trajectory
     assert len(at) > 3
-    np.testing.assert_allclose(rows.used, 0.0, atol=1e-12)
+    assert_near(rows.used, 0.0, 1e-12)
 
 
 def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> None:

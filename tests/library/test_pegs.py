@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from limits import assert_near
+from plans import plan_of
 
 import tippetop as tt
 from helpers.touching import BODY, BOUNCE
@@ -12,7 +14,6 @@ from tippetop.exchange.scales import scale_of
 from tippetop.mechanics.systems.tippe_top import TippeTop
 from tippetop.runs import forecast, starting
 from tippetop.scenario import build
-from tippetop.sweeps.plan import Plan
 
 
 TOP = tt.TippeTop(**BODY)
@@ -58,12 +59,11 @@ def turned(tables: dict[str, Any]) -> dict[str, Any]:
 def test_a_peg_moves_as_the_top_with_its_axis_turned_round(kind: str) -> None:
     tables = {"parameters": BODY, "run": {"until": 0.3, "output_step": 0.01}, **MOTIONS[kind]}
     top, peg = (tt.run(one).trajectory for one in (tables, turned({**tables})))
-    np.testing.assert_allclose(peg["axis"], -top["axis"], atol=1e-13)
+    assert_near(peg["axis"], -top["axis"], 1e-13)
     for name in ("L", "x", "y", "energy", "jellett", "normal_force", "routh"):
         if name in top:
             sign = -1 if name == "routh" else 1
-            size = float(np.abs(top[name]).max())
-            np.testing.assert_allclose(peg[name], sign * top[name], atol=1e-13 * size)
+            assert_near(peg[name], sign * top[name], 1e-13, name, relative=True)
     assert kind != "bounce" or 0 < (peg["phase"] == top["phase"].values).sum() == top.sizes["time"]
 
 
@@ -127,13 +127,12 @@ def test_no_top_has_its_centre_of_mass_in_the_centre_or_outside(
     "how", [{"linspace": [-0.2, 0.2], "n": 4}, {"values": [0.1, -0.1]}, {"between": [-0.1, 0.3]}]
 )
 def test_an_axis_of_a_sweep_keeps_the_sign_of_alpha(how: dict[str, Any]) -> None:
-    plan: dict[str, Any] = {"scenario": "inverting", "axis": [{"of": "parameters.alpha", **how}]}
-    if "between" in how:
-        plan["sample"] = {"method": "random", "n": 4, "seed": 1}
+    sample = {"method": "random", "n": 4, "seed": 1}
+    more = {"sample": sample} if "between" in how else {}
     with pytest.raises(
         tt.InputError, match=r"`parameters\.alpha` must keep its sign along an axis, but goes from"
     ):
-        Plan.from_tables(plan)
+        plan_of({"of": "parameters.alpha", **how}, **more)
 
 
 def test_a_fit_keeps_the_sign_of_alpha() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.library.scenarios import checked
+from tippetop.library.scenarios import problem_of
 
 
 @pytest.mark.parametrize(
@@ -62,9 +62,9 @@ def test_a_problem_that_was_replaced_by_the_same_is_the_same(problem: Callable) 
     checked twice.
     """
     before = problem()
-    again = checked(dataclasses.replace(before))
+    again = problem_of(dataclasses.replace(before))
     assert again is not before
-    assert checked(again) is again
+    assert problem_of(again) is again
     names = [f.name for f in dataclasses.fields(before) if f.name != "times"]
     assert [getattr(again, name) for name in names] == [getattr(before, name) for name in names]
     np.testing.assert_array_equal(again.times[:], before.times[:])

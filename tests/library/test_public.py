@@ -13,7 +13,7 @@ from typing import Any
 import examples
 import numpy as np
 import pytest
-from limits import assert_below
+from limits import assert_below, assert_near
 from nightly import at_night
 from stores import assert_same
 
@@ -86,7 +86,8 @@ def test_signatures_are_readable() -> None:
 def test_help_on_records_lists_their_fields_only(face: Any, signature: str) -> None:
     """Each record has its signature and its docstring: no methods, attributes or descriptors."""
     text = pydoc.plain(pydoc.render_doc(face))
-    assert signature in text.replace("'", "")
+    # Python 3.13 writes a long signature on several lines
+    assert "".join(signature.split()) in "".join(text.replace("'", "").split())
     assert not re.search(r"\|  .*(defined here|inherited from .*):$", text, re.M)
     assert "__dataclass_fields__" not in text
 
@@ -269,9 +270,7 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
         found = tt.theory.reconstruct(source)
         known = np.isfinite(found["theta"].values)
         assert known.mean() > 0.8
-        np.testing.assert_allclose(
-            found["theta"][known], run.trajectory["theta"][known], rtol=0, atol=1e-7
-        )
+        assert_near(found["theta"][known], run.trajectory["theta"][known], 1e-7)
         assert found.attrs["mismatch"] < 1e-8
 
 

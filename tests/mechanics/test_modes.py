@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from examples import GLIDING
+from limits import assert_near
 
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.friction import Coulomb, Frictionless, Latitude, Viscous
@@ -77,7 +78,7 @@ def test_modes_are_those_of_the_equations_of_motion(
         omega3 = rng.uniform(-2, 2)
         expected = linearised(system, omega3, b, -1 if inverted else 1)
         p = polynomial(found(omega3, b, inverted=inverted))
-        np.testing.assert_allclose(p, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+        assert_near(p, expected, 1e-12, relative=True)
 
 
 @either_end

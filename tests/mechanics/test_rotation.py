@@ -6,6 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from limits import assert_near
 from scipy.spatial.transform import Rotation
 
 from tippetop.mechanics import rotation
@@ -22,38 +23,37 @@ def random(rng: np.random.Generator, n: int) -> tuple[Rotation, Quaternion]:
     return turns, Quaternion(*np.roll(turns.as_quat(), 1, axis=1).T)
 
 
+def assert_same(p: Quaternion, q: Quaternion) -> None:
+    """Check that quaternions are those of one rotation."""
+    assert_near(np.abs((np.array(p) * np.array(q)).sum(axis=0)), 1, 1e-14)
+
+
 def assert_is(turns: Rotation, q: Quaternion) -> None:
-    expected = np.roll(turns.as_quat(), 1, axis=1).T
-    off = np.abs(np.abs((np.array(q) * expected).sum(axis=0)) - 1).max()
-    assert off < 1e-14, "the quaternions must be those of one rotation"
+    assert_same(q, np.roll(turns.as_quat(), 1, axis=1).T)
 
 
 def test_products_axes_and_turned_vectors(rng: np.random.Generator) -> None:
     (a, p), (b, q) = random(rng, 50), random(rng, 50)
     assert_is(a * b, rotation.after(p, q))
     assert_is(a.inv(), rotation.inverse(p))
-    np.testing.assert_allclose(
-        np.array(rotation.axes(p)).transpose(2, 1, 0), a.as_matrix(), atol=1e-14
-    )
+    assert_near(np.array(rotation.axes(p)).transpose(2, 1, 0), a.as_matrix(), 1e-14)
     v = rng.normal(size=(50, 3))
-    np.testing.assert_allclose(
-        np.array(rotation.rotated(p, Vector(*v.T))).T, a.apply(v), atol=1e-14
-    )
+    assert_near(np.array(rotation.rotated(p, Vector(*v.T))).T, a.apply(v), 1e-14)
 
 
 def test_a_swing_turns_one_axis_to_another_and_nothing_about_it(rng: np.random.Generator) -> None:
     u, v = (Rotation.random(50, random_state=rng).apply([0, 0, 1]) for _ in range(2))
     q = rotation.swing(Vector(*u.T), Vector(*v.T))
-    np.testing.assert_allclose(np.array(rotation.rotated(q, Vector(*u.T))).T, v, atol=1e-14)
+    assert_near(np.array(rotation.rotated(q, Vector(*u.T))).T, v, 1e-14)
     normal = np.cross(u, v)
-    np.testing.assert_allclose(np.cross(np.array(q)[1:].T, normal), 0, atol=1e-14)
+    assert_near(np.cross(np.array(q)[1:].T, normal), 0, 1e-14)
 
 
 def test_products_of_a_rotation_with_itself_come_from_its_axes(rng: np.random.Generator) -> None:
     _, q = random(rng, 50)
     first, _, third = rotation.axes(q)
     expected = 4 * np.einsum("in,jn->ijn", np.array(q), np.array(q))
-    np.testing.assert_allclose(np.array(rotation.outer(first, third)), expected, atol=1e-14)
+    assert_near(np.array(rotation.outer(first, third)), expected, 1e-14)
 
 
 def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(
@@ -68,15 +68,13 @@ def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(
         steps = np.array([-1e-5, 1e-5])
         for s, end, w in ((0.0, p, wp), (1.0, q, wq)):
             found = rotation.between(p, wp, q, wq, h, s)
-            assert abs(abs(np.dot(found, end)) - 1) < 1e-14
+            assert_same(found, end)
             low, high = (
                 np.array(rotation.axes(rotation.between(p, wp, q, wq, h, s + ds))[2])
                 for ds in steps
             )
             moved = np.cross(w, rotation.axes(end)[2])
-            np.testing.assert_allclose(
-                (high - low) / (2e-5 * h), moved, atol=1e-7 * np.linalg.norm(w)
-            )
+            assert_near((high - low) / (2e-5 * h), moved, 1e-7 * np.linalg.norm(w))
         assert abs(np.linalg.norm(rotation.between(p, wp, q, wq, h, 0.4)) - 1) < 1e-14
 
 
@@ -89,8 +87,7 @@ def test_between_is_exact_for_a_steady_spin_of_many_turns() -> None:
     for s in (0.0, 0.21, 0.5, 1.0):
         found = rotation.between(ends[0], spin, ends[1], spin, 0.2, s)
         expected = rotation.after(rotation.turn(axis, 0.3 + 40 * s), tilt)
-        off = abs(abs(np.dot(found, expected)) - 1)
-    assert off < 1e-14, "the quaternions must be those of one rotation"
+        assert_same(found, expected)
 
 
 @pytest.mark.skipif(NODE is None, reason="no node")

@@ -121,23 +121,13 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
     assert abs(modes.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
 
 
-OUTLINES = {"a": 0.03, "b": 0.02, "c": 1e-3, "ring": 0.02, "tube": 2e-3}
-OUTLINES |= dict.fromkeys(("delta", "x", "y", "h"), 1e-4) | {"I2": 3.1e-6}
-
-
 def start_of(
     name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float
 ) -> Problem:
     """A start of a system with its usual numbers."""
-    system, numbers = (
-        SYSTEMS[name],
-        examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6, **OUTLINES},
-    )
-    initial = {
-        "theta": theta,
-        **{key: value for key, value in more.items() if key in system.initial},
-    }
-    return examples.problem(name, {k: numbers[k] for k in system.parameters}, initial, 1.0, law)
+    usual = SYSTEMS[name].initial
+    initial = {"theta": theta, **{key: value for key, value in more.items() if key in usual}}
+    return examples.problem(name, examples.numbers_of(name), initial, 1.0, law)
 
 
 def test_every_system_of_ours_has_an_outlook() -> None:

@@ -35,7 +35,7 @@ def made(store: Path, until: float, *sets: str) -> Path:
 
 def copied(store: Path, folder: Path) -> Path:
     """One that may be changed."""
-    return Path(shutil.copytree(store, folder / "run.zarr"))
+    return shutil.copytree(store, folder / "run.zarr")
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from plans import plan_of
 from stores import assert_same, turning
 
 import tippetop
@@ -17,7 +18,6 @@ from tippetop.errors import Interrupted
 from tippetop.runs import recording, resuming
 from tippetop.store import root
 from tippetop.store.ledger import Ledger
-from tippetop.sweeps.plan import Plan
 
 
 PROBLEM = turning(20.0)
@@ -106,14 +106,8 @@ def test_the_host_keeps_its_handlers(
 
 def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:
     axis = {"of": "friction.mu", "values": [0.1, 0.2, 0.3, 0.4]}
-    document = {
-        "scenario": "inverting",
-        "set": {"run": {"until": 0.2}},
-        "axis": [axis],
-        "chunk": 2,
-        "runs": [1],
-    }
-    plan, store, stop = Plan.from_tables(document), tmp_path / "S.zarr", threading.Event()
+    plan = plan_of(axis, set={"run": {"until": 0.2}}, chunk=2, runs=[1])
+    store, stop = tmp_path / "S.zarr", threading.Event()
     seen: list[int] = []
     before = signal.signal(signal.SIGINT, lambda *_: seen.append(1))
     try:  # the host's own Ctrl-C is called, and the sweep goes its way

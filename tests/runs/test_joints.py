@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from examples import CANONICAL
+from limits import assert_near
 from nightly import at_night
 from stores import assert_same
 from typed import typed
@@ -38,7 +39,7 @@ def assert_joined(found: Rows, expected: Rows, atol: float = 1e-11) -> None:
     """Compare kinds, and times of events of each kind."""
     assert [kind for kind, _ in sorted(found)] == [kind for kind, _ in sorted(expected)]
     times = [[t for _, t in sorted(rows)] for rows in (found, expected)]
-    np.testing.assert_allclose(*times, rtol=0, atol=atol)
+    assert_near(*times, atol)
 
 
 def cuts(run: Any, count: int) -> list[float]:

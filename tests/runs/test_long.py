@@ -1,12 +1,11 @@
 """What long and accurate runs leave: wide numbers without loss, exports, and the contract."""
 
-import json
 from pathlib import Path
 
 import heyoka as hy
 import numpy as np
 import pytest
-from typed import typed
+from typed import reported, typed
 
 from tippetop.errors import InputError
 from tippetop.problem import ROUNDING
@@ -43,12 +42,10 @@ def test_the_rows_of_a_run_without_rows_are_exported_if_they_are_named(tmp_path:
     assert "L_x [kg m2 s-1],L_y [kg m2 s-1],L_z [kg m2 s-1]" in rows.read_text()
 
 
-def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_certify_is_kept_in_the_store(tmp_path: Path) -> None:
     path = tmp_path / "run.zarr"
     assert typed(f"run inverting --until 1 --certify --out {path}") == 0
-    capsys.readouterr()
-    assert typed(f"info {path} --json") == 0
-    assert json.loads(capsys.readouterr().out)["certificate"]["window"] == [0.0, 1.0]
+    assert reported(f"info {path}")["certificate"]["window"] == [0.0, 1.0]
 
 
 @pytest.mark.slow

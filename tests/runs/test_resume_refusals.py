@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from nightly import at_night
 from stores import edited, exchange, interrupted, short_slices, state_of, turning
-from typed import typed
+from typed import answered, refused, reported, typed
 
 from tippetop.errors import StoreError
 from tippetop.runs import resuming
@@ -36,7 +36,7 @@ def half(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def store(half: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of it, which is continued as it was begun."""
     short_slices(monkeypatch)
-    return Path(shutil.copytree(half, tmp_path / "run.zarr"))
+    return shutil.copytree(half, tmp_path / "run.zarr")
 
 
 def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) -> None:
@@ -95,27 +95,22 @@ def never(*_: object) -> None:
 
 @pytest.mark.parametrize("key", ["versions", at_night("cpu")])
 def test_other_versions_resume_with_a_word_and_the_store_names_both(
-    key: str, store: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    key: str, store: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     here = {"versions": provenance.versions(), "cpu": provenance.cpu()}
     other = {**here, key: {**here["versions"], "heyoka": "99"} if key == "versions" else "abacus"}
     with monkeypatch.context() as patched:
         patched.setattr(provenance, key, lambda: other[key])
-        assert typed(f"resume {store}") == 5
-        assert "--accept-other-version" in capsys.readouterr().err
+        assert "--accept-other-version" in refused(f"resume {store}", 5)
         assert typed(f"resume {store} --accept-other-version") == 0
     attrs = root.attributes(store)
     assert attrs[key] == other[key]
     assert attrs["begun_with"] == [here]
-    assert typed(f"info {store}") == 0
-    assert "begun with" in capsys.readouterr().out
+    assert "begun with" in answered("info", store)[1]
 
 
-def test_an_unfinished_store_can_be_looked_at(
-    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert typed(f"info {store} --json") == 0
-    info = json.loads(capsys.readouterr().out)
+def test_an_unfinished_store_can_be_looked_at(store: Path, tmp_path: Path) -> None:
+    info = reported(f"info {store}")
     assert info["status"] == "running"
     assert 0 < info["t_end"] < UNTIL
     assert info["event_counts"]["turning"] > 100

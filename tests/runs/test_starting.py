@@ -32,7 +32,7 @@ def ended(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def before(ended: Path, tmp_path: Path) -> Path:
     """A copy of a run that has ended."""
-    return Path(shutil.copytree(ended, tmp_path / "RUN.zarr"))
+    return shutil.copytree(ended, tmp_path / "RUN.zarr")
 
 
 def end_of(store: Path) -> np.ndarray:

@@ -1,12 +1,10 @@
 """Every preset runs, cites its source, and every system has one."""
 
-import json
-
 import numpy as np
 import pytest
 from limits import assert_below
 from nightly import at_night
-from typed import typed
+from typed import answered, reported
 
 from tippetop.columns import flag_words, flagged
 from tippetop.engine.status import Status
@@ -65,15 +63,11 @@ def test_every_system_has_a_preset() -> None:
 @pytest.mark.parametrize(
     "name", [at_night(name) if name in EXPENSIVE else name for name in sorted(presets())]
 )
-def test_check_says_the_regime(
-    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_check_says_the_regime(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if name not in EXPENSIVE | {"inverting", "flying"}:  # most of the time goes there
         monkeypatch.setattr(cost, "measured", lambda *_: {})
-    assert typed(f"check {name} --json") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = reported(f"check {name}")
     # the outlook is that of a contact that stays
     assert found.get("regime") or load(name).contact is not None
     monkeypatch.setattr(cost, "measured", lambda *_: {})
-    assert typed(f"check {name}") == 0
-    assert " J, " in capsys.readouterr().out
+    assert " J, " in answered("check", name)[1]

@@ -34,7 +34,7 @@ def test_nothing_warns_of_a_whole_store_and_its_datasets_are_bare_of_what_only_w
 
 @pytest.fixture
 def store(short_run: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(short_run, tmp_path / "run.zarr"))
+    return shutil.copytree(short_run, tmp_path / "run.zarr")
 
 
 def test_a_changed_byte_of_a_chunk_is_found_when_its_numbers_are_read(

@@ -96,7 +96,7 @@ def test_a_damaged_ledger_costs_nothing_acknowledged(
 
 def test_no_file_of_a_dropped_line_is_removed_before_the_end(stores: Path, tmp_path: Path) -> None:
     """Of an append that was cut off the line, the tail and the chunks are set aside."""
-    store = Path(shutil.copytree(stores / "half-sweep.zarr", tmp_path / "S.zarr"))
+    store = shutil.copytree(stores / "half-sweep.zarr", tmp_path / "S.zarr")
     raw = (store / LEDGER).read_bytes()
     (store / LEDGER).write_bytes(raw[:-9])
     before = files(store)
@@ -115,7 +115,7 @@ def test_the_only_line_of_a_ledger_and_one_after_its_seal_are_damage(
     stores: Path, tmp_path: Path
 ) -> None:
     for kind in KINDS:
-        store = Path(shutil.copytree(stores / f"{kind}.zarr", tmp_path / kind))
+        store = shutil.copytree(stores / f"{kind}.zarr", tmp_path / kind)
         raw = (store / LEDGER).read_bytes()
         for bad in (raw + b"\0", raw[:-1], lines_of(raw)[0], raw[: len(raw) // 2], b""):
             (store / LEDGER).write_bytes(bad)

@@ -14,7 +14,7 @@ from tippetop.store.root import RUNS
 def test_a_group_of_runs_whose_document_is_damaged_is_described_again(
     file: Path, whole: Path, tmp_path: Path
 ) -> None:
-    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    store = shutil.copytree(whole, tmp_path / "S.zarr")
     (store / RUNS / "zarr.json").write_bytes(b"\x02\x01\x33\x08 no metadata")
     with pytest.raises(StoreError, match=RUNS):
         tippetop.open(store)
@@ -29,7 +29,7 @@ def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(
 
     It is made again, as a folder that is gone.
     """
-    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    store = shutil.copytree(whole, tmp_path / "S.zarr")
     with pytest.raises(StoreError, match="must lie outside of every store"):
         tippetop.resume(store / RUNS / "5", until=1.0)
     shutil.rmtree(store / RUNS / "5")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from limits import assert_near
 from sections import RECORDS, SECTION
 from stores import assert_same, flip
 from typed import typed
@@ -119,7 +120,7 @@ def test_workers_and_interruptions_change_no_byte(whole: Path, tmp_path: Path) -
 
 
 def test_damaged_events_are_computed_again_with_their_tops(whole: Path, tmp_path: Path) -> None:
-    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    store = shutil.copytree(whole, tmp_path / "S.zarr")
     flip(store / "events" / "time" / "c.1.0", 99)
     (store / "events" / "kind" / "c.0.2").unlink()
     with pytest.raises(StoreError, match="events"):
@@ -151,7 +152,7 @@ def test_a_sweep_with_records_is_read_drawn_and_run_alone_without_them(tmp_path:
     run = tt.open(store / "runs" / "4")
     assert "spin_energy" in run.trajectory
     expected, found = run.events, of_top(tt.open(store, group="events"), 4)
-    np.testing.assert_allclose(found.time, expected.time, rtol=0, atol=1e-12)
+    assert_near(found.time, expected.time, 1e-12)
     assert tt.open(store, gridded=True)["class"].dims == ("initial.omega3",)
     for command in (f"info {store}", f"plot {store} class --out {tmp_path}/a.png"):
         assert typed(command) == 0

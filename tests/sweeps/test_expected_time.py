@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plans import plan_of
 from touching import BOUNCE, STEM
 
 from tippetop.engine.status import Status
@@ -17,16 +18,11 @@ OMEGA = {"of": "initial.omega3", "linspace": [100.0, 175.0]}
 
 
 def lanes(n: int, until: float = 0.3, **more: Any) -> Plan:
-    return Plan.from_tables(
-        {"scenario": "inverting", "axis": [OMEGA | {"n": n}], "set": {"run": {"until": until}}}
-        | more
-    )
+    return plan_of(OMEGA | {"n": n}, set={"run": {"until": until}}, **more)
 
 
 def bouncing(*omegas: float) -> Plan:
-    return Plan.from_tables(
-        {"scenario": BOUNCE, "axis": [{"of": "initial.omega3", "values": list(omegas)}]}
-    )
+    return plan_of({"of": "initial.omega3", "values": list(omegas)}, scenario=BOUNCE)
 
 
 class Steps:
@@ -62,9 +58,7 @@ def test_the_steps_of_some_stand_for_those_of_all(
 
 
 def test_tops_that_cannot_be_take_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = Plan.from_tables(
-        {"scenario": "inverting", "axis": [{"of": "parameters.m", "values": [-1.0, -2.0]}]}
-    )
+    plan = plan_of({"of": "parameters.m", "values": [-1.0, -2.0]})
     found = measuring.measured(plan, Steps(monkeypatch))
     assert (found["tops_measured"], found["core_seconds"]) == (0, measuring.WRITING)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from plans import PLAN
-from typed import typed
+from plans import PLAN, all_numbers, plan_of
+from typed import reported, typed
 
 import tippetop
 from tippetop.columns import flag_words
@@ -24,14 +24,10 @@ from tippetop.sweeps.sweep_summary import open_sweep
 AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}
 
 
-def test_the_commands_know_a_sweep(
-    whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert typed(f"check {file} --json") == 0
-    found = json.loads(capsys.readouterr().out)
+def test_the_commands_know_a_sweep(whole: Path, file: Path, tmp_path: Path) -> None:
+    found = reported(f"check {file}")
     assert (found["tops"], found["chunks"], found["tops_per_chunk"]) == (24, 4, 7)
-    assert typed(f"info {whole} --json") == 0
-    found = json.loads(capsys.readouterr().out)
+    found = reported(f"info {whole}")
     assert (found["status"], found["tops_done"], found["runs"]) == ("finished", 24, [5])
     assert sum(found["counts"]["status"].values()) == sum(found["counts"]["class"].values()) == 24
     assert 0 < found["drift"]["jellett"]["worst"] < 1e-13
@@ -74,9 +70,7 @@ def synthetic(
     """A map of made-up columns."""
     table = xr.Dataset({name: ("top", values) for name, values in columns.items()})
     table["status"] = ("top", np.ones(of.n, np.int8))
-    table = table.assign_coords(
-        {k: ("top", v) for k, v in of.design.numbers(np.arange(of.n)).items()}
-    )
+    table = table.assign_coords({k: ("top", v) for k, v in all_numbers(of).items()})
     for axis in of.design.axes:
         table[axis.of].attrs = {"units": "1", "long_name": axis.of}
     table.attrs = {"plan": json.dumps(of.document), "status": "finished", "title": "sweep: a top"}
@@ -98,8 +92,8 @@ def test_a_map_puts_every_top_in_its_cell(
         {"of": "friction.mu", "values": [0.3, 0.1, 0.2]},
         {"of": "initial.theta", "values": [0.1, 0.2, 0.3]},
     ]
-    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
-    w, mu, theta = of.design.numbers(np.arange(of.n)).values()
+    of = plan_of(*axes)
+    w, mu, theta = all_numbers(of).values()
     found = synthetic(tmp_path, monkeypatch, of, **{kind: w + 1000 * mu + 1e6 * theta})
     x, y = (axis.centres for axis in found.axes)
     np.testing.assert_allclose(x, np.linspace(100, 175, 16), rtol=1e-14)
@@ -118,7 +112,7 @@ def test_a_map_of_times_has_the_class_where_there_is_no_time(
         {"of": "initial.omega3", "linspace": [40.0, 80.0], "n": 5},
         {"of": "friction.mu", "values": [0.1, 0.3]},
     ]
-    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
+    of = plan_of(*axes)
     kind = np.arange(of.n) % len(CLASSES)
     times = np.where(np.array(CLASSES)[kind] == "inverted", 3.0, np.nan)
     found = synthetic(
@@ -126,7 +120,7 @@ def test_a_map_of_times_has_the_class_where_there_is_no_time(
     )
     ends = found.fields["class"]
     np.testing.assert_array_equal(np.isnan(ends), np.isfinite(found.fields["inverted_at"]))
-    numbers = of.design.numbers(np.arange(of.n))
+    numbers = all_numbers(of)
     for top in np.flatnonzero(np.isnan(times)):
         i = int(np.argmin(np.abs(found.axes[0].centres - numbers["initial.omega3"][top])))
         j = int(np.argmin(np.abs(found.axes[1].centres - numbers["friction.mu"][top])))
@@ -141,7 +135,7 @@ def test_borders_are_where_the_threshold_is(
         {"of": "lambda", "linspace": [0.5, 2.0], "n": 5},
         {"of": "gamma", "linspace": [0.75, 1.2], "n": 5},
     ]
-    of = Plan.from_tables({"scenario": "inverting", "axis": axes})
+    of = plan_of(*axes)
     found = synthetic(tmp_path, monkeypatch, of, inverted_at=np.zeros(of.n))
     values = found.borders["λ = λ_s: inverted spin stable above"]
     np.testing.assert_allclose(
@@ -160,8 +154,8 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
         {"of": "friction.mu", "between": [0.1, 1], "log": True},
     ]
     sample = {"method": "sobol", "n": 4096, "seed": 1}
-    of = Plan.from_tables({"scenario": "inverting", "axis": axes, "sample": sample})
-    w, _ = of.design.numbers(np.arange(of.n)).values()
+    of = plan_of(*axes, sample=sample)
+    w, _ = all_numbers(of).values()
     found = synthetic(
         tmp_path, monkeypatch, of, **{"class": np.where(w < 150, 1, 3).astype(np.int8)}
     )
@@ -174,7 +168,7 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
 def test_what_cannot_be_drawn_is_said(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    of = Plan.from_tables({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
+    of = plan_of({**AXIS, "n": 4})
     with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
 
@@ -187,10 +181,7 @@ def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
     values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]
     axis = {"of": "lambda", "values": [float(v) for v in values]}
     start = {"run": {"until": 200.0}, "initial": {"theta": 0.02}, "friction": {"mu": 1.0}}
-    found = tippetop.sweep(
-        Plan.from_tables({"scenario": "inverting", "set": start, "axis": [axis]}),
-        tmp_path / "S.zarr",
-    )
+    found = tippetop.sweep(plan_of(axis, set=start), tmp_path / "S.zarr")
     names = flag_words(found["class"])
     assert names[:2].tolist() == ["upright"] * 2
     assert not {"upright", "inverted"} & set(names[2:5])

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plans import all_numbers, plan_of
 
 from tippetop.errors import InputError
 from tippetop.problem import Problem
@@ -24,28 +25,20 @@ GRID = [
 ]
 
 
-def made(*axes: dict[str, Any], **more: Any) -> Plan:
-    return Plan.from_tables({"scenario": "inverting", "axis": list(axes), **more})
-
-
-def all_numbers(of: Plan) -> dict[str, np.ndarray]:
-    return of.design.numbers(np.arange(of.n))
-
-
 def test_axes_take_texts_with_units() -> None:
     spin = {"of": "initial.omega3", "linspace": ["955 rpm", 175.0], "n": 3}
-    numbers = all_numbers(made(spin, {"of": "run.until", "values": ["2 min", 1.0, "3/2"]}))
+    numbers = all_numbers(plan_of(spin, {"of": "run.until", "values": ["2 min", 1.0, "3/2"]}))
     assert numbers["initial.omega3"][0] == 955 * 2 * np.pi / 60
     assert numbers["run.until"][:3].tolist() == [120.0, 1.0, 1.5]
     with pytest.raises(
         InputError, match=r"`axis.1.values.0` must be in rad s-1 .* but is \"20 cm\""
     ):
-        made({"of": "initial.omega3", "values": ["20 cm"]})
+        plan_of({"of": "initial.omega3", "values": ["20 cm"]})
 
 
 def test_a_chunk_is_a_stretch_of_the_whole() -> None:
     drawn = {"of": "lambda", "between": [0.5, 2.0]}
-    of = made(*GRID[1:], drawn, sample={"method": "sobol", "n": 8, "seed": 1}, chunk=7)
+    of = plan_of(*GRID[1:], drawn, sample={"method": "sobol", "n": 8, "seed": 1}, chunk=7)
     whole = of.columns(np.arange(of.n))
     assert set(whole) == {"friction.mu", "run.until", "initial.omega3"}
     for key, values in whole.items():
@@ -67,7 +60,7 @@ def test_derived_numbers_are_those_of_the_tops_that_they_make(theta: float) -> N
         {"of": "gamma", "values": [0.8, 1.2]},
         {"of": "sigma", "values": [2.2, 3.0]},
     ]
-    of = made(*axes, set={"initial": {"theta": theta, "phi_dot": 3.0, "theta_dot": 0.2}})
+    of = plan_of(*axes, set={"initial": {"theta": theta, "phi_dot": 3.0, "theta_dot": 0.2}})
     numbers = all_numbers(of)
     for top in range(of.n):
         problem = of.problem(top)
@@ -80,7 +73,7 @@ def test_derived_numbers_are_those_of_the_tops_that_they_make(theta: float) -> N
 
 
 def test_sigma_alone_keeps_gamma() -> None:
-    problem = made({"of": "sigma", "values": [4.0]}).problem(0)
+    problem = plan_of({"of": "sigma", "values": [4.0]}).problem(0)
     assert problem.parameters["I1"] / problem.parameters["I3"] == pytest.approx(
         131 / 140, rel=1e-14
     )
@@ -107,7 +100,7 @@ def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> No
         {"of": "initial.omega3", "linspace": [100, 175], "n": n},
         {"of": "friction.mu", "linspace": [0.1, 0.5], "n": n},
     ]
-    of = made(*axes, set={"run": {"until": until}})
+    of = plan_of(*axes, set={"run": {"until": until}})
     ends = [(tops[0], tops[-1]) for tops in map(of.tops, range(of.chunks))]
     assert ends[0][0] == 0
     assert ends[-1][1] == n * n - 1
@@ -120,8 +113,7 @@ def test_chunks_hold_every_top_once_and_take_seconds(n: int, until: float) -> No
 @pytest.mark.parametrize(("n", "chunk"), [(4, 4), (40, 40), (400, 100), (10_000, 256)])
 def test_chunks_of_tops_whose_contact_changes_fill_lanes(n: int, chunk: int) -> None:
     axis = {"of": "initial.omega3", "linspace": [150, 350], "n": n}
-    plan = Plan.from_tables({"scenario": "wooden-toy", "axis": [axis]})
-    assert plan.chunk == chunk
+    assert plan_of(axis, scenario="wooden-toy").chunk == chunk
 
 
 def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
@@ -137,7 +129,7 @@ def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
     "changes", [{"output": "keyframes"}, {"output": "steps"}, {"output_times": [0.0, 1.0]}]
 )
 def test_set_takes_the_place_of_what_the_scenario_says_of_its_rows(changes: dict[str, Any]) -> None:
-    plan = made(GRID[0], set={"run": changes})
+    plan = plan_of(GRID[0], set={"run": changes})
     run = plan.document["scenario"]["run"]
     assert "output_step" not in run
     assert {name: run[name] for name in changes} == changes
@@ -146,7 +138,7 @@ def test_set_takes_the_place_of_what_the_scenario_says_of_its_rows(changes: dict
 def test_another_law_takes_no_number_from_the_scenario() -> None:
     change = {"friction": {"law": "coulomb", "eps": 1e-3}}
     with pytest.raises(InputError, match=r"`friction\.mu` must be given, but is missing"):
-        made(OMEGA, set=change)
+        plan_of(OMEGA, set=change)
 
 
 OMEGA = {"of": "initial.omega3", "values": [100.0]}
@@ -201,7 +193,7 @@ def test_what_is_wrong_is_said(document: dict[str, Any], words: str) -> None:
 def test_all_that_is_wrong_is_said_at_once() -> None:
     axes = [{"of": "friction.mu", "geomspace": [0, 1], "n": 2}, {"of": "gamma"}, {**OMEGA, "n": 2}]
     with pytest.raises(InputError) as error:
-        Plan.from_tables({"scenario": "inverting", "axis": axes, "runs": [3]})
+        plan_of(*axes, runs=[3])
     assert len(error.value.sentences) == 3
 
 
@@ -209,14 +201,12 @@ def test_a_top_of_a_plan_stands_as_it_would_alone() -> None:
     """Begin on the stem; a larger sphere begins on itself, without the gap of the base."""
     base = ["stem.r=3e-3", "stem.h=2.45e-2", "initial.theta=2.06", "parameters.R=1.3e-2"]
     tables = reading.override(reading.read("wooden-toy"), base)
-    document = {"scenario": tables, "axis": [{"of": "parameters.R", "values": [1.2e-2, 1.55e-2]}]}
-    plan = Plan.from_tables(document)
+    plan = plan_of({"of": "parameters.R", "values": [1.2e-2, 1.55e-2]}, scenario=tables)
     assert plan.problem(0).initial["gap"] > 0
     assert "gap" not in plan.problem(1).initial
 
 
 def test_info_says_why_a_contact_cannot_be_followed() -> None:
     axis = {"of": "friction.mu", "values": [0.3, 5.0]}
-    plan = Plan.from_tables({"scenario": "leine-glocker-stem", "axis": [axis]})
-    (sentence,) = faults_of(plan, np.array([1]))
+    (sentence,) = faults_of(plan_of(axis, scenario="leine-glocker-stem"), np.array([1]))
     assert sentence.startswith("top 1: `friction.mu` must be less than 1.3")

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plans import plan_of
 
 import tippetop as tt
-from tippetop.sweeps.plan import Plan
 from tippetop.views.borders import borders
 
 
@@ -24,8 +24,8 @@ class Table(dict):
         return SimpleNamespace(attrs={"long_name": key, "units": "1"})
 
 
-def of(*axes: dict[str, Any], **changed: Any) -> dict[str, Any]:
-    plan = Plan.from_tables({"scenario": "leine-glocker", "set": changed, "axis": list(axes)})
+def of(*axes: dict[str, Any], **more: Any) -> dict[str, Any]:
+    plan = plan_of(*axes, scenario="leine-glocker", **more)
     return borders(plan, list(plan.design.axes), Table())
 
 
@@ -70,11 +70,5 @@ def test_where_tops_of_other_numbers_share_a_map_there_is_no_line() -> None:
             ("parameters.alpha", 0.1, 0.2),
         )
     ]
-    plan = Plan.from_tables(
-        {
-            "scenario": "leine-glocker",
-            "axis": drawn,
-            "sample": {"method": "random", "n": 9, "seed": 1},
-        }
-    )
-    assert borders(plan, list(plan.design.axes), Table()) == {"labels": [], "lines": []}
+    sample = {"method": "random", "n": 9, "seed": 1}
+    assert of(*drawn, sample=sample) == {"labels": [], "lines": []}

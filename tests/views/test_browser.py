@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from limits import assert_near
 from nightly import at_night
 
 import tippetop as tt
@@ -25,8 +26,8 @@ def test_a_page_shows_the_poses_of_its_run(inverting: tt.Run, tab: Any) -> None:
     poses = tab.evaluate("times => times.map(t => tippetop.pose(t))", at.tolist())
     drawn = np.array([pose["orientation"] for pose in poses])
     assert np.degrees(angle_between(drawn, exact.orientation.values)).max() < 0.02
-    np.testing.assert_allclose([pose["theta"] for pose in poses], exact.theta.values, atol=2e-5)
-    np.testing.assert_allclose([pose["position"][0] for pose in poses], exact.x.values, atol=1e-6)
+    assert_near([pose["theta"] for pose in poses], exact.theta.values, 2e-5)
+    assert_near([pose["position"][0] for pose in poses], exact.x.values, 1e-6)
     row = 5900
     table = {str(name): column.values for name, column in inverting.trajectory.variables.items()}
     force = samples.samples(table, inverting.attributes)[row, 10:13]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from limits import assert_near
 from nightly import at_night
 from typed import typed
 
@@ -73,7 +74,7 @@ def test_a_motion_and_its_phases_are_those_of_the_engine(tab: Any, name: str) ->
     assert np.abs(found["thetas"] - run.trajectory.theta.values).max() < 1e-6
     if run.problem.contact:
         starts = [phase["start"] for phase in found["phases"]]
-        np.testing.assert_allclose(starts, run.phases.start.values, rtol=0, atol=1e-6)
+        assert_near(starts, run.phases.start.values, 1e-6)
         labels = [f"{phase['phase']} {phase['ball']}" for phase in found["phases"]]
         assert labels == [f"{PHASES[p]} {BALLS[b]}" for p, b in zip(*where(run), strict=True)]
     assert tab.faults == []

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from stores import interrupted, turning
-from typed import typed
+from typed import refused, typed
 
 import tippetop as tt
 from tippetop.views import pages
@@ -35,10 +35,9 @@ def test_a_run_in_memory_and_its_store_have_the_same_page(short_run: Path) -> No
     assert "srcdoc" in stored.view()._repr_html_()
 
 
-def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_an_unfinished_run_is_refused(tmp_path: Path) -> None:
     part = interrupted(tmp_path / "part.zarr", turning(100.0))
-    assert typed(f"view {part} --out {tmp_path}/x.html") == 5
-    assert "must be finished to be viewed" in capsys.readouterr().err
+    assert "must be finished to be viewed" in refused(f"view {part} --out {tmp_path}/x.html", 5)
     assert not (tmp_path / "x.html").exists()
 
 

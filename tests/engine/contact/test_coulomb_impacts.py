@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from limits import assert_near
 from nightly import at_night
 from touching import gained, mobility, struck
 
@@ -45,7 +46,7 @@ def balanced(v: tuple, K: Any, made: Any) -> None:
     p, after = made.p, (made.v_e, made.v_2, made.v_n)
     size = max(np.abs([*v, *after]))
     jump = (K.ee * p[0] + K.ez * p[2], K.tt * p[1], K.ez * p[0] + K.zz * p[2])
-    np.testing.assert_allclose(np.subtract(after, v), jump, rtol=0, atol=1e-14 * size)
+    assert_near(np.subtract(after, v), jump, 1e-14 * size)
     scale = np.dot(np.abs(p), np.abs(v) + np.abs(after))
     assert made.energy == pytest.approx(gained(v, made), rel=0, abs=1e-13 * scale)
 

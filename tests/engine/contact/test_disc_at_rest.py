@@ -1,31 +1,13 @@
 """A contact disc that comes to rest rolls without turning, until friction can no longer hold it."""
 
-from types import SimpleNamespace
-
 import numpy as np
+from examples import columns
 from limits import assert_below
+from test_phases_of_runs import run
 from touching import LEINE_GLOCKER, ROCKING
 
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
-
-
-LAW = {"law": "contensou", "mu": 0.3, "patch": 2e-3}
-
-
-def scenario(until=1.0, friction=LAW, parameters=LEINE_GLOCKER, run=None, **tables):
-    """Leine and Glocker's top on a soft plane: its disc is large, so that it soon rests."""
-    run = {"until": until} | (run or {})
-    return problem(
-        {"system": "tippe-top", "parameters": parameters, "friction": friction, "run": run} | tables
-    )
-
-
-def columns_of(done):
-    """Its columns, and Omega_z."""
-    c = SimpleNamespace(**{name: column.values for name, column in done.columns().items()})
-    c.turn = c.omega3 * np.cos(c.theta) + c.phi_dot * np.sin(c.theta) ** 2
-    return c
 
 
 def test_a_disc_gives_way_where_friction_can_no_longer_hold_it():
@@ -44,12 +26,11 @@ def test_a_disc_whose_turning_is_reversed_passes_its_rest():
     vanish at once, and grow again.
     """
     start = {"theta": 1.2, "theta_dot": 20.0, "phi_dot": -9.0, "omega3": 21.0}
-    disc = LAW | {"patch": 1e-3}
-    done = solve(
-        scenario(until=0.02, friction=disc, parameters=LEINE_GLOCKER | {"I3": 12e-7}, initial=start)
-    )
+    disc = {"law": "contensou", "mu": 0.3, "patch": 1e-3}
+    done = run(LEINE_GLOCKER | {"I3": 12e-7}, until=0.02, friction=disc, initial=start)
     assert done.report["contact_phases"]["counts"] == {"slip": 1}
     assert_below(1e-13, done.report["drift"])
-    c = columns_of(done)
-    assert np.all(np.diff(c.turn) > 0)
-    assert c.turn[0] < 0 < c.turn[-1]
+    c = columns(done)
+    turn = c["omega3"] * np.cos(c["theta"]) + c["phi_dot"] * np.sin(c["theta"]) ** 2
+    assert np.all(np.diff(turn) > 0)
+    assert turn[0] < 0 < turn[-1]

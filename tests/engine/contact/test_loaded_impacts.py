@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from limits import assert_near
 from scipy.integrate import solve_ivp
-from touching import CARRIED, inertia
+from touching import CARRIED, impact_motions, inertia
 
-from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import (
     Moving,
     Touch,
@@ -53,21 +53,12 @@ NUMBERS = {
     "contensou": {"mu": 0.3, "patch": PATCH},
 }
 every_law = pytest.mark.parametrize("law", NUMBERS)
-_impacts: dict[tuple, ImpactMotions] = {}
 
 
 def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
-    """The record of a law, with parts or, None, without."""
-    known = LAWS[law].given(NUMBERS[law])
-    more = {} if parts is None else dict(zip(("mu_r", "mu_d"), parts, strict=True))
-    return (known if parts is None else known.with_parts)(**NUMBERS[law] | numbers | more)
-
-
-def impacts(friction: Any, restitution: str) -> ImpactMotions:
-    key = type(friction), restitution, friction[-2:] == (0, 0)
-    if key not in _impacts:
-        _impacts[key] = ImpactMotions(type(friction), restitution)
-    return _impacts[key]
+    """The record of a law with both parts."""
+    more = dict(zip(("mu_r", "mu_d"), parts, strict=True))
+    return LAWS[law].given(NUMBERS[law]).with_parts(**NUMBERS[law] | numbers | more)
 
 
 def bodies(n: int, slides: float, seed: int = 7) -> list[tuple]:
@@ -98,7 +89,7 @@ def hit(
 ) -> tuple:
     b = ball._replace(friction=friction)
     x = Moving(u, L, centre_velocity(Turning(u, L), v, b), 0.0, CARRIED)
-    made = impacts(friction, restitution).struck(x, b, e_n)
+    made = impact_motions(type(friction), restitution).struck(x, b, e_n)
     return b, x, made, kicked(x, b, made.p, made.twist)
 
 
@@ -178,7 +169,7 @@ def assert_impact(b: Any, impact: Any, after: Any, expected: Any, bound: float) 
     parts = (np.split(x, [3, 6, 9, 12, 13]) for x in (found(b, impact, after), expected))
     names = (*names, "work of the normal force", "work of friction and torques")
     for name, mine, theirs in zip(names, *parts, strict=True):
-        np.testing.assert_allclose(mine, theirs, rtol=0, atol=bound, err_msg=name)
+        assert_near(mine, theirs, bound, name)
 
 
 @pytest.mark.parametrize("parts", [(MU_R, MU_D), (0.0, 0.0)])
@@ -224,9 +215,9 @@ def test_impulses_are_balanced_and_take_energy(law: str) -> None:
         b, x, impact, after = hit(*body, law_of(law), 0.5)
         u, L, _ = body
         p, twist = np.array(impact.p), np.array(impact.twist)
-        np.testing.assert_allclose(np.subtract(after.velocity, x.velocity), p, rtol=0, atol=1e-14)
+        assert_near(np.subtract(after.velocity, x.velocity), p, 1e-14)
         turned = np.cross(arm(u, b), p) + twist
-        np.testing.assert_allclose(np.subtract(after.L, L), turned, rtol=0, atol=1e-14)
+        assert_near(np.subtract(after.L, L), turned, 1e-14)
         omega = np.add(angular_velocity(x, b), angular_velocity(after, b)) / 2
         gained = p @ np.add(x.velocity, after.velocity) / 2 + turned @ omega
         assert (-after.carried.work, impact.gained) == pytest.approx((gained,) * 2, abs=1e-13)

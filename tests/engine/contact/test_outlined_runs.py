@@ -2,19 +2,18 @@
 top; `test_surroundings.py` has them against Newton and Euler.
 """
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from examples import stored_reference
+from limits import assert_near
 from nightly import at_night
 
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
 
 
-FOLDER = Path(__file__).parents[2] / "reference"
 EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02, c=0.0, I1=1.56e-5, I3=9.6e-6, g=9.81)
 JUMPS = {"theta": 1.5, "phi_dot": 190.0}
 
@@ -25,7 +24,7 @@ KINDS = {"ring": tt.Disc, "delta": tt.Ellipsoid}
 REFERENCE = {
     name: case
     for file in ("outlines", "ellipsoids")
-    for name, case in json.loads((FOLDER / f"{file}.json").read_text()).items()
+    for name, case in stored_reference(file).items()
     if name != "source"
 }
 MOTIONS = [
@@ -49,8 +48,7 @@ def test_a_motion_is_that_of_the_reference(name: str, form: str) -> None:
     for i, (_, *expected) in enumerate(case["rows"]):
         found = [rows[n].values[i] for n in ("axis", "L", "energy", "normal_force", "x")]
         for mine, theirs in zip(found, expected, strict=True):
-            atol = tolerance * np.max(np.abs(theirs))
-            np.testing.assert_allclose(mine, theirs, rtol=0, atol=atol)
+            assert_near(mine, theirs, tolerance, relative=True)
 
 
 def test_an_egg_jumps_when_the_reference_does() -> None:
@@ -58,7 +56,7 @@ def test_an_egg_jumps_when_the_reference_does() -> None:
     phases = tt.run(EGG, tt.friction.Viscous(mu=1.0), until=0.3, **options).phases
     case = REFERENCE["spheroid-jump"]
     expected = [case["liftoff"], case["landing"]]
-    np.testing.assert_allclose(phases.end.values[:2], expected, rtol=0, atol=1e-15)
+    assert_near(phases.end.values[:2], expected, 1e-15)
 
 
 BOAT = tt.Ellipsoid(**tt.load("rattleback").parameters)
@@ -127,9 +125,6 @@ def test_a_disc_that_lies_nearly_flat_keeps_its_balance(law: Any, options: dict[
     run = tt.run(disc, law, start=start, until=0.1, on_liftoff=None, **options)
     assert np.ptp(run.trajectory.theta.values) > 1e-5
     assert run.drift["energy_balance"] < 2e-15
-
-
-# --- the tippe top ------------------------------------------------------------------------------
 
 
 # --- presets ------------------------------------------------------------------------------------

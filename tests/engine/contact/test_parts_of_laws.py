@@ -5,6 +5,7 @@ Euler in space.
 import numpy as np
 import pytest
 import tilted
+from examples import columns
 from limits import assert_below
 from touching import LEINE_GLOCKER
 
@@ -36,15 +37,11 @@ def scenario(friction, until=0.2, parameters=LEINE_GLOCKER, parts=True, **tables
     )
 
 
-def columns_of(done):
-    return {name: column.values for name, column in done.columns().items()}
-
-
 @pytest.mark.parametrize("law", ["viscous", "coulomb", "none"])
 def test_an_upright_spin_falls_linearly(law):
     """I3 omega3' = -mu_d m g."""
     done = solve(scenario(LAWS[law], initial={"omega3": 50.0}))
-    c = columns_of(done)
+    c = columns(done)
     expected = 50.0 - MU_D * TOP.m * TOP.g / TOP.I3 * c["time"]
     np.testing.assert_allclose(c["omega3"], expected, rtol=1e-13)
 
@@ -72,10 +69,8 @@ RESTING["phi_dot"] = -4.0 * np.cos(0.5) / np.sin(0.5) ** 2
 )
 def test_a_phase_is_the_motion_of_newton_and_euler(law, start, phase, force):
     run = tt.run(scenario(LAWS[law], until=0.05, initial=start))
-    rows, b = run.trajectory, tilted.body_of(TOP)
-    assert (rows.phase == phase).all()
-    _, end = tilted.follow(force, b, tilted.state_of(rows.isel(time=0), b), 0.05)
-    tilted.assert_motion(rows.isel(time=-1), b, end, 1e-10)
+    assert (run.trajectory.phase == phase).all()
+    tilted.assert_moves(run.trajectory, tilted.body_of(TOP), force, 1e-10)
 
 
 def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
@@ -113,7 +108,7 @@ def test_records_take_parts_by_name():
     law = tt.friction.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
     run = tt.run(TOP, law, start=SLIDING, until=0.01)
     table = solve(scenario(LAWS["viscous"], 0.01, initial=SLIDING))
-    assert run.trajectory.theta.values[-1] == columns_of(table)["theta"][-1]
+    assert run.trajectory.theta.values[-1] == columns(table)["theta"][-1]
     assert run.summary.friction.to_dict() == {
         "law": "viscous",
         "mu": 0.3,

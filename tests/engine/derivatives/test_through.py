@@ -1,14 +1,15 @@
 """Derivatives through contact are those of differences of wide runs, and of closed forms."""
 
 import dataclasses
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from examples import stored_reference
+from limits import assert_near
 from nightly import at_night
+from pages import stick_slip
 from test_along_run import LAWS as SMOOTH
 from test_along_run import STENCIL
 
@@ -23,8 +24,7 @@ from tippetop.mechanics.units import SECOND
 
 
 pytestmark = pytest.mark.usefixtures("page")
-TESTS = Path(__file__).parents[2]
-CASES = json.loads((TESTS / "reference/derivatives_through_contact.json").read_text())["cases"]
+CASES = stored_reference("derivatives_through_contact")["cases"]
 SLOW = [
     pytest.param(name, marks=pytest.mark.slow) for name in CASES if "toy" in name or "drill" in name
 ]
@@ -76,12 +76,10 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
         found = [one[k] / made.sizes[k] for one in state]
         for part in (slice(0, 3), slice(3, 6), slice(6, 9)):
             known = np.array(expected["state"][part])
-            np.testing.assert_allclose(found[part], known, rtol=0, atol=1e-9 * np.abs(known).max())
+            assert_near(found[part], known, 1e-9, relative=True)
         known = np.array(expected["times"])
         mine = times[:, k] / made.sizes[k]
-        np.testing.assert_allclose(
-            mine, known, rtol=0, atol=1e-9 * np.abs(known).max(), err_msg=key
-        )
+        assert_near(mine, known, 1e-9, key, relative=True)
 
 
 LAWS = {**SMOOTH, "coulomb": {"mu": 0.3}, "contensou": {"mu": 0.3, "patch": 2e-4}}
@@ -127,13 +125,13 @@ def test_random_tops_that_bounce_have_the_derivatives_of_differences_of_wide_run
             }
             slope = sum(c * (whole[k] - whole[-k]) for k, c in STENCIL.items()) / h
             bound = 1e-9 * np.abs(slope).max() + 1e-16  # nu_z of a ball at rest is a difference
-            np.testing.assert_allclose(mine[column], slope, rtol=0, atol=bound, err_msg=column)
+            assert_near(mine[column], slope, bound, column)
 
 
 def assert_slopes(found: Any, ahead: Any, behind: Any, apart: float, bound: float) -> None:
     """Compare derivatives with differences of values that are `apart` in the number."""
     slope = (np.asarray(ahead) - np.asarray(behind)) / apart
-    np.testing.assert_allclose(found, slope, rtol=0, atol=bound * np.abs(slope).max())
+    assert_near(found, slope, bound, relative=True)
 
 
 def test_columns_along_a_run_are_those_of_differences() -> None:
@@ -267,14 +265,12 @@ def test_a_point_bounces_as_its_closed_form() -> None:
     slopes = 2 * np.array([sum(k * E ** (k - 1) for k in range(1, i + 1)) for i in n])
     expected = np.transpose([-T * sums / (2 * G), T * slopes, T * sums / (2 * H)])
     assert len(n) == 3
-    np.testing.assert_allclose(made.events.time.values, expected, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(made.phases.time.values[1:], expected, rtol=0, atol=1e-14)
+    assert_near(made.events.time.values, expected, 1e-14)
+    assert_near(made.phases.time.values[1:], expected, 1e-14)
     since = 1.2 - T * sums[-1]  # h = v t - g t^2/2, v = g T e^3
     v = G * T * E**3
     by = np.array([v / (2 * G), 3 * v / E, v / (2 * H)]) * since - [since**2 / 2, 0, 0]
-    np.testing.assert_allclose(
-        made.trajectory.h.values[-1], by - (v - G * since) * expected[-1], rtol=0, atol=1e-13
-    )
+    assert_near(made.trajectory.h.values[-1], by - (v - G * since) * expected[-1], 1e-13)
 
 
 def test_a_block_on_a_belt_slips_as_its_closed_form(page: dict) -> None:
@@ -284,20 +280,13 @@ def test_a_block_on_a_belt_slips_as_its_closed_form(page: dict) -> None:
     made = tt.derivatives.sensitivities(start, wrt, until=4.0, output_times=[4.0])
 
     def times(b: dict) -> np.ndarray:
-        frequency = np.sqrt(b["k"] / b["m"])
-        torn, middle = (b[n] * b["m"] * b["g"] / b["k"] for n in ("sticks", "mu"))
-        angle = np.arctan2((torn - middle) * frequency, b["belt"])
-        slipping = 2 * (np.pi - angle) / frequency
-        period = slipping + 2 * (torn - middle) / b["belt"]
-        slips = torn / b["belt"] + period * np.arange(3)
-        return np.sort([*slips, *(slips + slipping)])[: made.events.sizes["event"]]
+        return np.sort(np.ravel(stick_slip(b, 3)))[: made.events.sizes["event"]]
 
     for k, name in enumerate(wrt):
         h = 1e-3 * belt[name]
         at = {i: times({**belt, name: belt[name] + i * h}) for i in (-2, -1, 1, 2)}
         slope = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * h)
-        bound = 1e-9 * np.abs(slope).max()
-        np.testing.assert_allclose(made.events.time.values[:, k], slope, rtol=0, atol=bound)
+        assert_near(made.events.time.values[:, k], slope, 1e-9, relative=True)
 
 
 def changed(name: str, jump: Any, **fields: Any) -> dict:

@@ -26,15 +26,8 @@ class State(NamedTuple):
 
 
 def column(*x: Any) -> Any:
-    return mp.matrix([mp.mpf(y) for y in x])
-
-
-def cross(a: Any, b: Any) -> Any:
-    return column(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def vector(a: Any) -> Vector:
-    return Vector(*a)
+    """Return an array of numbers of 40 digits."""
+    return np.array([mp.mpf(y) for y in x])
 
 
 Z = column(0, 0, 1)
@@ -53,32 +46,31 @@ def random_state(rng: np.random.Generator, theta: Any = None) -> State:
 
 
 def inertia(x: State) -> Any:
-    return x.ball.I1 * mp.eye(3) + (x.ball.I3 - x.ball.I1) * x.u * x.u.T
+    return x.ball.I1 * np.eye(3, dtype=int) + (x.ball.I3 - x.ball.I1) * np.outer(x.u, x.u)
 
 
 def momentum(x: State) -> Any:
-    return inertia(x) * x.omega
+    return inertia(x) @ x.omega
 
 
-def acceleration(x: State, F: Any, torque: Any = None) -> Any:
+def acceleration(x: State, F: Any, torque: Any = 0) -> Any:
     """Of the contact point with the force F there and a torque, by the equations of Newton and
     Euler.
     """
     a = x.ball.c * x.u - x.ball.R * Z
-    turn = mp.lu_solve(
-        inertia(x), cross(a, F) + (torque or column(0, 0, 0)) - cross(x.omega, momentum(x))
-    )
+    torques = np.cross(a, F) + torque - np.cross(x.omega, momentum(x))
+    turn = column(*mp.lu_solve(mp.matrix(inertia(x)), mp.matrix(torques)))
     return (
         F / x.ball.m
         - x.ball.g * Z
-        + cross(turn, a)
-        + cross(x.omega, x.ball.c * cross(x.omega, x.u))
+        + np.cross(turn, a)
+        + np.cross(x.omega, x.ball.c * np.cross(x.omega, x.u))
     )
 
 
 def turning(x: State) -> contact.Turning:
     """3hat and L."""
-    return contact.Turning(vector(x.u), vector(momentum(x)))
+    return contact.Turning(Vector(*x.u), Vector(*momentum(x)))
 
 
 def assert_close(found: Any, expected: Any, tolerance: float = 1e-33) -> None:
@@ -105,12 +97,12 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
     every_state: list[State],
 ) -> None:
     for x in every_state:
-        u, b = vector(x.u), response.bias_vector(turning(x), x.ball)
+        u, b = Vector(*x.u), response.bias_vector(turning(x), x.ball)
         assert_close(b, acceleration(x, column(0, 0, 0)))
         for force in (column(1, 0, 0), column(0, 1, 0), column(1, -2, 3)):
-            F = vector(force)
+            F = Vector(*force)
             torque = column(0.03, 0.02, -0.05)
-            found = response.contact_acceleration(turning(x), F, vector(torque), x.ball)
+            found = response.contact_acceleration(turning(x), F, Vector(*torque), x.ball)
             assert_close(found, acceleration(x, force, torque))
             there_and_back = response.mobility_inverse_times(
                 u, response.gains(u, F, Vector(0, 0, 0), x.ball)[0], x.ball
@@ -121,8 +113,8 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
 def test_velocities_of_the_contact_point(every_state: list[State]) -> None:
     for x in every_state:
         V = column(0.1, 0.2, -0.3)
-        expected = V + cross(x.omega, x.ball.c * x.u - x.ball.R * Z)
-        v, omega = contact.velocities(contact.Moving(*turning(x), vector(V), 0), x.ball)
+        expected = V + np.cross(x.omega, x.ball.c * x.u - x.ball.R * Z)
+        v, omega = contact.velocities(contact.Moving(*turning(x), Vector(*V), 0), x.ball)
         assert_close(v, expected)
         assert_close(omega, x.omega)
         assert_close(contact.centre_velocity(turning(x), v, x.ball), V)
@@ -133,4 +125,4 @@ def test_a_contact_that_rolls_stays_at_rest(every_state: list[State]) -> None:
         F = column(*response.resting(turning(x), x.ball)[0])
         assert_close(acceleration(x, F), column(0, 0, 0))
         room = (x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2
-        assert_close([response.cone(vector(F), x.ball)], [room])
+        assert_close([response.cone(Vector(*F), x.ball)], [room])

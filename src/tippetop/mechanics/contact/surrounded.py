@@ -2,7 +2,7 @@
 
 A system goes in, and comes out with a body in surroundings, without the theory of a level plane at
 rest, and in rolling with further integrals. Where the equations depend on an integral of the run
-(time on a shaker, place on a turntable), the state ends with a copy of it: see `joined`.
+(time on a shaker, place on a turntable), the state ends with a copy of it: see `present_body`.
 
 Symbols
     around    names of the groups of surroundings, see `surroundings.GROUPS`
