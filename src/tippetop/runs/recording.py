@@ -91,7 +91,10 @@ class Recorder(Writer, Sink):
                 self.later(partial(self.growing[name].append, table))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], PlainData]) -> None:
-        """Commit every few seconds; if `stop` is set, commit and raise Interrupted."""
+        """Commit every few seconds; if `stop` is set, commit and raise Interrupted.
+
+        `snapshot` is as for `Sink.slice_done`; it is called only for a commit.
+        """
         asked = self.stop.is_set()
         if asked or time.monotonic() - self.committed_at > COMMIT_EVERY:
             self.commit(progress, snapshot())

@@ -190,8 +190,8 @@ class Motion(NamedTuple):
 
 
 def noted(directions: int, function: Callable, *given: Any) -> tuple[Any, np.ndarray]:
-    """Call a function; return its result, and the least change along each direction at which a
-    comparison turns out otherwise.
+    """Return function(*given), and the least change along each direction, (directions,), at which
+    one of its comparisons turns out otherwise.
     """
     least = [np.full(directions, np.inf)]
 
@@ -476,6 +476,7 @@ class Pass:
         def jumped(call: Callable, numbers: Sequence) -> tuple:
             """Make the jump with given numbers of the body, of the impact rules, and of the state.
 
+            `evaluated` calls it, and says what `call` is: pieces of an impact are made by it.
             Return numbers (the longest time of the next phase, then the state in it) and the name
             of this phase with its zeros. If the run ends: the delay, and an empty name.
             """
