@@ -81,7 +81,8 @@ QUIET = np.errstate(all="ignore")
 def completed(phase: Phase, variables: Variables) -> Phase:
     """Return a phase with all integrals of a run, so that every phase has the same ones.
 
-    Integrals that the phase does not change have the rate 0.
+    Integrals that the phase does not change have the rate 0. Cached, so that a phase stays the same
+    object: its formulas are cached by it.
     """
     moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
     integrals = tuple(
@@ -97,7 +98,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
 
     The events are those of the phase, then those of the system that no phase has. `pattern` is a
     record like the parameters of the phase, whose numbers do not matter; `types` are its `kinds`,
-    by which results are cached.
+    by which results are cached: compiled integrators are cached by the result, as an object.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]

@@ -92,7 +92,10 @@ ContactTable: Any = number_table(
 
 @lru_cache(maxsize=64)
 def tables_of(system: System, law: Any = None) -> dict[str, Any]:
-    """Return the models of the tables that a scenario of a system and a law may have, by name."""
+    """Return the models of the tables that a scenario of a system and a law may have, by name.
+
+    The dict is cached: not to be changed.
+    """
     words = "the centre of mass does not move sideways"
     flags: Any = {
         a.name: (bool, Field(None, description=words)) for a in system.alternatives if a.flag
