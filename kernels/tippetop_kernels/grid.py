@@ -49,9 +49,11 @@ def scanned(prepare, slope, value, x, y, r, status, j):
 
 
 def minima(prepare, guess, slopes, slope, value, reaches_pole):
-    """Return the kernel of the minimum over q at every (x, y).
+    """Return the kernel of the minimum over q at every (x, y), for these functions of a problem.
 
-    It fills F, q (float64) and status (int8), each (xs.size, ys.size).
+    They are those of `minimise`, as kernels; prepare(x, y, r) -> p, and reaches_pole(x, y, p, r) ->
+    whether the infimum is approached at either end. The kernel fills F, q (float64) and status
+    (int8), each (xs.size, ys.size).
     """
 
     @kernel
@@ -104,9 +106,10 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
 
 
 def gradients(prepare, gradient):
-    """Return the kernel of gradient(q, p, r) at every (x, y).
+    """Return the kernel of gradient(q, p, r) -> derivatives by x and by y, at every (x, y).
 
-    Fills by_x, by_y, (xs.size, ys.size).
+    prepare(x, y, r) -> p. Both must be kernels themselves. q (xs.size, ys.size) are the minima, as
+    `minima` returns them; the kernel fills by_x, by_y of the same shape.
     """
 
     @entry

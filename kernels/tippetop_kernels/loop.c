@@ -183,8 +183,8 @@ typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate sums, which the processor adds at the
-   same time. */
+/* p(x), p'(x) and p''(x)/2 of n coefficients, lowest power first. Even and odd powers are separate
+   sums, which the processor adds at the same time. */
 static Jet jet(const real *p, integer n, real x) {
     real y = x * x;
     real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
@@ -204,7 +204,7 @@ static Jet jet(const real *p, integer n, real x) {
 }
 
 /* The zero of a monotone p on [0, 1], where it ends with the value `end`, by Newton's rule, kept
-   between bounds. 0 if rounding hides the zero there. */
+   between bounds. 0 if rounding hides the zero there. p as for `jet`. */
 static real zero_of(const real *p, integer n, real end) {
     real low = 0, high = 1, x = p[0] / (p[0] - end);
     if ((p[0] > 0) == (end > 0))
@@ -288,9 +288,9 @@ integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
     }
 }
 
-/* Extend the least and the greatest of two values by those of p on [0, 1]: Newton's rule on the
-   slope from the least and the greatest of some points. Write their places, NaN for a value that is
-   the old one. */
+/* Extend `values`, the least and the greatest value so far, by those of p on [0, 1]: Newton's rule
+   on the slope from the least and the greatest of some points. Write to `places` (2,) where in the
+   step they are, NaN for a value that is the old one. */
 void loop_extremes(const real *p, integer n, real *values, real *places) {
     real points[NODES] = {0};
     for (integer k = n - 1; k >= 0; k--)
@@ -374,7 +374,8 @@ static void bound_functions(const Loop *l) {
 
 /* --- the events of one lane --- */
 
-/* The multiplicity of the zero of an event function where the first step of a phase begins.
+/* The multiplicity of the zero of an event function where the first step of a phase begins; 0 in
+   later steps.
 
    A jump leads exactly to such a zero: a flight begins with gap = gap' = 0. The first coefficients
    of the function are then rounding errors, and their signs would be found as an event there: the
@@ -408,8 +409,8 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     return loop_crossings(p + k, size - k, f->sign > 0, zeros);
 }
 
-/* Whether a zero is that of the start. A function that must not fall below zero is let through
-   there too. */
+/* Whether a zero at the internal time `when` is that on which the run starts, which is no event. A
+   function with extremes (a force, which must not fall below zero) has none: its zero counts. */
 static bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
     return f->on_zero > 0 && when <= l->on_zero_for && !event->extremes;
 }
@@ -461,7 +462,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     return theta_of(u);
 }
 
-/* Keep the numbers of an event of the top in a slot, and log it. */
+/* Keep the numbers of an event of the top in a slot, and append it to the log, if there is one. */
 static void keep(const Loop *l, const Event *event, integer slot, const Passage *row) {
     for (integer m = event->first; m < event->last; m++) {
         const Number *number = l->numbers + m;
@@ -574,7 +575,7 @@ static real find_events(const Loop *l, integer lane, real t, real h) {
 
 /* --- rows at given times --- */
 
-/* Write the state of a lane at a time within the step to `out`. */
+/* Write the variables of a lane at an internal time within its present step to `out`. */
 static void state_at(const Loop *l, integer lane, real time, real *out) {
     l->limit[lane] = (time - l->start_high[lane]) - l->start_low[lane];
     l->dense(out, l->tc, l->limit);
@@ -622,7 +623,7 @@ FUSES static void sum_rows(const Loop *l, integer at) {
     }
 }
 
-/* Whether a top has rows that are not written before a time. */
+/* Whether a top has a row before an internal time that is not written yet. */
 static bool is_row_before(const Loop *l, integer top, real time) {
     integer count = l->row_count;
     return count > 0 && l->rows_made[top] < count &&
@@ -667,7 +668,8 @@ static bool write_rows(const Loop *l, integer lane, bool moved) {
 
 /* --- steps --- */
 
-/* Allow the next step up to the end of each run; 0 in a lane that has ended. */
+/* Set `limit` to the longest next step of each lane: up to the end of its run or phase, at most
+   LONGEST; 0 in a lane that has ended. */
 static void begin_step(const Loop *l) {
     memcpy(l->before, l->state, l->variables * l->lanes * sizeof(real));
     for (integer lane = 0; lane < l->lanes; lane++) {
@@ -745,7 +747,7 @@ static bool finish_step(const Loop *l, integer lane) {
 
 /* --- the loop --- */
 
-/* Whether there may be no room for what the next step finds. */
+/* Whether the log or the samples may have no room for those of the next step. */
 static bool is_full(const Loop *l) {
     return (l->log_room > 0 && l->logged[0] + l->events * l->size * l->lanes > l->log_room) ||
            (l->sample_room > 0 && l->sampled[0] + l->lanes > l->sample_room);
@@ -762,7 +764,8 @@ static void sort_log(const Loop *l, integer first) {
     }
 }
 
-/* Take in the step that was made. Return whether a run has ended. */
+/* Add the step that was made, in all lanes, to times, tallies and the log. Return whether a run has
+   ended. */
 static bool end_step(const Loop *l) {
     integer first = l->logged[0];
     bool ended = false;
@@ -1073,6 +1076,7 @@ static bool ends_phase(Top *t, const Loop *l, integer lane) {
     return within || by_clock;
 }
 
+/* Is a phase that ends now the last: is at most AT_END of the run left? */
 static bool is_at_end(const Top *t) {
     return t->end - t->high <= AT_END * t->end;
 }
@@ -1131,7 +1135,7 @@ typedef struct {
     integer calls, possible; /* how many these are; steps of lanes that were possible */
 } Pools;
 
-/* Let a top wait for a lane of its phase. */
+/* Append a top to the queue of its phase, where it waits for a lane. */
 void loop_push(Pools *p, integer top) {
     integer phase = p->tops[top].phase;
     Pool *pool = p->pools + phase;
@@ -1139,7 +1143,7 @@ void loop_push(Pools *p, integer top) {
     p->tops[top].waits = A_LANE;
 }
 
-/* Put the next top of a queue into a lane. */
+/* Put the next top of the queue of a phase into a lane, which is empty. */
 static void enter_lane(const Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
@@ -1183,7 +1187,8 @@ bool loop_start(Pools *p, const Loop *l, integer top) {
     return true;
 }
 
-/* Take a top out of its lane. */
+/* Take a top out of its lane, change its phase if that has ended, and let it wait for what it needs
+   next. */
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
@@ -1273,11 +1278,13 @@ void loop_count_turnings(Tally *tally, real noise_floor, integer n, const intege
 #define DIGEST ""
 #endif
 
-/* A digest of this file when it was compiled. */
+/* A digest of this file when it was compiled, which `engine.loop.library` compares with that of the
+   source; "" if the build did not define it. */
 const char *loop_digest(void) {
     return DIGEST;
 }
 
+/* The size of the structure `Loop`, which a test compares with that of `engine.loop`. */
 integer loop_structure_size(void) {
     return sizeof(Loop);
 }

@@ -59,7 +59,7 @@ def numbers(name: str, values: Any) -> "np.ndarray":
 
 
 def positive_integer(name: str, value: Any) -> int:
-    """Return an argument as an int of at least 1. Raises InputError."""
+    """Return an argument, a whole number of any type, as an int. Raises InputError below 1."""
     try:
         number = finite(name, value)
     except InputError:
@@ -150,9 +150,9 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value, or a tree of dicts and lists, as TOML contains it: numbers of Python.
+    """Return a tree of mappings, lists and arrays as dicts and lists with numbers of Python.
 
-    Arrays become lists. Raises InputError for what TOML does not have.
+    Other values are returned unchanged. Raises InputError for a tree that is too deep.
     """
     import numpy as np
 
@@ -209,7 +209,10 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
     """
 
     def decorated(function: F) -> F:
-        """Return the function with the other one's keywords in its signature and docstring."""
+        """Return the function with the other one's keywords in its signature and docstring.
+
+        Only keyword-only arguments that it does not have itself are added.
+        """
         own = inspect.signature(function)
         kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
         others = inspect.signature(source).parameters.values()
@@ -218,7 +221,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
-            """Call the function; a keyword that it does not have is an InputError."""
+            """Call the function; a keyword that it does not have raises a TypeError."""
             hint = IN_TABLES if "start" in signature.parameters else ""
             refuse_unknown(function.__name__, named, signature.parameters, hint)
             return function(*arguments, **named)

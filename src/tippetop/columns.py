@@ -109,7 +109,10 @@ def on_sphere(trajectory: Any) -> np.ndarray:
 
 
 def flagged(flags: Any, name: str) -> np.ndarray:
-    """Return where a column of flags, with its `flag_meanings`, has a value, (n,) of bool."""
+    """Return where a column of flags has the meaning `name`, (n,) of bool.
+
+    Nowhere, if the `flag_meanings` among its attributes lack this name.
+    """
     meanings = flags.attrs["flag_meanings"].split()
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
 
@@ -120,7 +123,10 @@ def significant_turnings(events: Any) -> np.ndarray:
 
 
 def counted(numbers: np.ndarray, words: Sequence[str]) -> dict[str, int]:
-    """Return how often each word occurs in flags, by their numbers; words that occur only."""
+    """Return how often each word occurs, for words that occur, in the order of `words`.
+
+    `numbers` (n,) are their indices, as in a column of flags.
+    """
     counts = np.bincount(numbers, minlength=len(words)).tolist()
     return {word: n for word, n in zip(words, counts, strict=True) if n}
 
@@ -195,7 +201,10 @@ def with_coordinates(table: xr.Dataset) -> xr.Dataset:
 
 
 def plain_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as any file can contain them: numbers, texts, and others as JSON texts."""
+    """Return attributes as any file can contain them: numbers, texts, and others as JSON texts.
+
+    True and False are JSON texts too; attributes that are None are left out.
+    """
     return {
         name: value
         if isinstance(value, int | float | str) and not isinstance(value, bool)

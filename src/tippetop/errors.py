@@ -250,7 +250,8 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
     """Return a formula of the user whose faults become an InputError that names it.
 
     Faults are exceptions, and values that are not one number, such as None of a function without
-    `return`. Formulas of this package are returned as they are.
+    `return`. Formulas of this package are returned as they are. Cached, so that a formula has one
+    such object: compiled code is cached by it.
 
     Parameters
     ----------

@@ -70,7 +70,8 @@ def spread(size: int, count: int) -> np.ndarray:
 def extremes(values: np.ndarray, size: int) -> np.ndarray:
     """Return the indices of the least and the greatest value per `size` values, and of the last.
 
-    Ascending, each once; NaN counts as 0."""
+    Ascending, each once; NaN counts as 0.
+    """
     count = len(values)
     first = np.arange(0, count, size)
     bins = np.pad(np.nan_to_num(values), (0, -count % size), "edge").reshape(-1, size)

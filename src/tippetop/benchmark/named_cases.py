@@ -72,7 +72,7 @@ class Case(NamedTuple):
 
 @cache
 def data(file: str) -> dict[str, Any]:
-    """Return the content of a data file of this package, TOML or JSON."""
+    """Return the content of a data file of this package, TOML or JSON; not to be changed."""
     text = (files(__package__) / file).read_text(encoding="utf-8")
     return json.loads(text) if file.endswith(".json") else tomllib.loads(text)
 

@@ -420,7 +420,9 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
     """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing.
 
-    `there` is the result and `exact` its reference at the same times.
+    `there` is the result and `exact` its reference at the same times. Energies are relative to the
+    first one of the reference, forces to the weight; attitude and theta are in rad, position in m,
+    spin in rad/s.
     """
     body = each.problem.body()
     apart = differences(there, exact)

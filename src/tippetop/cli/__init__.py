@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 
 def _warn(message: Warning | str, *_: Any) -> None:
-    """Print a warning of a library in one line, without its place in the source."""
+    """Print a warning in one line, without its place in the source: our `warnings.showwarning`."""
     streams.report(f"warning: {' '.join(str(message).split())}")
 
 

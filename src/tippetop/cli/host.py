@@ -36,7 +36,10 @@ def prepare() -> None:
 
 @contextlib.contextmanager
 def stopping() -> Iterator[tuple[threading.Event, list[int]]]:
-    """Provide an event that SIGINT and SIGTERM set in this block, and the numbers that came."""
+    """Provide an event that SIGINT and SIGTERM set in this block, and a list of those that came.
+
+    At its end the former handlers are put back. Only the main thread can do this.
+    """
     event = threading.Event()
     numbers = list[int]()
 

@@ -182,7 +182,11 @@ def replay(
 def _interruptible(
     work: Callable[[Event], tuple[Any, PlainData]], store: Path
 ) -> tuple[PlainData, dict[str, float]]:
-    """Return the attributes and the seconds of a run; on a signal exit with 128 + its number."""
+    """Return the attributes and the seconds of a run; on a signal exit with 128 + its number.
+
+    work(stop) makes the run in `store`, as `record` does: it returns the Integration and the
+    attributes, or raises Interrupted after `stop` is set.
+    """
     from ..errors import Interrupted
     from ..store.root import root_of
     from .host import stopping

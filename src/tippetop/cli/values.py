@@ -14,7 +14,10 @@ from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, ONE, SECOND, Unit
 
 
 def _read(read: Callable[[str, str], Any], hyphen: bool = True) -> Parameter:
-    """Declare an argument that a function reads from its name and its text."""
+    """Declare an argument of the command line that read(name, text) turns into its value.
+
+    `hyphen`: whether the text may begin with a hyphen, as a negative number does.
+    """
 
     def convert(_: Any, tokens: Sequence[Token]) -> Any:
         """Return the value of an argument of the command line."""

@@ -74,7 +74,10 @@ class Formulas:
 
 @lru_cache(maxsize=64)
 def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
-    """Return the formulas of a system in a form, under a friction law given by its type."""
+    """Return the formulas of a system in a form, under a friction law given by its type.
+
+    Cached, so that equal arguments give the same object: compiled integrators are cached by it.
+    """
     form = system.forms[form_name]
 
     def functions(q: Any, carried: Any, b: Any) -> list:

@@ -82,7 +82,8 @@ QUIET = np.errstate(all="ignore")
 def completed(phase: Phase, variables: Variables) -> Phase:
     """Return a phase with all integrals of a run, so that every phase has the same ones.
 
-    Integrals that the phase does not change have the rate 0.
+    Integrals that the phase does not change have the rate 0. Cached, so that a phase stays the same
+    object: its formulas are cached by it.
     """
     moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
     integrals = tuple(
@@ -98,7 +99,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
 
     The events are those of the phase, then those of the system that no phase has. `pattern` is a
     record like the parameters of the phase, whose numbers do not matter; `types` are its `kinds`,
-    by which results are cached.
+    by which results are cached: compiled integrators are cached by the result, as an object.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]
@@ -183,7 +184,7 @@ class Jump:
 
     @property
     def where(self) -> str:
-        """Return the name of the jump for messages."""
+        """Return the name of the jump for messages: "the jump by `land` from phase ... of ..."."""
         of_phase = f" from phase `{self.name}`" if self.name else ""
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
@@ -255,7 +256,10 @@ def begin_in_first(x: Any, world: World) -> Next:
 
 
 def wrong_time(n: Next, to: "PhaseSolver") -> str:
-    """Return the fault of the times or the series of a Next; "" without one."""
+    """Return the fault of the times or the series of a Next, a clause after "must"; "" without one.
+
+    `to` is the solver of the phase that it leads to.
+    """
     for what in ("delay", "lasts"):
         time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
@@ -276,9 +280,10 @@ def wrong_time(n: Next, to: "PhaseSolver") -> str:
 
 
 def wrong_root(n: Next, to: "PhaseSolver", q: Any, carried: Any, values: Sequence) -> str:
-    """Return the fault of the multiplicities of a Next; "" without one.
+    """Return the fault of the multiplicities of a Next, a clause after "must"; "" without one.
 
-    It is a fault if the event function, or its slope for a multiple root, is not zero.
+    It is a fault if the event function, or its slope for a multiple root, is not zero in the state
+    q, `carried` where the phase of `to` begins; `values` are the event functions there.
     """
     rates = to.phase.form.rates(q, to.b)
     moved = type(q)(*(v + NEAR * rate for v, rate in zip(q, rates, strict=True)))
@@ -579,7 +584,10 @@ class HybridDriver(Driver):
                 self.jump_programs.register(solver, jump)
 
     def codes(self) -> tuple[Compiled, ...]:
-        """Return the integrators of all phases, compiled."""
+        """Return the integrators of all phases, compiled, in the order of `phases`.
+
+        Their fingerprint is in stores: the order must not change, nor may a phase be left out.
+        """
         return tuple(self.solver_of(name).workspace.compiled for name in self.phases)
 
     def set_phase(self, solver: PhaseSolver, began: float) -> None:

@@ -63,7 +63,8 @@ def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> For
     """Return the equations and events of one stage of an impact under a friction law.
 
     `name` is its region. `pattern` is a record like the body, and `lies` one like its axis or
-    frame; the numbers in them do not matter.
+    frame; the numbers in them do not matter. Cached, as compiled integrators are cached by the
+    result.
     """
     stage = motion.stages(friction)[name]
     vector = Vector(1.0, 1.0, 1.0)

@@ -145,7 +145,7 @@ class JumpPrograms:
         self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
 
     def add_loop(self, place: int, loop: Any) -> None:
-        """Let programs use the loop of a phase, or of a motion."""
+        """Let programs use a loop by its number `place`: of a phase, or after them of a motion."""
         self.loops[place] = ctypes.addressof(loop.structure)
 
     def learn(self, jump: Any, *given: Any) -> None:
@@ -165,7 +165,10 @@ class JumpPrograms:
         self.register(self.run.solver, jump)
 
     def register(self, solver: Any, jump: Any) -> None:
-        """Enter the programs of a jump into the table of the loop, for the exit of this phase."""
+        """Enter the new programs of a jump into the table of the loop, for the exit of this phase.
+
+        Each phase that they lead to is compiled.
+        """
         run = self.run
         event = run.endings[jump.exit.event]
         if event < 0:  # a stall, which Python follows
@@ -197,7 +200,10 @@ class JumpPrograms:
         program = Program(*given)
 
         def followed(region: str, *given: Any) -> list:
-            """Record the call of `ImpactMotions.piece` as one line of the program."""
+            """Record the call of `ImpactMotions.piece` as one line of the program.
+
+            It replaces that method, so it has the same arguments and results.
+            """
             place = len(run.phases) + [*run.impacts.stages].index(region)
             motions.append((place, region))
             return program.call(place, partial(run.impacts.piece, region), *given)

@@ -127,7 +127,10 @@ def filled(record: Any) -> ctypes.Structure:
 
 
 def _field(value: Any) -> Any:
-    """Return a field as C takes it: a number, a structure, or the address of an array."""
+    """Return a field as C takes it: a number, a structure, or the address of an array.
+
+    The address of an empty array is None (NULL).
+    """
     if isinstance(value, tuple):
         return filled(value)
     if not isinstance(value, np.ndarray):
@@ -261,10 +264,13 @@ def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -
     """
 
     def called(work: Callable[[], None], count: int) -> Any:
-        """Return a C function of `count` pointers that does the work, or ends the runs."""
+        """Return a C function of `count` pointers, which are ignored, that does the work.
+
+        After an error it ends the runs instead. Its result must be kept as long as C may call it.
+        """
 
         def function(*_: int) -> None:
-            """Do the work, and keep an error for `Loop.drive`."""
+            """Do the work; keep an error for `Loop.drive`, and make the step NaN: it ends runs."""
             try:
                 if not failures:
                     work()

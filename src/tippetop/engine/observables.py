@@ -67,7 +67,10 @@ class Observables:
         return float(self.evaluate(row)["theta"][0])
 
     def domains(self, rows: np.ndarray) -> dict[str, float]:
-        """Return the least value of each function that must stay positive, by its meaning."""
+        """Return the least value of each of the form's `domains` over the rows, internal units.
+
+        They must stay positive; the keys are their meanings.
+        """
         state = self.moment(rows)
         body = self.body
         domains = self.problem.form.domains

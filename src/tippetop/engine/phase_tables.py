@@ -53,14 +53,17 @@ class PhaseTables:
         self.under_way = [time, *self.numbers[name, cause]]
 
     def end(self, time: float) -> None:
-        """Add the row of the present phase, which ends at an internal time."""
+        """Add the row of the present phase, which ends at an internal time; then none is under way.
+
+        Without a present phase nothing happens.
+        """
         if self.under_way:
             start, *rest = self.under_way
             self.rows["phases"].append([start, time, *rest])
             self.under_way = []
 
     def add(self, time: float, rows: Mapping[str, Sequence]) -> None:
-        """Add rows of other tables at an internal time."""
+        """Add rows of other tables, by table, at an internal time, which is put before each."""
         for name, some in rows.items():
             self.rows[name] += [(time, *row) for row in some]
 
@@ -75,14 +78,18 @@ class PhaseTables:
 
 
 def number_of(value: Any, kind: Any) -> Any:
-    """Return the index of a word among the words of its column; a number unchanged."""
+    """Return the index of a word in `kind`, the words of its column; a number unchanged."""
     return kind.index(value) if isinstance(value, str) else value
 
 
 def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
-    """Return rows, in internal units, as columns in SI; words become their indices."""
+    """Return rows of the table `name`, in internal units, as columns in SI, by name.
+
+    `kinds` are the entries of `System.tables`: the unit of each column, or its words, which become
+    their indices. A row begins with its times. `scales` may be left out without rows.
+    """
     table = Table()
     times = ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):

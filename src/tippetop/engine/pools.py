@@ -211,11 +211,11 @@ class Pools:
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
     def start(self, slot: int) -> None:
-        """Begin the first phase of a top."""
+        """Begin the first phase of the top in a slot; pools of several phases override it."""
         self.push(slot)
 
     def push(self, slot: int) -> None:
-        """Append a top to the queue of its phase."""
+        """Append the top in a slot to the queue of its phase, `tops["phase"]`."""
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> int:
@@ -314,7 +314,7 @@ class HybridPools(Pools, HybridDriver):
 
     @property
     def clock(self) -> tuple[Any, Any]:
-        """Return the internal time of the top that the driver holds."""
+        """Return the internal time of the top that the driver holds, the pair (high, low)."""
         clock: tuple[float, float] = self.top[["high", "low"]].item()
         return clock
 
@@ -324,7 +324,10 @@ class HybridPools(Pools, HybridDriver):
         return self.states[self.slot, : len(self.workspace.motion.state)]
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state and the time of the top that the driver holds."""
+        """Set the state and the time (high, low) of the top that the driver holds, in its slot.
+
+        Like the other overrides here it replaces the arrays of a single run by those of all tops.
+        """
         self.top["high"], self.top["low"] = clock
         self.states[self.slot] = 0.0
         self.states[self.slot, : len(state)] = state
@@ -342,7 +345,10 @@ class HybridPools(Pools, HybridDriver):
                 self.push(slot)
 
     def _load(self, slot: int) -> None:
-        """Load a top from its slot into the driver: the methods of `HybridDriver` act on it."""
+        """Load a top from its slot into the driver: the methods of `HybridDriver` act on it.
+
+        Tallies, rows and state are views of the arrays of all tops; `_store` writes back the rest.
+        """
         *numbers, e_n = self.bodies[slot].tolist()
         body = refill(self.world.body, iter(numbers))
         self.world = self.world._replace(body=body, rules=self.world.rules._replace(e_n=e_n))
@@ -376,7 +382,10 @@ class HybridPools(Pools, HybridDriver):
         self.tables.rows.clear()
 
     def attend(self, slot: int) -> int:
-        """Start a top, make its jump, or set the end of its next step in a sampled phase."""
+        """Start a top, make its jump, or set the end of its next step in a sampled phase.
+
+        Return what the top waits for next, as `Pools.attend`.
+        """
         self._load(slot)
         top = self.top
         if top["waits"] == AN_END:
@@ -400,5 +409,5 @@ class HybridPools(Pools, HybridDriver):
         return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
 
     def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
-        """Return the parameters of a phase of the tops in slots (k,)."""
+        """Return the parameters b of the phase of a solver for the tops in slots: numbers (k,)."""
         return solver.phase.parameters(refill(self.world.body, iter(self.bodies[slots].T)))

@@ -164,7 +164,11 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
 
 
 def reference(run: Solution) -> Arrays:
-    """Return the columns of a run by name, and quantities that a table may have instead, SI."""
+    """Return the columns of a run by name, and quantities that a table may have instead, SI.
+
+    They are place, velocity, omega (rows, 3) and, where it is known, orientation and force: names
+    of `headers.KINDS`, in space.
+    """
     problem = run.problem
     body = problem.body()
     columns = {name: column.values for name, column in run.columns().items()}
@@ -203,9 +207,11 @@ def _attitude(motion: Arrays, body: Any) -> Any:
 
 
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
-    """Return what an accelerometer at a place in the body measures, (rows, 3) [m/s^2].
+    """Return what an accelerometer in the body measures along its axes, (rows, 3) [m/s^2].
 
-    Raises InputError for a place that is not the centre of mass if the contact may change."""
+    `columns` are those of `reference`, `chip` is its place from the centre of mass, body axes [m].
+    Raises InputError for another place than this point if the contact may change.
+    """
     problem = run.problem
     if problem.contact is None:
         predicted = Predictions(problem, ())

@@ -325,7 +325,10 @@ def judged(
     reasons += doubts
 
     def moved(name: str, shift: np.ndarray) -> list[str]:
-        """Return [] or a sentence, if a number moves by more than LARGE standard errors."""
+        """Return [] or a sentence, if a number moves by more than LARGE standard errors.
+
+        `shift` (free,) is how far each would move under the influence `name`, SI.
+        """
         worst = int(np.argmax(shift / sigma))
         errors = shift[worst] / sigma[worst]
         words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."

@@ -78,6 +78,7 @@ class Misfit:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals (points, numbers) of the first rows, and their Jacobians.
 
+        `points` are (points, free), in the coordinates of the space; `rows` is the number of rows.
         Without `slopes` the Jacobians have no columns. Gaps are left out; a motion that cannot be
         computed leaves `WORST`, constant. Slopes are central differences.
         """
@@ -177,5 +178,5 @@ class Misfit:
         return (np.minimum(np.abs(residuals), most) ** 2).sum(axis=1)
 
     def weight(self, residuals: np.ndarray) -> np.ndarray:
-        """Return the weight of each residual."""
+        """Return the weight, 0 to 1, that the loss gives to each of the residuals (numbers,)."""
         return WEIGHTS[self.loss]((residuals / self.size(residuals)) ** 2)

@@ -64,7 +64,10 @@ def convention_of(
 
 
 def place_of(name: str, given: Place) -> tuple[float, float, float] | None:
-    """Return three lengths [m], which may be a text with commas. Raises InputError."""
+    """Return three lengths [m], which may be a text with commas; None stays None.
+
+    `name` is that of the argument in messages. Raises InputError.
+    """
     if given is None:
         return None
     try:

@@ -282,7 +282,23 @@ def observed(
 ) -> Observation:
     """Return measurements and the prediction of a scenario for them.
 
-    `noise`: the standard deviation of measured angles [rad], or a text such as "1 deg".
+    `library.exchanging.fit` has the same keywords from here, and its docstring explains them to
+    users: change both together.
+
+    Parameters
+    ----------
+    data
+        A CSV or Parquet file, as for `motion_table.read`.
+    problem
+        The scenario.
+    free
+        Dotted names of the free numbers.
+    marker
+        The place of the marker in body axes, from the centre of mass [m], or a text with commas.
+    noise
+        The standard deviation of measured angles [rad], or a text such as "1 deg".
+    **frames
+        As for `motion.convention_of`.
 
     Raises
     ------

@@ -26,7 +26,10 @@ def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
 
 
 def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-    """Return the rotation vectors from quaternions (..., rows, 4) to measured ones (rows, 4)."""
+    """Return the rotation vectors from `predicted` orientations to measured ones, `seen`.
+
+    They are (..., rows, 3) [rad] in space, of unit quaternions wxyz (..., rows, 4) and (rows, 4).
+    """
     here = rotation.inverse(Quaternion(*np.moveaxis(predicted, -1, 0)))
     w, *vector = np.array(rotation.after(Quaternion(*seen.T), here))
     sine = np.linalg.norm(vector, axis=0)

@@ -181,10 +181,13 @@ class Space:
         return dict(zip(self.names, values, strict=True))
 
     def slopes(self, point: np.ndarray) -> np.ndarray:
-        """Return d value/d coordinate at a point (free,), as central differences, (free, free)."""
+        """Return d value/d coordinate at a point (free,), as central differences, SI.
+
+        The result is (values, coordinates), both in the order of the free numbers.
+        """
 
         def values(moved: np.ndarray) -> np.ndarray:
-            """Return the numbers of a point, as an array."""
+            """Return the numbers of a point, SI, as an array (free,)."""
             return np.array(list(self.values(moved).values()))
 
         steps = STEP * np.eye(len(point))

@@ -65,7 +65,12 @@ def _draw(ax: Axes, curves: list[Curve], attrs: Attributes, **style: Any) -> Axe
 
 
 def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
-    """Return the relative changes since the start of the conserved quantities."""
+    """Return curves of the relative changes since the start of the conserved quantities.
+
+    `trajectory` is a Dataset. `attrs` are the root attributes of the run and two further ones of
+    other modules here: `first_row`, values at the start of a run of which a part is drawn, and
+    `handed_over`, times [s] at which another ball takes over.
+    """
     t = trajectory["time"].values
     first = attrs.get("first_row", {})
     # Where another ball is in contact

@@ -20,14 +20,14 @@ def _drawings() -> dict[str, Callable]:
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
-        """Return a drawing of (trajectory, events, attrs), which gets the data of the run's
-        landscape.
+        """Return a drawing of (trajectory, events, attrs): draw(*data_of(...)), by the data of the
+        run's landscape.
         """
         return lambda *run: draw(*data_of(*run))
 
     def of_changes(draw: Callable) -> Callable:
-        """Return a drawing of (trajectory, events, attrs), which gets the changes of the
-        invariants.
+        """Return a drawing of (trajectory, events, attrs): draw(changes, attrs), by the changes of
+        the invariants.
         """
         return lambda run, events, attrs: draw(conservation.changes(run, attrs), attrs)
 

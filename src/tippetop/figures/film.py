@@ -46,7 +46,8 @@ def film(
     """Draw eight poses of the body, evenly spread over the part of the run in which it turns over.
 
     `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the
-    body as `runs.shape.shape` returns it, `rotation` returns the matrix of an orientation.
+    body as `runs.shape.shape` returns it, `rotation` is `runs.shape.rotation`, which returns the
+    matrix of an orientation.
     """
     t = trajectory["time"].values
     theta = trajectory["theta"].values

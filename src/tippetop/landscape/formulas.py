@@ -235,9 +235,9 @@ def rough(p, c):
 
 @formula
 def sharper(k, c):
-    """Make one step of Halley in ln(q) towards the minimum for K = 0.
+    """Make one step of Halley in ln(q) towards the minimum for K = 0; return the new `Sketch`.
 
-    It is the root of (b q)^2 + (g q/(1 + q))^2 = a^2.
+    The minimum is the root of (b q)^2 + (g q/(1 + q))^2 = a^2; `k` is the present Sketch.
     """
     t = 1 + k.q  # the function times t^2, its derivatives times t^3, t^4
     bq = k.b * k.q * t

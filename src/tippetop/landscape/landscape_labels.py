@@ -49,7 +49,7 @@ def momenta(t: Top, *values: Any, dims: Any = None) -> dict[str, tuple]:
 
 
 def attributes(t: Top) -> dict[str, Any]:
-    """Return the attributes of a Dataset: the system, and its parameters in SI."""
+    """Return the attributes of a Dataset: `system`, and `parameter_NAME` for each number, SI."""
     return {
         "system": t.system.name,
         **{f"parameter_{name}": value for name, value in t.parameters.items()},

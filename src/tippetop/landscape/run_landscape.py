@@ -81,10 +81,11 @@ def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tup
 
 
 def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tuple[Any, ...]:
-    """Return V(z), E~ and the turning angles at several times, and a title.
+    """Return V(z), E~ and the turning angles at several times of a run, and a title.
 
-    The times are evenly spread in theta, hence all through an inversion.
-    Where D, lambda and E~ are constant, there is one time.
+    Each time has a tuple: words on it, the Dataset of `potential_over`, and that of
+    `turning_angles` with E~ as `energy`. The times are evenly spread in theta, hence all through an
+    inversion. Where D, lambda and E~ are constant, there is one time. `attrs` are those of the run.
     """
     t = _body_of(attrs)
     trajectory = trajectory.isel(time=on_sphere(trajectory))

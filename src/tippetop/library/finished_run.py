@@ -111,7 +111,7 @@ class Run:
         return self._table("impacts")
 
     def _table(self, name: str) -> xr.Dataset:
-        """Return a table. Raises AttributeError if the run has none of this name."""
+        """Return a table, not a copy. Raises AttributeError if the run has none of this name."""
         if name not in self._names:
             raise AttributeError(name)  # `__getattr__` explains it
         return self._datasets[name]
@@ -278,11 +278,12 @@ class Run:
         Returns
         -------
         Certificate
-            `against` (the wider precision), `window` [s], the largest difference of `theta`
-            [rad] if the system has it, whether both end the same way, the largest differences of
-            every column (`columns`), of the times of `turnings` [s], and of `phases` and
-            `impacts`, in SI units; only their `counts` where the two runs have different numbers
-            of them. It joins the summary.
+            `against` (the wider precision; None if there is no wider one), `window` [s], the
+            largest difference of `theta` [rad] if the system has it, whether both end the same way,
+            the largest differences of every column (`columns`), of the times of `turnings` [s], and
+            of `phases` and `impacts`, in SI units; only their `counts` where the two runs have
+            different numbers of them. `thresholds` of the contact have an effect that no wider
+            precision shows. It joins the summary.
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)

@@ -183,12 +183,13 @@ def open(
     -------
     StoredRun or xarray.Dataset
         A run as a StoredRun; a sweep as a Dataset with a row per top (or per event), a
-        surface or potential as a Dataset over its axes.
+        surface or potential as a Dataset over its axes. Attributes of a Dataset are those of the
+        store; tables among them are JSON texts.
 
     Raises
     ------
     StoreError
-        If `path` is not a store of tippetop.
+        If `path` is not a store of tippetop, is damaged, or has no such table.
     """
     path = path_of("path", path)
     flag("gridded", gridded)
@@ -242,10 +243,12 @@ def resume(
     Raises
     ------
     InputError
-        If the run already reaches `until`, or user-defined events or columns are missing.
+        If the run already reaches `until`, user-defined events or columns are missing, or the
+        scenario in the store is not one of this release.
     StoreError
-        If the run is finished and `until` is missing, if it ended before its own `until`, or if
-        another process writes it.
+        If the run is finished and `until` is missing, if it ended before its own `until`, if it is
+        of other versions or another processor, or if the store is damaged, cannot be written, or is
+        being written by another process.
     Interrupted
         If `stop` was set.
     """

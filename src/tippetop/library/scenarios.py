@@ -134,7 +134,11 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[Pl
 
 
 def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tuple[Any, ...]]:
-    """Return the names of the events to log or the columns to keep, and the user's records."""
+    """Return the names of the events to log or the columns to keep, and the user's records.
+
+    `given` is the argument `events` or `columns`, with records of type `kind`. The names are None
+    if it is None: all are kept then. Raises InputError.
+    """
     if given is None:
         return None, ()
     records = given_records(argument, given, kind)

@@ -26,7 +26,8 @@ KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, Ellipsoid)
 def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:
     """Return the problem of a run, a problem or a scenario; None of a body.
 
-    Raises InputError."""
+    Raises InputError for other sources; `kinds` are the bodies that its message lists.
+    """
     if isinstance(source, Top):
         return None
     if isinstance(source, Run):

@@ -89,7 +89,8 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     top : TippeTop, Run, Problem or str
         A body or a source of one, as for `thresholds`.
     lam : float or str
-        Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
+        Jellett's integral lambda [kg m^3/s], whose sign plays no part; a text has a unit: "7e-6 kg
+        m^3/s".
 
     Returns
     -------
@@ -212,7 +213,8 @@ def linear_modes(
     -------
     ndarray of complex
         Rates [1/s], fastest growth first, of equal growth (to rounding) the fastest turning: three
-        of a gliding top, two of one whose contact is at rest.
+        of a gliding top, two of one whose contact is at rest. The state is unstable iff the first
+        has a positive real part. NaN where a number of the linear motion exceeds the doubles.
 
     Raises
     ------

@@ -79,7 +79,8 @@ def ensemble(
         axes into space axes) and psi_end [rad]. It changes no other column.
     lyapunov : bool
         Whether to add the finite-time Lyapunov exponent of each run, a column lyapunov [1/s],
-        that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
+        that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run. NaN of
+        a top that is invalid, or ends at its start.
     event_table : bool
         Whether to return the events of the tops too, those of the kinds that `events` lists.
     columns : Quantity, or iterable of str and Quantity, optional

@@ -347,9 +347,9 @@ def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def is_known(law: type[FrictionLaw], laws: Mapping[str, type[FrictionLaw]] = LAWS) -> bool:
-    """Return whether a law, or the one whose numbers it has in part or with others, is registered.
+    """Return whether a law is registered: as such, or as `without` or `with_parts` of another one.
 
-    `laws` contains laws by name.
+    `laws` contains the registered laws by name. Another law of the same key does not count.
     """
     return law.key in laws and laws[law.key].face is law.face
 
@@ -363,7 +363,7 @@ REST2, FAST2 = np.float64(0), np.float64(1e6)
 
 
 def _coefficients(law: Any, *speeds2: Any) -> list[Any]:
-    """Return k at these |v_A|^2, for z = 1, 0 and -1."""
+    """Return k [s/m] at these |v_A|^2 [m^2/s^2], at each for z = 1, 0 and -1."""
     with np.errstate(all="ignore"):
         return [slip_coefficient(v2, z, law) for v2 in speeds2 for z in (1.0, 0.0, -1.0)]
 
@@ -420,7 +420,7 @@ def checked_name(name: Any, kind: str) -> str:
 
 
 def _faults(law: type[FrictionLaw]) -> list[str]:
-    """Return messages on a law that cannot be registered."""
+    """Return messages on a law that cannot be registered; [] if it can."""
     name = law.key
     faults = []
     if not callable(law.coefficient):

@@ -319,7 +319,7 @@ class System(metaclass=Described):
         friction
             The record of a friction law, numbers or arrays (n,), SI.
         number
-            Applied to each of them.
+            Applied to each of them: a type, or what makes arrays of one shape.
 
         Returns
         -------
@@ -330,10 +330,6 @@ class System(metaclass=Described):
         ------
         KeyError
             If a parameter is missing.
-
-        Notes
-        -----
-        `number` is applied to each of them: a type, or what makes arrays of one shape.
         """
         given = {name: number(parameters[name]) for name in (*self.parameters, *self.surroundings)}
         return self.body(given, friction._make(map(number, friction)))

@@ -66,7 +66,7 @@ class Variables:
 
     @property
     def moving(self) -> int:
-        """Return the number of variables that move; they come first."""
+        """Return the number of variables of the state q; they come first, before the integrals."""
         return len(self.form.units)
 
     @cached_property

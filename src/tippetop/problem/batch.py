@@ -95,7 +95,7 @@ class Problems:
     @property
     def contact(self) -> Any:
         """Return the law of the contact, SI, with arrays (n,); None where it never opens."""
-        rules = self.base.contact
+        rules: Any = self.base.contact
         for table in {"contact", "stem"} & self.base.tables.keys():
             rules = rules._replace(**self.given(table))
         return rules
@@ -120,14 +120,6 @@ class Problems:
         around = by_table(self.base.surroundings)
         given |= dotted_numbers({table: self.given(table) for table in around})
         return self.base.system.body_of(given, friction, number)
-
-    @property
-    def contact(self) -> Any:
-        """Their contact, SI, a `ContactLaw`, or None."""
-        rules: Any = self.base.contact
-        for table in {"contact", "stem"} & self.base.tables.keys():
-            rules = rules._replace(**self.given(table))
-        return rules
 
     @cached_property
     def _body(self) -> Any:

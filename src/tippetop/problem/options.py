@@ -216,14 +216,20 @@ UNITS: dict[str, Unit] = {
 
 
 def given_type(name: str) -> str:
-    """Return the type that callers may pass for an option: with a unit also a text, or None."""
+    """Return the type that callers may pass for an option, as text, such as "float | str | None".
+
+    An option with a unit may be a text; None leaves it out.
+    """
     each = OPTIONS[name]
     own = str(each.type).removesuffix(" | None") + (" | str" if each.metadata["unit"] else "")
     return f"{each.metadata['given'] or own} | None"
 
 
 def run_options(**options: Any) -> dict[str, Any]:
-    """Return the options that are given, as the table [run]; its signature has each option."""
+    """Return the options that are given, not None, as the table [run] of a scenario.
+
+    Its signature, set below, lists each option: `takes(run_options)` adds them to other functions.
+    """
     return {name: value for name, value in options.items() if value is not None}
 
 

@@ -115,7 +115,7 @@ class Problem(RunOptions):
 
     @property
     def law(self) -> type[FrictionLaw]:
-        """The friction law: its numbers and their units."""
+        """The class of the friction law (not its numbers); it knows names and units of these."""
         return type(self.friction)
 
     @cached_property
@@ -160,7 +160,11 @@ class Problem(RunOptions):
 
     @cached_property
     def alone(self) -> Problems:
-        """This run as the only one of its `Problems`."""
+        """This run as the only one of its `Problems`, which compute its numbers.
+
+        If it starts from the end of another run (`origin`) in the same form and variables, it has
+        the exact state; otherwise its state is computed of the initial data.
+        """
         origin = self.origin
         names = self.variables.names
         state = None
@@ -174,7 +178,10 @@ class Problem(RunOptions):
         return Problems(self, {}, self.orientation, state)
 
     def table(self) -> dict[str, Any]:
-        """Return the options as the table [run] of a scenario, without those that do not apply."""
+        """Return the options as the table [run] of a scenario, by key, SI.
+
+        Options that do not apply to this `output`, and None, are left out.
+        """
         unused = {
             "times": ("output", "keyframe_steps"),
             "keyframes": ("output_step", "output_times"),

@@ -62,7 +62,7 @@ def every_source(system: System, form: str, orientation: bool = True) -> dict[st
     """Return the sources of the columns that runs of a system can have, in the order of the table.
 
     `form` is the name of the form; `orientation` as for `column_names`. In wider precisions each
-    column may have a second one, `name_lo`.
+    column may have a second one, `name_lo`. The dict is cached: not to be changed.
     """
     names = system.long_names
     found = {

@@ -179,7 +179,10 @@ def certificate_violations(result: PlainData) -> list[str]:
 def _differences(
     table: Mapping[str, Column], reference: Mapping[str, Column]
 ) -> dict[str, np.ndarray]:
-    """Return the absolute differences of each column of numbers, in the rows of both tables, SI."""
+    """Return the absolute differences of each column of numbers, by name, SI, (rows,) each.
+
+    Columns of flags are left out, as are rows that one table lacks; angles may differ by 2 pi.
+    """
     result = {}
     for name, column in table.items():
         if "flag_meanings" in column.attrs:

@@ -197,7 +197,10 @@ class Integration:
         return None
 
     def _has_settled(self) -> bool:
-        """Return whether a run that ends once it has settled has done so."""
+        """Return whether a run that ends once it has settled has done so.
+
+        It looks after every `settled_slice` steps only: a later look would end the run elsewhere.
+        """
         if self.problem.stop_when != "settled" or self.steps_made % self.settled_slice:
             return False
         since = settled_since(self.view, self.driver.tally, self.last)

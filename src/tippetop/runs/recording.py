@@ -78,20 +78,23 @@ class Recorder(Writer, Sink):
         self.later(lambda: self._append("trajectory", self.view.columns(times, states)))
 
     def add_events(self, table: EventTable, marks: list[int]) -> None:
-        """Write rows of the event log, and mark rows as significant."""
+        """Write rows of the event log, and mark rows, by their numbers in it, as significant."""
         if len(table.time):
             self.later(lambda: self._append("events", table))
         if marks:
             self.later(lambda: self.mark(marks))
 
     def add_tables(self, new: dict[str, Rows]) -> None:
-        """Write rows of phases, impacts and keyframes."""
+        """Write rows of phases, impacts and keyframes: columns in SI by table and name."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
                 self.later(partial(self.growing[name].append, table))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], PlainData]) -> None:
-        """Commit every few seconds; if `stop` is set, commit and raise Interrupted."""
+        """Commit every few seconds; if `stop` is set, commit and raise Interrupted.
+
+        `snapshot` is as for `Sink.slice_done`; it is called only for a commit.
+        """
         asked = self.stop.is_set()
         if asked or time.monotonic() - self.committed_at > COMMIT_EVERY:
             self.commit(progress, snapshot())

@@ -127,7 +127,10 @@ def report(progress: RunProgress) -> PlainData:
 
 
 def _events(progress: RunProgress) -> PlainData:
-    """Return counts, inversion, band and the numbers that users' events keep."""
+    """Return the entries of a report on events: counts, inversion, band, and kept numbers.
+
+    Times are in seconds, angles in radians; None if nothing of the kind happened.
+    """
     tally = progress.tally
     kept = progress.kept
     counts = {name: n for name, n in progress.counts.items() if n}
@@ -146,7 +149,7 @@ def _events(progress: RunProgress) -> PlainData:
 
 
 def _normal_force(progress: RunProgress) -> PlainData:
-    """Return the extremes of the normal force; empty without such a force."""
+    """Return the entry `normal_force` of a report, SI; empty without such a force."""
     force = progress.force
     problem = progress.problem
     if not math.isfinite(force.least):
@@ -178,7 +181,7 @@ def outcome(progress: RunProgress) -> dict[str, str]:
 
 
 def reason(progress: RunProgress) -> str:
-    """Return a sentence about how and why the run ended."""
+    """Return a sentence about how and why the run ended; stores and `summary.reason` have it."""
     t = progress.t_end
     status = progress.status
     if status is None:
@@ -235,7 +238,7 @@ def _ending(progress: RunProgress) -> Event:
 
 
 def _lost(progress: RunProgress) -> str:
-    """Return why the state, or the step, could not be continued."""
+    """Return a sentence on why the state, or the step, could not be continued."""
     t = progress.t_end
     is_infinite = progress.status is Status.NON_FINITE
     problem = progress.problem

@@ -179,9 +179,9 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def inertial_ellipsoid(b: Touch) -> list[float]:
-    """Return the half axes of the uniform ellipsoid with the moments of inertia of a heavy top.
+    """Return the half axes [m] of the uniform ellipsoid with the moments of inertia of a heavy top.
 
-    It shrinks until it ends before the tip.
+    They are those across the axis, twice, and along it. It shrinks until it ends before the tip.
     """
     across2 = 2.5 * b.I3 / b.m
     along = np.sqrt(max(5 * b.I1 / b.m - across2, 0.02 * across2))
@@ -191,5 +191,8 @@ def inertial_ellipsoid(b: Touch) -> list[float]:
 
 
 def rotation(quaternion: np.ndarray) -> np.ndarray:
-    """Return the rotation matrix of a unit quaternion: its columns are the axes of the body."""
+    """Return the rotation matrix (3, 3), body to space, of a unit quaternion wxyz (4,).
+
+    Its columns are the axes of the body in space.
+    """
     return np.array(axes(Quaternion(*quaternion))).T

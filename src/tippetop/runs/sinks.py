@@ -21,7 +21,7 @@ class Sink:
     """True if rows are wanted."""
 
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Receive rows: times [s] and internal states."""
+        """Receive rows: times [s] (k,) and internal states (k, variables), in order of time."""
 
     def add_events(self, table: EventTable, marks: list[int]) -> None:
         """Receive rows of the event log, and indices of rows now known to be significant."""

@@ -75,7 +75,7 @@ def read(source: str) -> PlainData:
 
 @lru_cache(maxsize=64)
 def _parsed(text: str) -> PlainData:
-    """Return the tables of a TOML text. Raises ValueError."""
+    """Return the tables of a TOML text, cached: to be copied. Raises ValueError."""
     try:
         return tomllib.loads(text)
     except RecursionError:

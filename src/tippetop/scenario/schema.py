@@ -46,7 +46,10 @@ def _number(rule: Number, kind: Any = float) -> Any:
 
 
 def number_table(rules: Mapping[str, Number], required: bool = True, **more: Any) -> Any:
-    """Return the model of a table of numbers; `more` are other keys."""
+    """Return the pydantic model of a table of numbers; `more` are other keys, as for pydantic.
+
+    Numbers without a default must be given if they are `required`; otherwise each may be left out.
+    """
     fields: dict[str, Any] = {
         key: (_number(rule), (... if rule.default is None else rule.default) if required else None)
         for key, rule in rules.items()
@@ -89,7 +92,10 @@ ContactTable: Any = number_table(
 
 @lru_cache(maxsize=64)
 def tables_of(system: System, law: Any = None) -> dict[str, Any]:
-    """Return the models of the tables that a scenario of a system and a law may have, by name."""
+    """Return the models of the tables that a scenario of a system and a law may have, by name.
+
+    The dict is cached: not to be changed.
+    """
     words = "the centre of mass does not move sideways"
     flags: Any = {
         a.name: (bool, Field(None, description=words)) for a in system.alternatives if a.flag

@@ -597,7 +597,10 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
     _tail(folder, state)
 
     def keys() -> Iterator[str]:
-        """Yield the acknowledged chunks, then those of tables that grow which a tail contains."""
+        """Yield the keys of acknowledged chunks, then those of chunks that repeat rows of a tail.
+
+        The latter are derived for readers, and have no mark; sweeps write none.
+        """
         yield from state.chunks
         for table in state.rows:  # further chunks are derived from the tail
             path = state.header["tables"][table][0]

@@ -33,7 +33,10 @@ def arrow(inputs: dict[str, Any], formula: Callable, *, fills: bool = False, row
     ]
 
     def flat(symbols: list) -> list:
-        """Return the results of the formula as a flat list."""
+        """Return the results of the formula as a flat list, for symbols instead of numbers.
+
+        `symbols` are those of all inputs, record after record, in the order of `inputs`.
+        """
         rest = iter(symbols)
         given = [next(rest) if r is None else refill(r, rest) for r in inputs.values()]
         return leaves(formula(*given))

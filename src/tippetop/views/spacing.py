@@ -25,16 +25,20 @@ FEW = 20_000
 def attitude(
     p: np.ndarray, wp: np.ndarray, q: np.ndarray, wq: np.ndarray, h: np.ndarray, s: np.ndarray
 ) -> np.ndarray:
-    """Return attitudes (n, 4) at the fraction s of intervals of length h.
+    """Return attitudes (n, 4) at the fractions s (n,) of intervals of lengths h (n,) [s].
 
-    The ends are p and q (n, 4) with the angular velocities wp and wq (n, 3).
+    The ends are unit quaternions p and q (n, 4), with the angular velocities wp and wq (n, 3) in
+    space [rad/s].
     """
     first, last = ((Quaternion(*a.T), Vector(*w.T)) for a, w in ((p, wp), (q, wq)))
     return np.stack(rotation.between(*first, *last, h, s), axis=1)
 
 
 def interpolated(times: np.ndarray, samples: np.ndarray, shown: np.ndarray) -> np.ndarray:
-    """Return samples at times between others: attitudes by `attitude`, the rest linearly."""
+    """Return samples (k, channels) at the times `shown` (k,), from those at `times` (n,).
+
+    `times` ascend [s]; attitudes by `attitude`, other channels linearly. motion.js does the same.
+    """
     i = np.searchsorted(times[1:-1], shown, side="right")
     p = samples[i]
     q = samples[i + 1]

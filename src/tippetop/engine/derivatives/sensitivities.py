@@ -178,8 +178,9 @@ def _limit(
 def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """Return all second derivatives by n numbers, (parts, n, n, times).
 
-    `along` are second derivatives along lines, (parts, lines, times): a line goes along the mean of
-    the directions of the numbers i and j. The mixed ones follow by polarisation.
+    `along` are second derivatives along lines, (parts, lines, times): line k goes along the mean of
+    the directions of the numbers i[k] and j[k]. There is one for each pair i <= j, that of the last
+    number at the end. The mixed ones follow by polarisation.
     """
     n = i[-1] + 1
     means = np.empty((len(along), n, n, along.shape[-1]))

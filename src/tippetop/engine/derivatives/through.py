@@ -151,7 +151,10 @@ class Motion(NamedTuple):
         size = len(self.variables.names)
 
         def function(_: Any, numbers: tuple) -> tuple:
-            """Return the rates, then the function and its time derivatives."""
+            """Return the rates, then the function and its time derivatives; and no second result.
+
+            `numbers`: those of the body, then the variables.
+            """
             b = self.formulas.body(iter(numbers))
             moving = in_motion(self.variables, numbers[count:], b, 2)
             q, _ = self.variables.split(moving)
@@ -255,7 +258,10 @@ class Tape:
 
 @lru_cache(maxsize=1024)
 def tapes_of(key: tuple) -> list[Tape]:
-    """Return the tapes of a function, one for each branch on which it was called so far."""
+    """Return the tapes of a function, one for each branch on which it was called so far.
+
+    It is the cache that keeps them: `evaluated` appends to the list for a key, which starts empty.
+    """
     return []
 
 
@@ -489,6 +495,7 @@ class Pass:
         def jumped(call: Callable, numbers: Sequence) -> tuple:
             """Make the jump with given numbers of the body, of the impact rules, and of the state.
 
+            `evaluated` calls it, and says what `call` is: pieces of an impact are made by it.
             Return numbers (the longest time of the next phase, then the state in it) and the name
             of this phase with its zeros. If the run ends: the delay, and an empty name.
             """
@@ -496,7 +503,10 @@ class Pass:
             state = numbers[len(self.known) :]
 
             def piece(region: str, *given: Any) -> list:
-                """Integrate a piece of an impact; this replaces `ImpactMotions.piece`."""
+                """Integrate a piece of an impact with derivatives, and return its results.
+
+                It replaces `ImpactMotions.piece`, so it has the same arguments and results.
+                """
                 place = self.regions.index(region)
                 return call(place, partial(impacts.piece, region), *given)
 

@@ -234,9 +234,9 @@ def moving(q: Any, carried: Any = ()) -> Moving:
 
 
 def free_rates(q, b):
-    """Return the rates of a flight: 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat.
+    """Return the rates of a flight, in the order of its state: axis, L, velocity, height.
 
-    Surroundings add torque and push.
+    3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat; surroundings add torque and push.
     """
     still = 0 * q.uz
     torque = push = Vector(still, still, still)
@@ -605,11 +605,18 @@ LEAVES = leaving(0, "sphere", "stem"), leaving(1, "stem", "sphere")
 
 
 def slide_on_both(law: Any, *names: str) -> Phase:
-    """Return the phase in which sphere and stem slide, in these regions of a law."""
+    """Return the phase in which sphere and stem slide under a law.
+
+    `names` are the regions of the law in which they slide, one each; none for a law without
+    regions. theta is constant, as both touch.
+    """
     frictions = frictions_of(law, names)
 
     def pushed(x, v, b):
-        """Return what `shared` does for a body whose axis keeps its inclination, z'' = 0."""
+        """Return force and torque of both balls, and the actions on each: `pushed` of `with_slip`.
+
+        The axis keeps its inclination, z'' = 0.
+        """
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
         if b.around:
             swing = swing - cross(around_torque(x, b), x.u).z

@@ -298,9 +298,10 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
 
 def opening(n: Next, world: Any) -> Any:
-    """Return the second derivative of the other ball's gap at the start of the phase n.
+    """Return the second derivative of the other ball's gap at the start of the phase of n.
 
-    The other ball touches too. In flight the result is infinite.
+    The other ball touches too, so it leaves the plane if the result is positive. In flight it is
+    infinite.
     """
     phase = world.phases[n.phase]
     if phase.label == "flight":
@@ -453,7 +454,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     delay = number(min(duration, eighty_bits(world.left)))
 
     def series(times: Any) -> tuple[Any, Any]:
-        """Return the states and integrals at times since the start of the slide."""
+        """Return the records of states and integrals, (n,), at times since the slide's start."""
         return read(at([eighty_bits(one) for one in times]))
 
     q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
@@ -489,7 +490,10 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     delay: Any = known.delay
 
     def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return the rate of the end if the numbers change by `way` and the time by `pace`."""
+        """Return the rate of the end's leaves, (n,), if numbers change by `way`, time by `pace`.
+
+        `way` has the order of `leaves(given)`; `size` is the step of the difference.
+        """
         total: Any = 0.0
         for k, weight in WEIGHTS.items():
             n = begun(wide + k * size * way)

@@ -87,9 +87,9 @@ def first_slip(
 def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
     """Return the slide over a whole duration, found by repeated corrections at Chebyshev nodes.
 
-    It is a tuple: at(t), as for `first_slip`; pace(t), the mean acceleration w/t; and the duration
-    in units of the time in which the direction follows the forces. None if the corrections do not
-    converge, or the series is not resolved.
+    Arguments, and at(t), are as for `first_slip`. It is a tuple: at(t); pace(t), the mean
+    acceleration w/t; and the duration in units of the time in which the direction follows the
+    forces. None if the corrections do not converge, or the series is not resolved.
     """
     nodes, fit, integral, slope = _matrices(start.dtype)
     integral = integral * duration / 2
@@ -153,9 +153,10 @@ def _matrices(kind: np.dtype) -> tuple[np.ndarray, ...]:
 
 
 def first_directions(law: Callable) -> Iterator[float]:
-    """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
+    """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0 [rad].
 
-    There is exactly one outside the cone.
+    law(beta) -> (P, Q, N) at angles beta from a fixed axis; see `exits.pushed`. There is exactly
+    one direction outside the cone.
     """
     grid = np.radians(np.arange(361) + 1 / np.e)
     Q = law(grid)[1]

@@ -129,7 +129,7 @@ def up(u: Frame) -> Vector:
 
 
 def of_rates(w, b):
-    """Return I w along the axes of the body: the momentum of an angular velocity."""
+    """Return I w, (3,) [kg m^2/s], the momentum of an angular velocity w; both along the axes."""
     return Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
 
 
@@ -139,7 +139,7 @@ def over(v: Vector, moments: Vector) -> Vector:
 
 
 def rates_of(v, b):
-    """Return I^-1 v along the axes of the body: the angular velocity of a momentum."""
+    """Return I^-1 v, (3,) [rad/s], the angular velocity of a momentum v; both along the axes."""
     return over(v, Vector(b.I1, b.I2, b.I3))
 
 
@@ -210,7 +210,10 @@ def mobility_inverse_times(u, x, b):
 
 
 def gyration(omega, b):
-    """Return L x omega along the axes of the body [N m]: I omega' of a body without torque."""
+    """Return L x omega, (3,) [N m], along the axes of the body: I omega' without torque.
+
+    omega is along the axes too.
+    """
     yz = omega.y * omega.z
     zx = omega.z * omega.x
     xy = omega.x * omega.y

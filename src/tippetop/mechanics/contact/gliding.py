@@ -459,9 +459,9 @@ LONG_NAMES = {
 
 @formula
 def theta_turns(s, b):
-    """Return z' = -theta' sin(theta), the function of the event `turning`.
+    """Return z' = -theta' sin(theta) [1/s], the function of the event `turning`.
 
-    It is zero at a pole too.
+    It is zero at a pole too. Its sign is opposite to that of theta': the event has `sense` -1.
     """
     return s.z_dot
 

@@ -178,7 +178,10 @@ def stages(law: Any) -> dict[str, Stage]:
 
 
 def edge_speed2(omega: Vector, b: Any) -> Any:
-    """Return U^2 = (patch Omega_z)^2, the square of the speed of the disc's edge."""
+    """Return U^2 = (patch Omega_z)^2, the square of the speed of the disc's edge.
+
+    It may be 0, other than `contact_phases.patch_speed2`, and is in the unit of the slip.
+    """
     return (b.friction.patch * omega.z) ** 2
 
 

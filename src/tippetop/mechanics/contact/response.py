@@ -263,9 +263,10 @@ def resting(x, b):
 
 
 def held(u, bias, free, omega, b):
-    """Return the force and torque (3,) that keep a contact at rest while it rolls with omega.
+    """Return the force [N] and torque [N m], (3,), that keep a contact at rest in rolling.
 
-    Without them, the acceleration of its contact point would be `bias`, and Omega_z' = `free`.
+    omega is the angular velocity, (3,). Without them, the acceleration of the contact point would
+    be `bias`, (3,) [m/s^2], and Omega_z' = `free` [rad/s^2].
     """
     rolls = (rolling if b.friction.regions else load)(omega, b.friction)
     by_load, turns = gains(u, times(0, rolls), rolls, b)

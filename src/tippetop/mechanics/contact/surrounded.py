@@ -98,7 +98,10 @@ NEEDED = {one.name: one.formula for one in (NORMAL_FORCE, FRICTION_NEEDED, LIFTO
 
 @cache
 def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
-    """Return a system in pure rolling, in surroundings of these tables."""
+    """Return a system in pure rolling, in surroundings of these tables.
+
+    Equal arguments return the same object: systems are keys of other caches.
+    """
     form = system.forms["vector"]
     angles = filled(**system.angles._asdict(), work=JOULE)
     start = system.start

@@ -59,9 +59,10 @@ SHARED: set[Any] = {*SYSTEMS.values(), *friction.LAWS.values(), Modified}
 
 
 def add(system: System) -> None:
-    """Register a system under its name, which must not be that of a shared one.
+    """Register a system under its name in this process, in place of a user's one of that name.
 
-    Raises InputError.
+    Raises InputError if the name is that of a system in `SHARED`, from the package or an entry
+    point, or if `check` finds faults.
     """
     before = SYSTEMS.get(friction.checked_name(system.name, "system"))
     if before in SHARED and before is not system:
@@ -71,9 +72,9 @@ def add(system: System) -> None:
 
 
 def add_law(law: type[FrictionLaw]) -> None:
-    """Register a friction law under its key, which must not be that of a shared one.
+    """Register a friction law under its key in this process, in place of a user's one of that key.
 
-    Raises InputError.
+    Raises InputError if the key is that of a law in `SHARED`, or the law cannot be registered.
     """
     name = friction.checked_name(law.key, "law")
     before = next((s.laws[name] for s in SYSTEMS.values() if name in s.laws), law)

@@ -177,7 +177,11 @@ def systems(
     domains: tuple[Domain, ...] = (),
     **more: Any,
 ) -> tuple[System, System]:
-    """Return the gliding and the rolling system of a body with an outline."""
+    """Return the gliding and the rolling system of a body with an outline.
+
+    `events` are added to those of both; `domains` are conditions for the motion to be possible,
+    such as a rim that touches; `more` are further fields of both systems.
+    """
     slides = gliding.OF_SYSTEM | {
         "quantities": (JELLETT, *gliding.QUANTITIES),
         "on_request": (gliding.MODIFIED_ENERGY_RATE,),

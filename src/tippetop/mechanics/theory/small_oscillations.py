@@ -15,10 +15,11 @@ STEP = 1e-30
 
 
 def oscillations(spin: float, up: int, b: Asymmetric) -> tuple[np.ndarray, np.ndarray]:
-    """Return the complex rates [1/s] of pitch and roll, fastest first, and their shapes.
+    """Return the complex rates [1/s] of pitch and roll, (k,), fastest first, and their shapes.
 
-    Fewer than two where it does not oscillate. `spin` is about the vertical [rad/s]; axis 3, on
-    which the centre of the ellipsoid lies, points along `up` = 1 or -1.
+    k is less than two where the body does not oscillate. Shapes (4, k) are those of ux, uy, Lx, Ly,
+    seen from the body. `spin` is about the vertical [rad/s]; axis 3, on which the centre of the
+    ellipsoid lies, points along `up` = 1 or -1.
     """
     x, y, Lx, Ly = 1j * STEP * np.eye(4)
     q = framed.ROLLS.units._make((x, y, up, 1.0, 0.0, -up * x, Lx, Ly, b.I3 * spin))
