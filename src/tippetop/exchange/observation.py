@@ -19,11 +19,11 @@ from ..errors import InputError, suggestion
 from ..mechanics.number import Number
 from ..mechanics.units import ONE, RADIAN, SECOND
 from ..problem import Problem
-from . import residuals
 from .headers import CAMERA
 from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
 from .motion_table import read as read_table
 from .predictions import ACCELEROMETER, Predictions, at_chip
+from .residuals import residuals
 from .scales import FAR, Space, scale_of
 
 
@@ -119,12 +119,9 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
                 "gyroscope, an accelerometer, a place or a marker."
             )
-        self.given = {}
-        for group, rows in self.groups.items():
-            given = np.isfinite(rows)
-            if parts := residuals.PARTS.get(group):
-                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
-            self.given[group] = given
+        self.given = {
+            group: np.isfinite(residuals(group, rows, rows)) for group, rows in self.groups.items()
+        }
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
         self.problem = problem
@@ -180,7 +177,10 @@ class Observation:
         They are NaN in gaps, and where the motion cannot be computed.
         """
         read = self._read(points, self.t[rows])
-        return {group: self._residual(group, see[rows], read) for group, see in self.groups.items()}
+        return {
+            group: residuals(group, seen[rows], self._predicted_rows(group, read))
+            for group, seen in self.groups.items()
+        }
 
     def dots(self) -> Arrays:
         """Return the measurements as a figure shows them, by group, (rows, parts).
@@ -209,19 +209,6 @@ class Observation:
         own = {name: np.array([values[name] for values in points]) for name in self.own}
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
         return self.predicted.read(own, clock, self.columns)
-
-    def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
-        """Return the measurements `seen` of a group minus its predictions.
-
-        Differences of angles are within half a turn.
-        """
-        model = self._predicted_rows(group, read)
-        if group in residuals.OF_ATTITUDES:
-            return residuals.OF_ATTITUDES[group](seen, model)
-        off = seen - model
-        if group == "phi" or CAMERA.fullmatch(group):
-            off = residuals.wrapped(off)
-        return off
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts), from columns `read`."""
