@@ -54,24 +54,16 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.hist(
                     x, BINS, range=limits[column], weights=weights, color=LIGHT.run, alpha=0.8
                 )
-                panel.set_yticks([])
+                panel.set(xlim=limits[column], xlabel=other, yticks=[])
             else:
-                count, *edges = np.histogram2d(
-                    x, y, BINS, range=(limits[column], limits[row]), weights=weights
-                )
-                panel.pcolormesh(*edges, count.T, cmap="Blues", rasterized=True)
-                panel.set_ylim(limits[row])
-            panel.set_xlim(limits[column])
+                shown = limits[column], limits[row]
+                panel.hist2d(x, y, BINS, shown, weights=weights, cmap="Blues", rasterized=True)
+                panel.set(xlabel=other, ylabel=label)
             for axis in (panel.xaxis, panel.yaxis):
                 axis.set_major_formatter("{x:.6g}")
             panel.locator_params(nbins=3)
-            panel.tick_params(
-                labelbottom=row == n - 1, labelleft=column == 0 < row, labelrotation=30
-            )
-            if row == n - 1:
-                panel.set_xlabel(other)
-            if column == 0 < row:
-                panel.set_ylabel(label)
+            panel.tick_params(labelrotation=30)
+            panel.label_outer()
     fig.align_labels()
     fig.supxlabel(text, x=0.02, ha="left", fontsize="small")
     return fig

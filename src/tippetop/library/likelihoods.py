@@ -172,12 +172,4 @@ def posterior(
             f"`fitted` must be a fit of {', '.join(names)}, but is one of "
             f"{', '.join(fitted.estimates)}."
         )
-    sigma = np.array([e.sigma for e in fitted.estimates.values()])
-    covariance = fitted.correlations * np.outer(sigma, sigma)
-    if not np.isfinite(covariance).all() or np.linalg.eigvalsh(fitted.correlations)[0] <= 0:
-        raise InputError(
-            "the fit must decide every number for draws about it, but does not: free fewer."
-        )
-    centre = np.array([e.value for e in fitted.estimates.values()])
-    points, weights = drawn(function, centre, covariance, positive_integer("draws", draws), seed)
-    return Posterior(fitted, points, weights)
+    return Posterior(fitted, *drawn(function, fitted, positive_integer("draws", draws), seed))
