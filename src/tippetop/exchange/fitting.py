@@ -175,7 +175,7 @@ def fit(
         ends = merge([*ends, *minima])
         costs += [end.cost for end in minima[:1] if end.searches]
         failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
-        lost = failed >= hopeless and bool(_not_noise(misfit, *_left(misfit, ends[0].point)))
+        lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
         if ends[0].searches >= MET or lost:
             break
     misfit.refine()
@@ -281,7 +281,7 @@ def judged(
     weight = misfit.weight(residual)
     root = np.sqrt(weight)
     values = space.values(point)
-    parts, noise = _left(misfit, point)
+    parts, noise = misfit.left(point)
     rows = correlation_time(parts)
     freedom = max(float(weight.sum()) / rows - len(point), 1.0)
     variance = misfit.variance(residual) * rows
@@ -354,13 +354,6 @@ def judged(
         {name: dict(zip(values, shift.tolist(), strict=True)) for name, shift in shifts.items()},
         rows,
     )
-
-
-def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
-    """Return the residuals at a point, SI, and their root mean squares, by group."""
-    found = misfit.observation.predictions([misfit.space.values(point)])
-    parts = {group: off[0] for group, off in found.items()}
-    return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:

@@ -182,12 +182,7 @@ class Space:
 
     def slopes(self, point: np.ndarray) -> np.ndarray:
         """Return d value/d coordinate at a point (free,), as central differences, (free, free)."""
-
-        def values(moved: np.ndarray) -> np.ndarray:
-            """Return the numbers of a point, as an array."""
-            return np.array(list(self.values(moved).values()))
-
         steps = STEP * np.eye(len(point))
-        return np.stack(
-            [(values(point + d) - values(point - d)) / (2 * STEP) for d in steps], axis=1
-        )
+        sides = np.concatenate([point + steps, point - steps])
+        ahead, behind = np.split(np.array([[*self.values(p).values()] for p in sides]), 2)
+        return (ahead - behind).T / (2 * STEP)

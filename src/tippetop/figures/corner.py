@@ -57,7 +57,9 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.set(xlim=limits[column], xlabel=other, yticks=[])
             else:
                 shown = limits[column], limits[row]
-                panel.hist2d(x, y, BINS, shown, weights=weights, cmap="Blues", rasterized=True)
+                panel.hist2d(
+                    x, y, BINS, range=shown, weights=weights, cmap="Blues", rasterized=True
+                )
                 panel.set(xlabel=other, ylabel=label)
             for axis in (panel.xaxis, panel.yaxis):
                 axis.set_major_formatter("{x:.6g}")
