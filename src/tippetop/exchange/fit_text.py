@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Any
 
 from ..arguments import PlainData
-from ..scenario import build
 from .fitting import Estimate, Fit
 from .headers import UNITS
 from .observation import TIMES
@@ -71,16 +70,6 @@ def _digits(estimate: Estimate) -> int:
     return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
-def tables(fit: Fit) -> PlainData:
-    """Return the tables of the scenario with the fitted numbers."""
-    changed = build.resolved(fit.observation.problem)
-    for name, estimate in fit.estimates.items():
-        if name not in TIMES:
-            table, _, key = name.partition(".")
-            changed[table] = {**changed[table], key: estimate.value}
-    return changed
-
-
 def toml(fit: Fit) -> str:
     """Return the scenario with the fitted numbers as TOML, standard errors as comments."""
     notes = {name: f"  # +- {e.sigma:.2g}" for name, e in fit.estimates.items()}
@@ -90,7 +79,7 @@ def toml(fit: Fit) -> str:
         if name in TIMES
     ]
     heading = "# Fitted by tippetop: " + " ".join(fit.reasons)
-    return "\n".join([heading, toml_of(tables(fit), notes), *clock]) + "\n"
+    return "\n".join([heading, toml_of(fit.observation.tables(fit.values), notes), *clock]) + "\n"
 
 
 def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) -> str:

@@ -106,6 +106,11 @@ class Fit:
     rows_correlated: float
 
     @property
+    def values(self) -> dict[str, float]:
+        """The fitted numbers, SI, by name."""
+        return {name: estimate.value for name, estimate in self.estimates.items()}
+
+    @property
     def is_noise(self) -> bool:
         """Whether the residuals are noise, of the stated size."""
         return not np.isnan([estimate.low for estimate in self.estimates.values()]).any()

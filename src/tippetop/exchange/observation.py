@@ -7,18 +7,20 @@ free numbers. A group is a kind of measurement, such as `theta`, `axis` or `acce
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copy
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, measured, path_of, takes
+from ..arguments import PlainData, dotted_keys, measured, path_of, takes
 from ..columns import Arrays
 from ..errors import InputError, suggestion
 from ..mechanics.number import Number
 from ..mechanics.units import ONE, RADIAN, SECOND
 from ..problem import Problem
+from ..scenario import build
 from .headers import CAMERA
 from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
 from .motion_table import read as read_table
@@ -110,7 +112,6 @@ class Observation:
         ]
         if faults:
             raise InputError(faults)
-        self.own = tuple(name for name in free if name not in TIMES)
         self.marker = marker
         self.chip = chip
         self.groups = _groups(problem, seen)
@@ -124,8 +125,7 @@ class Observation:
         }
         columns = [name for group in self.groups for name in _names(group)]
         self.columns = tuple(dict.fromkeys(columns))
-        self.problem = problem
-        self.predicted = self.predictions_of(problem, self.own)
+        self._predict(problem, [name for name in free if name not in TIMES])
 
     @property
     def count(self) -> int:
@@ -139,8 +139,23 @@ class Observation:
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
 
-    def predictions_of(self, problem: Problem, own: Sequence[str]) -> Predictions:
-        """Return the predictions of a problem by these numbers.
+    def under(self, problem: Problem) -> Observation:
+        """Return the same measurements under another scenario, whose numbers are not free."""
+        other = copy.copy(self)
+        other._predict(problem, ())
+        other.predicted.refine()
+        return other
+
+    def tables(self, values: Mapping[str, float]) -> PlainData:
+        """Return the tables of the scenario with these values of the free numbers, SI."""
+        tables = build.resolved(self.problem)
+        for name in self.own:
+            table, _, key = name.partition(".")
+            tables[table][key] = values[name]
+        return tables
+
+    def _predict(self, problem: Problem, own: Sequence[str]) -> None:
+        """Predict by a problem whose numbers `own` are free.
 
         Raises InputError for an accelerometer where the contact may change.
         """
@@ -149,7 +164,9 @@ class Observation:
                 "an accelerometer is fitted only where the contact never changes: leave it out, or "
                 "give a smooth law without [contact], [stem], [air] and [plane]."
             )
-        return Predictions(problem, own)
+        self.problem = problem
+        self.own = tuple(own)
+        self.predicted = Predictions(problem, own)
 
     def rule(self, name: str) -> Number:
         """Return the `Number` of a free number: its unit and interval."""

@@ -147,7 +147,7 @@ class Fitted(fitting.Fit):
     @property
     def problem(self) -> Problem:
         """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return build.problem(fit_text.tables(self))
+        return build.problem(self.observation.tables(self.values))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
@@ -165,7 +165,7 @@ class Fitted(fitting.Fit):
         figure = draw_fit(
             self.observation.t,
             self.observation.dots(),
-            self.observation.curves({name: e.value for name, e in self.estimates.items()}),
+            self.observation.curves(self.values),
             self.residuals,
             fit_text.lines(self),
         )
