@@ -47,13 +47,14 @@ def lines(fit: Fit) -> list[str]:
         digits = _digits(e)
         suffix = "" if unit == "1" else f" {unit}"
         shift = f" +- {e.systematic:.2g} (systematic)" if e.systematic else ""
+        errors = f" +- {e.sigma:.2g}{shift}"
+        interval = f"95 %: {e.low:.{digits}g} to {e.high:.{digits}g}"
         if math.isnan(e.low):
+            errors = ""
             interval = "no interval: the residuals are not noise"
-            rows.append(f"{name:{width}}  {e.value:.{digits}g}{suffix}   ({interval})")
-            continue
-        interval = f"{e.low:.{digits}g} to {e.high:.{digits}g}"
-        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{shift}{suffix}"
-        rows.append(f"{text}   (95 %: {'undecided' if 0 < WIDEST * e.low < e.high else interval})")
+        elif 0 < WIDEST * e.low < e.high:
+            interval = "95 %: undecided"
+        rows.append(f"{name:{width}}  {e.value:.{digits}g}{errors}{suffix}   ({interval})")
     noise = ", ".join(
         f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()
     )

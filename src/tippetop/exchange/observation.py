@@ -123,8 +123,7 @@ class Observation:
         self.given = {
             group: np.isfinite(residuals(group, rows, rows)) for group, rows in self.groups.items()
         }
-        columns = [name for group in self.groups for name in _names(group)]
-        self.columns = tuple(dict.fromkeys(columns))
+        self.columns = {name for group in self.groups for name in _names(group)}
         self._predict(problem, [name for name in free if name not in TIMES])
 
     @property
@@ -204,10 +203,7 @@ class Observation:
 
         An orientation is shown as its theta.
         """
-        rows = dict(self.groups)
-        if "orientation" in rows:
-            rows["orientation"] = theta_of(rows["orientation"])[:, None]
-        return rows
+        return _drawn(self.groups)
 
     def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
         """Return predictions as a figure shows them: times [s], and curves by group.
@@ -216,10 +212,7 @@ class Observation:
         """
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
         read = self._read([values], t)
-        curves = {group: self._predicted_rows(group, read)[0] for group in self.groups}
-        if "orientation" in curves:
-            curves["orientation"] = theta_of(curves["orientation"])
-        return t, {group: curve.reshape(len(t), -1) for group, curve in curves.items()}
+        return t, _drawn({group: self._predicted_rows(group, read)[0] for group in self.groups})
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
         """Return columns (points, rows, ...) by name, SI, at times t (points, rows) [s]."""
@@ -229,18 +222,14 @@ class Observation:
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts), from columns `read`."""
-        if CAMERA.fullmatch(group):
-            return angle_in_picture(read["axis"], group)[..., None]
         if group == "accelerometer":
             return at_chip(read, self.chip)
-        names = _names(group)
-        if len(names) == 1:
-            (name,) = names
-            return read[name] if read[name].ndim > 2 else read[name][..., None]
-        model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
-        if group == "marker":
-            model = model + turned(read["orientation"], np.array(self.marker))
-        return model
+        if group in ("place", "marker"):
+            place = np.stack([read[name] for name in _names(group) if name in "xyz"], axis=-1)
+            own = turned(read["orientation"], np.array(self.marker)) if group == "marker" else 0.0
+            return place + own
+        model = angle_in_picture(read["axis"], group) if CAMERA.fullmatch(group) else read[group]
+        return model if model.ndim > 2 else model[..., None]
 
 
 def _groups(problem: Problem, seen: Arrays) -> Arrays:
@@ -267,6 +256,12 @@ def _groups(problem: Problem, seen: Arrays) -> Arrays:
     if flat and "place" in seen and np.isfinite(seen["place"][:, :2]).any():
         groups["place"] = seen["place"][:, :2]
     return groups | {kind: seen[kind] for kind in ("accelerometer", "marker") if kind in seen}
+
+
+def _drawn(rows: Arrays) -> Arrays:
+    """Return measurements or predictions by group, (rows, parts), an orientation as its theta."""
+    theta = {name: theta_of(q)[:, None] for name, q in rows.items() if name == "orientation"}
+    return rows | theta
 
 
 def _names(group: str) -> tuple[str, ...]:

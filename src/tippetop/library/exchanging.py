@@ -275,10 +275,10 @@ def fit(
     every = laws.split(",") if isinstance(laws, str) else laws
     for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
-        lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
+        known = [n for n in names if n in one.rules or not n.startswith("friction.")]
         explained = any(other.is_noise for other in fits.values())
         hopeless = law_choice.HOPELESS if explained else fitting.MET
-        found = fitted(one, [n for n in names if n not in lacking], within, hopeless)
+        found = fitted(one, known, within, hopeless)
         if not fits:  # the others begin where this one ended
             problem = found.problem
             within = min(within, law_choice.NEAR)
