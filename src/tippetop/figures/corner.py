@@ -3,7 +3,7 @@
 `Posterior.plot` calls it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,7 +18,12 @@ SHOWN = 4.0
 
 
 @styled()
-def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> Figure:
+def corner(
+    draws: Mapping[str, np.ndarray],
+    weights: np.ndarray,
+    moments: Iterable[tuple[float, float]],
+    text: str,
+) -> Figure:
     """Draw the distribution of each number, and of each pair.
 
     Parameters
@@ -27,6 +32,8 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
         Label of each number -> its values in the n draws, (n,).
     weights
         The weight of each draw, (n,), of sum 1.
+    moments
+        Mean and standard deviation of each number.
     text
         A line below the panels.
 
@@ -38,11 +45,7 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
     n = len(draws)
     fig = figure(1.5 + 2.1 * n, 1.5 + 2.1 * n)
     panels = fig.subplots(n, n, squeeze=False)
-    limits = []
-    for values in draws.values():
-        mean = weights @ values
-        size = np.sqrt(weights @ (values - mean) ** 2)
-        limits.append((mean - SHOWN * size, mean + SHOWN * size))
+    limits = [(mean - SHOWN * size, mean + SHOWN * size) for mean, size in moments]
     columns = list(draws.items())
     for row, (label, y) in enumerate(columns):
         for column, (other, x) in enumerate(columns):

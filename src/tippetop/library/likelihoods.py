@@ -92,13 +92,12 @@ class Posterior:
         refuse_without("matplotlib")
         from ..figures.corner import corner
 
-        units = [self.fit.observation.rule(name).unit.symbol for name in self.free]
-        labels = [
-            name if unit == "1" else f"{name} ({unit})"
-            for name, unit in zip(self.free, units, strict=True)
-        ]
-        columns = dict(zip(labels, self.points.T, strict=True))
-        return saved(corner(columns, self.weights, self._effect()), path, overwrite)
+        columns = {}
+        for name, values in zip(self.free, self.points.T, strict=True):
+            unit = self.fit.observation.rule(name).unit.symbol
+            columns[name if unit == "1" else f"{name} ({unit})"] = values
+        moments = zip(self.mean.values(), self.sigma.values(), strict=True)
+        return saved(corner(columns, self.weights, moments, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
         """Return how many of the draws count, in words."""
