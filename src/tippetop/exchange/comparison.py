@@ -25,10 +25,10 @@ from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 from ..runs.shape import angular_velocity, lies, lowest
 from .headers import CAMERA, KIND, UNITS
-from .motion import Convention, angle_between, angle_in_picture, in_body_axes, motion
+from .motion import Convention, angle_in_picture, in_body_axes, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
-from .residuals import wrapped
+from .residuals import residuals
 from .simulators import gravity, motion_of
 
 
@@ -231,17 +231,13 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     """
     result: Arrays = {}
     for name in there.keys() & columns:
-        off = (there[name] - columns[name]).reshape(len(columns["time"]), -1)
-        if name in ("phi", "psi") or CAMERA.fullmatch(name):
-            off = wrapped(off)
+        off = residuals(name, there[name], columns[name]).reshape(len(columns["time"]), -1)
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))
-        if name == "axis":
+        if name == "axis":  # from chords
             size = 2 * np.arcsin(np.clip(size / 2, 0, 1))
-        if name == "orientation":
-            name, size = "attitude", angle_between(there[name], columns[name])
         if given.any():
-            result[name] = np.where(given, size, np.nan)
+            result["attitude" if name == "orientation" else name] = np.where(given, size, np.nan)
     return result
 
 

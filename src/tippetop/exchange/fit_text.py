@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Any
 
 from ..arguments import PlainData
-from ..scenario import build
 from .fitting import Estimate, Fit
 from .headers import UNITS
 from .observation import TIMES
@@ -48,13 +47,14 @@ def lines(fit: Fit) -> list[str]:
         digits = _digits(e)
         suffix = "" if unit == "1" else f" {unit}"
         shift = f" +- {e.systematic:.2g} (systematic)" if e.systematic else ""
+        errors = f" +- {e.sigma:.2g}{shift}"
+        interval = f"95 %: {e.low:.{digits}g} to {e.high:.{digits}g}"
         if math.isnan(e.low):
+            errors = ""
             interval = "no interval: the residuals are not noise"
-            rows.append(f"{name:{width}}  {e.value:.{digits}g}{suffix}   ({interval})")
-            continue
-        interval = f"{e.low:.{digits}g} to {e.high:.{digits}g}"
-        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{shift}{suffix}"
-        rows.append(f"{text}   (95 %: {'undecided' if 0 < WIDEST * e.low < e.high else interval})")
+        elif 0 < WIDEST * e.low < e.high:
+            interval = "95 %: undecided"
+        rows.append(f"{name:{width}}  {e.value:.{digits}g}{errors}{suffix}   ({interval})")
     noise = ", ".join(
         f"{name} {size:.3g} {UNITS.get(name, 'rad')}" for name, size in fit.noise.items()
     )
@@ -71,16 +71,6 @@ def _digits(estimate: Estimate) -> int:
     return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
-def tables(fit: Fit) -> PlainData:
-    """Return the tables of the scenario with the fitted numbers."""
-    changed = build.resolved(fit.observation.problem)
-    for name, estimate in fit.estimates.items():
-        if name not in TIMES:
-            table, _, key = name.partition(".")
-            changed[table] = {**changed[table], key: estimate.value}
-    return changed
-
-
 def toml(fit: Fit) -> str:
     """Return the scenario with the fitted numbers as TOML, standard errors as comments."""
     notes = {name: f"  # +- {e.sigma:.2g}" for name, e in fit.estimates.items()}
@@ -90,7 +80,7 @@ def toml(fit: Fit) -> str:
         if name in TIMES
     ]
     heading = "# Fitted by tippetop: " + " ".join(fit.reasons)
-    return "\n".join([heading, toml_of(tables(fit), notes), *clock]) + "\n"
+    return "\n".join([heading, toml_of(fit.observation.tables(fit.values), notes), *clock]) + "\n"
 
 
 def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) -> str:

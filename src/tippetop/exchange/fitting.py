@@ -106,6 +106,11 @@ class Fit:
     rows_correlated: float
 
     @property
+    def values(self) -> dict[str, float]:
+        """The fitted numbers, SI, by name."""
+        return {name: estimate.value for name, estimate in self.estimates.items()}
+
+    @property
     def is_noise(self) -> bool:
         """Whether the residuals are noise, of the stated size."""
         return not np.isnan([estimate.low for estimate in self.estimates.values()]).any()
@@ -175,7 +180,7 @@ def fit(
         ends = merge([*ends, *minima])
         costs += [end.cost for end in minima[:1] if end.searches]
         failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
-        lost = failed >= hopeless and bool(_not_noise(misfit, *_left(misfit, ends[0].point)))
+        lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
         if ends[0].searches >= MET or lost:
             break
     misfit.refine()
@@ -281,7 +286,7 @@ def judged(
     weight = misfit.weight(residual)
     root = np.sqrt(weight)
     values = space.values(point)
-    parts, noise = _left(misfit, point)
+    parts, noise = misfit.left(point)
     rows = correlation_time(parts)
     freedom = max(float(weight.sum()) / rows - len(point), 1.0)
     variance = misfit.variance(residual) * rows
@@ -299,15 +304,16 @@ def judged(
     shifts = {n: np.linalg.norm(inverse @ (root * some).T, axis=1) for n, some in changes.items()}
     beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
     quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
+    widths = sigma / [s.slope(v) for s, v in zip(space.scales, values.values(), strict=True)]
     estimates = {}
-    for (name, value), scale, s, shift in zip(
-        values.items(), space.scales, sigma, beside, strict=True
+    for (name, value), scale, width, *errors in zip(
+        values.items(), space.scales, widths, sigma.tolist(), beside.tolist(), strict=True
     ):
-        limits = scale.inside(value) + quantile * s / scale.slope(value) * np.array([-1, 1])
+        limits = scale.inside(value) + quantile * width * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
         low, high = map(scale.outside, limits)
-        estimates[name] = Estimate(value, float(s), low, high, float(shift))
+        estimates[name] = Estimate(value, errors[0], low, high, errors[1])
     met = ends[0].searches
     reasons = []
     if hopeless and met < MET:
@@ -321,21 +327,15 @@ def judged(
             f"there ({MET} are needed), "
             "and other numbers may fit better: more `starts` may decide."
         )
-    reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
-    reasons += doubts
-
-    def moved(name: str, shift: np.ndarray) -> list[str]:
-        """Return [] or a sentence, if a number moves by more than LARGE standard errors.
-
-        `shift` (free,) is how far each would move under the influence `name`, SI.
-        """
-        worst = int(np.argmax(shift / sigma))
-        errors = shift[worst] / sigma[worst]
-        words = f"{name} would move `{space.names[worst]}` by {errors:.2g} standard errors."
-        return [words] if errors > LARGE else []
-
-    large = [words for name, shift in shifts.items() for words in moved(name, shift)]
-    reasons += large or moved("what the scenario lacks, together,", beside)
+    reasons += [*_undecided(space, values, widths, correlations), *_rivals(space, ends), *doubts]
+    shares = {name: shift / sigma for name, shift in shifts.items()}
+    if not any(share.max() > LARGE for share in shares.values()):
+        shares = {"what the scenario lacks, together,": beside / sigma}
+    reasons += [
+        f"{name} would move `{space.names[share.argmax()]}` by {share.max():.2g} standard errors."
+        for name, share in shares.items()
+        if share.max() > LARGE
+    ]
     if changes and not reasons:
         reasons = _hidden(misfit, ends, changes)
     trustworthy = not reasons
@@ -357,13 +357,6 @@ def judged(
         {name: dict(zip(values, shift.tolist(), strict=True)) for name, shift in shifts.items()},
         rows,
     )
-
-
-def _left(misfit: Misfit, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
-    """Return the residuals at a point, SI, and their root mean squares, by group."""
-    found = misfit.observation.predictions([misfit.space.values(point)])
-    parts = {group: off[0] for group, off in found.items()}
-    return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
@@ -400,18 +393,16 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
 
 
 def _undecided(
-    space: Space, values: dict[str, float], sigma: np.ndarray, correlations: np.ndarray
+    space: Space, values: dict[str, float], widths: np.ndarray, correlations: np.ndarray
 ) -> list[str]:
     """Return sentences on the numbers that the data do not decide.
 
-    `values` and standard errors `sigma` (free,) are in SI; `correlations` are (free, free).
+    `values` are in SI, the standard errors `widths` (free,) in coordinates; `correlations` are
+    (free, free).
     """
     reasons = []
-    widths = []
-    for (name, value), scale, s in zip(values.items(), space.scales, sigma, strict=True):
+    for (name, value), scale, width in zip(values.items(), space.scales, widths, strict=True):
         u = scale.inside(value)
-        width = s / scale.slope(value)
-        widths.append(width)
         for side, limit in (("lowest", scale.low), ("highest", scale.high)):
             if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * width, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
@@ -419,13 +410,12 @@ def _undecided(
             reasons.append(
                 f"the data cannot decide `{name}`: its standard error is as large as itself."
             )
-    for i, name in enumerate(space.names):
-        for j, other in enumerate(space.names[:i]):
-            if abs(correlations[i, j]) > CORRELATED and max(widths[i], widths[j]) > ROUGH:
-                reasons.append(
-                    f"`{other}` and `{name}` cannot be distinguished: correlation "
-                    f"{correlations[i, j]:.4f}."
-                )
+    for i, j in np.argwhere(np.tril(np.abs(correlations) > CORRELATED, -1)):
+        if max(widths[i], widths[j]) > ROUGH:
+            reasons.append(
+                f"`{space.names[j]}` and `{space.names[i]}` cannot be distinguished: correlation "
+                f"{correlations[i, j]:.4f}."
+            )
     return reasons
 
 
@@ -454,33 +444,29 @@ def _hidden(misfit: Misfit, ends: Sequence[Minimum], changes: Arrays) -> list[st
     """
     best = ends[0]
 
-    def freed(end: Minimum, changes: Arrays) -> Minimum:
-        """Return a minimum with the cost that it has if the influences are free numbers too."""
-        return end._replace(cost=end.cost - _gain(misfit, end, changes, best.variance))
+    def gain(end: Minimum, changes: Arrays) -> float:
+        """Return by how much the cost falls where influences of about their sizes are free too.
+
+        `changes`: the residuals that each influence adds, (directions, residuals).
+        """
+        if not changes:
+            return 0.0
+        root = np.sqrt(misfit.weight(end.residual))
+        by_numbers, _ = np.linalg.qr(end.jacobian)  # SciPy's, which has the weights of a loss
+        left = np.concatenate([*changes.values()]).T * root[:, None]
+        left -= by_numbers @ (by_numbers.T @ left)
+        slope = left.T @ (root * end.residual)
+        known = best.variance * np.eye(len(slope))
+        return float(slope @ np.linalg.solve(left.T @ left + known, slope))
 
     values = [misfit.space.values(end.point) for end in ends[1:]]
     others = [influences.changes(misfit, some) for some in values]
-    every = [freed(end, some) for end, some in zip(ends, [changes, *others], strict=True)]
-    reasons = _rivals(misfit.space, every, ", if the scenario lacks something")
-    if best.cost - every[0].cost > RIVAL * best.variance:
-        name = min(changes, key=lambda name: freed(best, {name: changes[name]}).cost)
+    gains = [gain(end, some) for end, some in zip(ends, [changes, *others], strict=True)]
+    freed = [end._replace(cost=end.cost - g) for end, g in zip(ends, gains, strict=True)]
+    reasons = _rivals(misfit.space, freed, ", if the scenario lacks something")
+    if gains[0] > RIVAL * best.variance:
+        name = max(changes, key=lambda name: gain(best, {name: changes[name]}))
         reasons.append(
             f"the residuals are like those of {name}, or of several: let its numbers be free."
         )
     return reasons
-
-
-def _gain(misfit: Misfit, end: Minimum, changes: Arrays, variance: float) -> float:
-    """Return by how much the cost falls where influences of about their sizes are free too.
-
-    `changes`: the residuals that each influence adds, (directions, residuals); `variance`: of
-    noise.
-    """
-    if not changes:
-        return 0.0
-    root = np.sqrt(misfit.weight(end.residual))
-    by_numbers, _ = np.linalg.qr(end.jacobian)  # SciPy's, which has the weights of a loss
-    left = np.concatenate([*changes.values()]).T * root[:, None]
-    left -= by_numbers @ (by_numbers.T @ left)
-    slope = left.T @ (root * end.residual)
-    return float(slope @ np.linalg.solve(left.T @ left + variance * np.eye(len(slope)), slope))

@@ -4,9 +4,7 @@ Each influence has a plausible size. Near the end of a fit, where it is linear, 
 residuals by a vector, and the numbers by the pseudo-inverse of the Jacobian times that.
 """
 
-import copy
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -41,7 +39,7 @@ def air_of_sphere(radius: float, spin: float) -> tuple[float, float]:
     return c1, 3.225 * DENSITY * math.sqrt(VISCOSITY / spin) * radius**4
 
 
-def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
+def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
     """Return how the residuals change under each influence that the scenario lacks.
 
     Parameters
@@ -57,12 +55,10 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
         (directions, residuals) by influence, which may act along one or two directions. One that
         the system of the scenario cannot have is left out.
     """
-    problem = misfit.observation.problem
-    tables = problem.tables
-    start = {**tables["initial"], **{n.partition(".")[2]: v for n, v in values.items()}}
-    spin = abs(float(start.get("omega3", 0.0))) or 1.0
-    law = problem.law.key if problem.system.frictional else "none"
-    friction = {"law": law, **tables["friction"]}
+    observation = misfit.observation
+    tables = observation.tables(values)
+    friction = tables.get("friction", {"law": "none"})
+    law = friction["law"]
     plane = tables.get("plane", {})
     # Tables without and with each direction of an influence, and the part that the change is
     cases: dict[str, tuple[list[PlainData], float]] = {}
@@ -71,7 +67,8 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
         some = [{"plane": {**plane, "tilt": tilt, "azimuth": turn}} for tilt, turn in tilts]
         cases[TILTED] = some, PART
     if "air" not in tables and "R" in tables["parameters"]:
-        c1, c2 = air_of_sphere(float(start.get("R", tables["parameters"]["R"])), spin)
+        spin = abs(tables["initial"].get("omega3", 0.0)) or 1.0
+        c1, c2 = air_of_sphere(tables["parameters"]["R"], spin)
         cases[AIR] = [{"air": {"c1": size * c1, "c2": size * c2}} for size in (0.0, PART)], PART
     if law == "coulomb":
         disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
@@ -80,32 +77,27 @@ def changes(misfit: Misfit, values: Mapping[str, float]) -> Arrays:
         drilling = 3 * math.pi / 16 * friction.get("mu_coulomb", USUAL_MU) * PATCH
         some = [{"friction": {**friction, "mu_d": size * drilling}} for size in (0.0, PART)]
         cases[DISC] = some, PART
+
+    def residuals(changes: PlainData) -> np.ndarray:
+        """Return the residuals (numbers,) with changed tables; NaN if these are refused."""
+        try:
+            other = observation.under(changed(tables, changes))
+        except InputError:
+            return np.full(misfit.rows, np.nan)
+        return misfit.read(other, [values], misfit.rows)[0][0]
+
     found = {}
     for name, (some, part) in cases.items():
-        rows = [_residuals(misfit, changes, values) for changes in some]
-        if np.isfinite(every := np.array(rows)).all():
+        every = np.array([*map(residuals, some)])
+        if np.isfinite(every).all():
             found[name] = (every[1:] - every[0]) / part
     return found
 
 
-def _residuals(misfit: Misfit, changes: PlainData, values: Mapping[str, float]) -> np.ndarray:
-    """Return the residuals (numbers,) of a scenario with changed tables; NaN if it is refused.
+def changed(tables: PlainData, changes: PlainData) -> Problem:
+    """Return a scenario with other tables, in the form that suits them. Raises InputError.
 
-    `values` are those of the free numbers by dotted name, SI.
+    `tables` are those that `build.resolved` returns.
     """
-    observation = copy.copy(misfit.observation)
-    try:
-        problem = changed(observation.problem, changes)
-        observation.own = tuple(name for name in observation.own if name in problem.rules)
-        observation.predicted = observation.predictions_of(problem, observation.own)
-    except InputError:
-        return np.full(misfit.rows, np.nan)
-    observation.predicted.refine()
-    return misfit.read(observation, [dict(values)], misfit.rows)[0][0]
-
-
-def changed(problem: Problem, tables: PlainData) -> Problem:
-    """Return the scenario with other tables, in the form that suits them. Raises InputError."""
-    every = build.resolved(problem)
-    del every["form"]
-    return build.problem(every | {"run": {"until": problem.until}} | tables)
+    every = {name: table for name, table in tables.items() if name != "form"}
+    return build.problem(every | {"run": {"until": tables["run"]["until"]}} | changes)

@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..problem import Problem
 from ..runs.run import solve, with_rows_at
+from ..scenario import build
 from .fitting import Fit
 from .influences import PATCH, USUAL_MU, changed
 from .periods import RIVAL
@@ -48,7 +49,7 @@ def under(problem: Problem, law: str | Mapping[str, Any], until: float) -> Probl
     if law == problem.law.key:
         return problem
     friction = dict(law) if isinstance(law, Mapping) else _friction(problem, law, until)
-    return changed(problem, {"friction": friction})
+    return changed(build.resolved(problem), {"friction": friction})
 
 
 def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:

@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..errors import InputError
+from .fitting import Fit
 from .headers import UNITS
-from .observation import CLOCK, OFFSET, Observation
+from .observation import Observation
 
 
 # Motions that are read at a time
@@ -52,30 +54,26 @@ class LogLikelihood:
         Parameters
         ----------
         points : array
-            Values of the free numbers in SI units, (free,) or (points, free).
+            Values of the free numbers in SI units, (free,) or (..., free).
         gradient : bool
             Whether the derivatives are returned too, by central differences.
 
         Returns
         -------
-        float or ndarray (points,), or a pair of it and the gradient
+        float or ndarray (...,), or a pair of it and the gradient
             Minus infinity where a number is outside its interval, or there is no motion.
         """
         given = np.asarray(points, float)
-        many = np.atleast_2d(given)
+        free = len(self.free)
+        values = self._values(given.reshape(-1, free)).reshape(given.shape[:-1])[()]
         if not gradient:
-            values = self._values(many)
-            return values if given.ndim > 1 else float(values[0])
-        n, free = many.shape
-        steps = STEP * np.where(many == 0, self._units, np.abs(many))
-        moves = steps[:, :, None] * np.eye(free)
-        sides = np.concatenate([many[:, None] + moves, many[:, None] - moves])
-        every = self._values(np.concatenate([many, sides.reshape(-1, free)]))
-        ahead, behind = every[n:].reshape(2, n, free)
-        values = every[:n]
+            return values
+        steps = STEP * np.where(given == 0, self._units, np.abs(given))
+        moves = steps[..., None] * np.eye(free)
+        sides = given[..., None, :] + np.concatenate([moves, -moves], axis=-2)
+        ahead, behind = np.split(np.asarray(self(sides)), 2, axis=-1)
         with np.errstate(invalid="ignore"):
-            slopes = (ahead - behind) / (2 * steps)
-        return (values, slopes) if given.ndim > 1 else (float(values[0]), slopes[0])
+            return values, (ahead - behind) / (2 * steps)
 
     def _values(self, points: np.ndarray) -> np.ndarray:
         """Return the logarithm of the likelihood at each of the points (points, free), (points,).
@@ -84,18 +82,13 @@ class LogLikelihood:
         """
         observation = self._observation
         found = np.full(len(points), -np.inf)
-        inside = np.isfinite(points).all(axis=1)
-        for name, column in zip(self.free, points.T, strict=True):
-            inside &= ~observation.rule(name).broken(column)
-        if OFFSET in self.free:
-            first = points[:, self.free.index(OFFSET)]
-            scale = points[:, self.free.index(CLOCK)] if CLOCK in self.free else 1.0
-            inside &= scale * observation.t[0] + first >= 0
-        which = np.flatnonzero(inside)
-        for some in np.split(which, range(BLOCK, len(which), BLOCK)):
-            if len(some):
-                rows = [dict(zip(self.free, p, strict=True)) for p in points[some].tolist()]
-                found[some] = self._sums(observation.predictions(rows))
+        named = zip(self.free, points.T, strict=True)
+        broken = [observation.rule(name).broken(column) for name, column in named]
+        which = np.flatnonzero(~np.any(broken, axis=0))
+        for first in range(0, len(which), BLOCK):
+            some = which[first : first + BLOCK]
+            rows = [dict(zip(self.free, p, strict=True)) for p in points[some].tolist()]
+            found[some] = self._sums(observation.predictions(rows))
         return found
 
     def _sums(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -114,7 +107,7 @@ class LogLikelihood:
 
 
 def drawn(
-    function: LogLikelihood, centre: np.ndarray, covariance: np.ndarray, draws: int, seed: int
+    function: LogLikelihood, fit: Fit, draws: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return points (draws, free) of a t distribution, and their weights as draws of a posterior.
 
@@ -122,19 +115,29 @@ def drawn(
     ----------
     function
         The likelihood; the prior is uniform in the free numbers.
-    centre, covariance
-        Of the distribution from which points are drawn: the fit's.
+    fit
+        About which points are drawn, with its covariances.
     draws
         How many.
     seed
         Of the random numbers.
+
+    Raises
+    ------
+    InputError
+        If the fit leaves a number undecided.
     """
-    random = np.random.default_rng(seed)
-    free = len(centre)
-    normal = random.standard_normal((draws, free))
-    wide = normal / np.sqrt(random.chisquare(FREEDOM, draws) / FREEDOM)[:, None]
-    points = centre + wide @ np.linalg.cholesky(covariance).T
-    density = -(FREEDOM + free) / 2 * np.log1p((wide**2).sum(axis=1) / FREEDOM)
-    logarithms = np.asarray(function(points)) - density
+    from scipy.stats import multivariate_t
+
+    try:
+        shape = multivariate_t(None, fit.correlations, FREEDOM, seed=np.random.default_rng(seed))
+    except ValueError:  # not finite, or singular
+        raise InputError(
+            "the fit must decide every number for draws about it, but does not: free fewer."
+        ) from None
+    wide = shape.rvs(draws).reshape(draws, -1)
+    centre, sigma, *_ = np.transpose([*fit.estimates.values()])
+    points = centre + sigma * wide
+    logarithms = np.asarray(function(points)) - shape.logpdf(wide)
     weights = np.exp(logarithms - logarithms.max())
     return points, weights / weights.sum()

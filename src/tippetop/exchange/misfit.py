@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import choice
+from ..columns import Arrays
 from .observation import Observation
 from .scales import FAR, Space
 
@@ -89,44 +90,29 @@ class Misfit:
         _, middle, worst = self.last
         n, free = points.shape
         jacobians = np.zeros((*middle.shape, free if slopes else 0))
-        bends = np.full((n, free), np.inf)
-        which = np.argwhere(np.full((n, free), slopes))
-        for step in STEPS:
-            if not len(which):
+        bends = np.full((n, free if slopes else 0), np.inf)
+        low, high = self.space.bounds
+        for step in np.multiply(STEPS, FAR / self.space.within):
+            p, i = np.nonzero(bends > AGREE)
+            if not len(p):
                 break
-            sides = self._sides(points, which, step)
-            p, i = which.T
-            moved = [self.space.values(side) for side in np.concatenate(sides)]
+            move = step * np.eye(free)[i]
+            sides = np.concatenate([points[p] + move, points[p] - move])
+            sides = np.clip(sides, low + step / 2, high - step / 2)  # inside the bounds
+            moved = [self.space.values(side) for side in sides]
             after, before = np.split(self.read(self.observation, moved, rows)[0], 2)
             change = after - before
             second = after + before - 2 * middle[p]
             smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
             size, bend = (np.linalg.norm(np.where(smooth, d, 0), axis=1) for d in (change, second))
             bend /= np.maximum(size, 1e-300)
-            distance = (sides[0] - sides[1])[np.arange(len(which)), i]
-            better = bend < bends[p, i]
+            distance = np.subtract(*np.split(sides, 2)).sum(axis=1)  # in one coordinate
             slope = np.where(smooth, change, 0) / distance[:, None]
-            jacobians[p[better], :, i[better]] = slope[better]
-            bends[p[better], i[better]] = bend[better]
-            which = which[bends[p, i] > AGREE]
+            better = bend < bends[p, i]
+            p, i = p[better], i[better]
+            jacobians[p, :, i] = slope[better]
+            bends[p, i] = bend[better]
         return np.where(np.isfinite(middle), middle, worst), jacobians
-
-    def _sides(
-        self, points: np.ndarray, which: np.ndarray, step: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the two ends of the central differences of some slopes, points (slopes, free).
-
-        `which` are the slopes: pairs of a point and a coordinate, (slopes, 2). Near a bound both
-        ends move inside.
-        """
-        p, i = which.T
-        step *= FAR / self.space.within
-        low, high = self.space.bounds
-        move = step * np.eye(points.shape[1])[i]
-        ahead, behind = (
-            np.clip(points[p] + side * move, low + step / 2, high - step / 2) for side in (1, -1)
-        )
-        return ahead, behind
 
     def read(
         self, observation: Observation, points: Sequence[dict[str, float]], rows: int
@@ -147,11 +133,17 @@ class Misfit:
         self.last = (None,)
         self.observation.predicted.refine()
 
+    def left(self, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
+        """Return the residuals at a point, SI, and their root mean squares, by group."""
+        found = self.observation.predictions([self.space.values(point)])
+        parts = {group: off[0] for group, off in found.items()}
+        return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
+
     def weigh(self, point: np.ndarray) -> None:
         """Set the weight of each kind of measurement to 1/noise, by its residuals at a point."""
         self.last = (None,)
-        for group, off in self.observation.predictions([self.space.values(point)]).items():
-            self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), self.rounding[group])
+        for group, noise in self.left(point)[1].items():
+            self.weights[group] = 1 / max(noise, self.rounding[group])
 
     def variance(self, residuals: np.ndarray) -> float:
         """Return the variance of the noise from residuals (numbers,) at a minimum.

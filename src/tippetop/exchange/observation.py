@@ -7,23 +7,25 @@ free numbers. A group is a kind of measurement, such as `theta`, `axis` or `acce
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copy
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, measured, path_of, takes
+from ..arguments import PlainData, dotted_keys, measured, path_of, takes
 from ..columns import Arrays
 from ..errors import InputError, suggestion
 from ..mechanics.number import Number
 from ..mechanics.units import ONE, RADIAN, SECOND
 from ..problem import Problem
-from . import residuals
+from ..scenario import build
 from .headers import CAMERA
 from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
 from .motion_table import read as read_table
 from .predictions import ACCELEROMETER, Predictions, at_chip
+from .residuals import residuals
 from .scales import FAR, Space, scale_of
 
 
@@ -110,7 +112,6 @@ class Observation:
         ]
         if faults:
             raise InputError(faults)
-        self.own = tuple(name for name in free if name not in TIMES)
         self.marker = marker
         self.chip = chip
         self.groups = _groups(problem, seen)
@@ -119,16 +120,11 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
                 "gyroscope, an accelerometer, a place or a marker."
             )
-        self.given = {}
-        for group, rows in self.groups.items():
-            given = np.isfinite(rows)
-            if parts := residuals.PARTS.get(group):
-                given = np.repeat(given.all(axis=1, keepdims=True), parts, axis=1)
-            self.given[group] = given
-        columns = [name for group in self.groups for name in _names(group)]
-        self.columns = tuple(dict.fromkeys(columns))
-        self.problem = problem
-        self.predicted = self.predictions_of(problem, self.own)
+        self.given = {
+            group: np.isfinite(residuals(group, rows, rows)) for group, rows in self.groups.items()
+        }
+        self.columns = {name for group in self.groups for name in _names(group)}
+        self._predict(problem, [name for name in free if name not in TIMES])
 
     @property
     def count(self) -> int:
@@ -142,8 +138,23 @@ class Observation:
             kind: int(np.isfinite(rows).any(axis=1).sum()) for kind, rows in self.groups.items()
         }
 
-    def predictions_of(self, problem: Problem, own: Sequence[str]) -> Predictions:
-        """Return the predictions of a problem by these numbers.
+    def under(self, problem: Problem) -> Observation:
+        """Return the same measurements under another scenario, whose numbers are not free."""
+        other = copy.copy(self)
+        other._predict(problem, ())
+        other.predicted.refine()
+        return other
+
+    def tables(self, values: Mapping[str, float]) -> PlainData:
+        """Return the tables of the scenario with these values of the free numbers, SI."""
+        tables = build.resolved(self.problem)
+        for name in self.own:
+            table, _, key = name.partition(".")
+            tables[table][key] = values[name]
+        return tables
+
+    def _predict(self, problem: Problem, own: Sequence[str]) -> None:
+        """Predict by a problem whose numbers `own` are free.
 
         Raises InputError for an accelerometer where the contact may change.
         """
@@ -152,7 +163,9 @@ class Observation:
                 "an accelerometer is fitted only where the contact never changes: leave it out, or "
                 "give a smooth law without [contact], [stem], [air] and [plane]."
             )
-        return Predictions(problem, own)
+        self.problem = problem
+        self.own = tuple(own)
+        self.predicted = Predictions(problem, own)
 
     def rule(self, name: str) -> Number:
         """Return the `Number` of a free number: its unit and interval."""
@@ -180,17 +193,17 @@ class Observation:
         They are NaN in gaps, and where the motion cannot be computed.
         """
         read = self._read(points, self.t[rows])
-        return {group: self._residual(group, see[rows], read) for group, see in self.groups.items()}
+        return {
+            group: residuals(group, seen[rows], self._predicted_rows(group, read))
+            for group, seen in self.groups.items()
+        }
 
     def dots(self) -> Arrays:
         """Return the measurements as a figure shows them, by group, (rows, parts).
 
         An orientation is shown as its theta.
         """
-        rows = dict(self.groups)
-        if "orientation" in rows:
-            rows["orientation"] = theta_of(rows["orientation"])[:, None]
-        return rows
+        return _drawn(self.groups)
 
     def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
         """Return predictions as a figure shows them: times [s], and curves by group.
@@ -199,10 +212,7 @@ class Observation:
         """
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
         read = self._read([values], t)
-        curves = {group: self._predicted_rows(group, read)[0] for group in self.groups}
-        if "orientation" in curves:
-            curves["orientation"] = theta_of(curves["orientation"])
-        return t, {group: curve.reshape(len(t), -1) for group, curve in curves.items()}
+        return t, _drawn({group: self._predicted_rows(group, read)[0] for group in self.groups})
 
     def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
         """Return columns (points, rows, ...) by name, SI, at times t (points, rows) [s]."""
@@ -210,33 +220,16 @@ class Observation:
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
         return self.predicted.read(own, clock, self.columns)
 
-    def _residual(self, group: str, seen: np.ndarray, read: Arrays) -> np.ndarray:
-        """Return the measurements `seen` of a group minus its predictions.
-
-        Differences of angles are within half a turn.
-        """
-        model = self._predicted_rows(group, read)
-        if group in residuals.OF_ATTITUDES:
-            return residuals.OF_ATTITUDES[group](seen, model)
-        off = seen - model
-        if group == "phi" or CAMERA.fullmatch(group):
-            off = residuals.wrapped(off)
-        return off
-
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts), from columns `read`."""
-        if CAMERA.fullmatch(group):
-            return angle_in_picture(read["axis"], group)[..., None]
         if group == "accelerometer":
             return at_chip(read, self.chip)
-        names = _names(group)
-        if len(names) == 1:
-            (name,) = names
-            return read[name] if read[name].ndim > 2 else read[name][..., None]
-        model = np.stack([read[name] for name in names if name != "orientation"], axis=-1)
-        if group == "marker":
-            model = model + turned(read["orientation"], np.array(self.marker))
-        return model
+        if group in ("place", "marker"):
+            place = np.stack([read[name] for name in _names(group) if name in "xyz"], axis=-1)
+            own = turned(read["orientation"], np.array(self.marker)) if group == "marker" else 0.0
+            return place + own
+        model = angle_in_picture(read["axis"], group) if CAMERA.fullmatch(group) else read[group]
+        return model if model.ndim > 2 else model[..., None]
 
 
 def _groups(problem: Problem, seen: Arrays) -> Arrays:
@@ -263,6 +256,12 @@ def _groups(problem: Problem, seen: Arrays) -> Arrays:
     if flat and "place" in seen and np.isfinite(seen["place"][:, :2]).any():
         groups["place"] = seen["place"][:, :2]
     return groups | {kind: seen[kind] for kind in ("accelerometer", "marker") if kind in seen}
+
+
+def _drawn(rows: Arrays) -> Arrays:
+    """Return measurements or predictions by group, (rows, parts), an orientation as its theta."""
+    theta = {name: theta_of(q)[:, None] for name, q in rows.items() if name == "orientation"}
+    return rows | theta
 
 
 def _names(group: str) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
-"""Residuals of measured attitudes, in as many numbers as noise has directions.
+"""Residuals of measurements, in as many numbers as their noise has directions.
 
-Predictions and measurements go in, residuals come out, for `observation`.
+Predictions and measurements go in, residuals come out, for `observation` and `comparison`.
 """
 
 import numpy as np
@@ -8,9 +8,25 @@ import numpy as np
 from ..mechanics import rotation
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion
+from .headers import CAMERA
 
 
-def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
+def residuals(kind: str, seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """Return measurements `seen` (rows, ...) of a kind minus predictions, (..., rows, parts), SI.
+
+    Differences of angles are within half a turn; an axis has two parts, an orientation three.
+    """
+    if kind == "axis":
+        return _of_axis(seen, predicted)
+    if kind == "orientation":
+        return _of_orientation(seen, predicted)
+    off = seen - predicted
+    if kind in ("phi", "psi") or CAMERA.fullmatch(kind):
+        off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
+    return off
+
+
+def _of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
     """Return the residuals of predicted axes `third` from measured ones `seen` (rows, 3).
 
     They are chords between unit vectors, in the two directions across the measured one, (..., rows,
@@ -25,7 +41,7 @@ def of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
     return -apart / half[..., None]  # half: cosine of half the angle
 
 
-def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+def _of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """Return the rotation vectors from `predicted` orientations to measured ones, `seen`.
 
     They are (..., rows, 3) [rad] in space, of unit quaternions wxyz (..., rows, 4) and (rows, 4).
@@ -35,14 +51,3 @@ def of_orientation(seen: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     sine = np.linalg.norm(vector, axis=0)
     angle = 2 * np.where(w < 0, -1, 1) * np.arctan2(sine, np.abs(w))
     return np.moveaxis(vector * (angle / np.maximum(sine, 1e-300)), 0, -1)
-
-
-def wrapped(angles: np.ndarray) -> np.ndarray:
-    """Return angles [rad] brought to [-pi, pi) by whole turns."""
-    return np.remainder(angles + np.pi, 2 * np.pi) - np.pi
-
-
-OF_ATTITUDES = {"axis": of_axis, "orientation": of_orientation}
-"""Residuals of measured attitudes (rows, parts), by kind of measurement."""
-PARTS = {"axis": 2, "orientation": 3}
-"""Their numbers of parts."""

@@ -21,15 +21,13 @@ MARGIN = 1e-6
 FAR = 0.4
 # Of the differences that are derivatives: values are known to 1e-16, and smooth over 1
 STEP = 1e-5
-# Pairs of numbers that are a size and an azimuth, with the largest size; the axis is last
-HEADS = (
+# Pairs of numbers that are searched as vectors: a size and an azimuth, with the largest size; and
+# after those of the axis, components along its azimuth and across it
+PAIRS = (
     ("plane.tilt", "plane.azimuth", STEEPEST),
     ("initial.theta", "initial.phi", math.pi),
-)
-# Pairs of initial numbers that are components along that azimuth of the axis and across it
-TURNED = (
-    ("initial.theta_dot", "initial.phi_dot"),
-    ("initial.nu_x", "initial.nu_y"),
+    ("initial.theta_dot", "initial.phi_dot", None),
+    ("initial.nu_x", "initial.nu_y", None),
 )
 
 
@@ -82,9 +80,9 @@ class Space:
 
     `Observation.space` makes it.
 
-    Where theta and phi are free, they and the `TURNED` pairs are searched as Cartesian components
-    of a vector: near a pole a straight line in these is a detour in the angles. So are a tilt and
-    its azimuth, which have no other period then, and may start at 0.
+    Where theta and phi are free, they and the pairs along this azimuth are searched as Cartesian
+    components of a vector: near a pole a straight line in these is a detour in the angles. So are a
+    tilt and its azimuth, which have no other period then, and may start at 0.
 
     Parameters
     ----------
@@ -120,40 +118,21 @@ class Space:
         self.far = np.where(logarithmic, within, within * np.abs(self.origin))
         self.loose = self.far == 0
         self.pairs: list[tuple[int, int, bool, float | None]] = []
-        for first, second, most in HEADS:
-            r = start.get(first, 0.0)
-            polar = {first, second} <= {*start} and (r > 0 or first == "plane.tilt")
-            if polar:
-                self._pair(first, second, (r, 0.0), most / math.sqrt(2), start[second])
-        for first, second in TURNED if polar else ():
-            if {first, second} <= {*start}:
-                swept = first == "initial.theta_dot"
-                vector = start[first], start[second] * (r if swept else 1)
-                self._pair(first, second, vector, np.inf, None, swept)
+        theta = start.get("initial.theta", 0.0) if "initial.phi" in start else 0.0
+        for first, second, most in PAIRS:
+            if not {first, second} <= start.keys() or not (theta > 0 or first == "plane.tilt"):
+                continue
+            places = [self.names.index(first), self.names.index(second)]
+            swept = first == "initial.theta_dot"
+            size, other = start[first], start[second]
+            vector = (size, other * (theta if swept else 1)) if most is None else (size, 0.0)
+            self.origin[places] = vector
+            self.far[places] = within * np.hypot(*vector)
+            self.high[places] = np.inf if most is None else most / math.sqrt(2)
+            self.low[places] = -self.high[places]
+            self.loose[places] = True
+            self.pairs.append((*places, swept, None if most is None else other))
         self.width = np.where(self.far > 0, self.far, 1.0)
-
-    def _pair(
-        self,
-        first: str,
-        second: str,
-        vector: tuple[float, float],
-        reach: float,
-        azimuth: float | None,
-        swept: bool = False,
-    ) -> None:
-        """Replace the coordinates of two numbers, `first`, `second`, by those of a vector.
-
-        `vector` is its start, and each component is at most `reach`. If `azimuth` is given, the
-        numbers are size and azimuth, which starts there. Otherwise the numbers are the components;
-        `swept` is whether the second one is divided by the size.
-        """
-        i = self.names.index(first)
-        k = self.names.index(second)
-        self.origin[[i, k]] = vector
-        self.far[[i, k]] = self.within * np.hypot(*vector)
-        self.low[[i, k]], self.high[[i, k]] = -reach, reach
-        self.loose[[i, k]] = True
-        self.pairs.append((i, k, swept, azimuth))
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -185,12 +164,7 @@ class Space:
 
         The result is (values, coordinates), both in the order of the free numbers.
         """
-
-        def values(moved: np.ndarray) -> np.ndarray:
-            """Return the numbers of a point, SI, as an array (free,)."""
-            return np.array(list(self.values(moved).values()))
-
         steps = STEP * np.eye(len(point))
-        return np.stack(
-            [(values(point + d) - values(point - d)) / (2 * STEP) for d in steps], axis=1
-        )
+        sides = np.concatenate([point + steps, point - steps])
+        ahead, behind = np.split(np.array([[*self.values(p).values()] for p in sides]), 2)
+        return (ahead - behind).T / (2 * STEP)

@@ -3,7 +3,7 @@
 `Posterior.plot` calls it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,7 +18,12 @@ SHOWN = 4.0
 
 
 @styled()
-def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> Figure:
+def corner(
+    draws: Mapping[str, np.ndarray],
+    weights: np.ndarray,
+    moments: Iterable[tuple[float, float]],
+    text: str,
+) -> Figure:
     """Draw the distribution of each number, and of each pair.
 
     Parameters
@@ -27,6 +32,8 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
         Label of each number -> its values in the n draws, (n,).
     weights
         The weight of each draw, (n,), of sum 1.
+    moments
+        Mean and standard deviation of each number.
     text
         A line below the panels.
 
@@ -38,11 +45,7 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
     n = len(draws)
     fig = figure(1.5 + 2.1 * n, 1.5 + 2.1 * n)
     panels = fig.subplots(n, n, squeeze=False)
-    limits = []
-    for values in draws.values():
-        mean = weights @ values
-        size = np.sqrt(weights @ (values - mean) ** 2)
-        limits.append((mean - SHOWN * size, mean + SHOWN * size))
+    limits = [(mean - SHOWN * size, mean + SHOWN * size) for mean, size in moments]
     columns = list(draws.items())
     for row, (label, y) in enumerate(columns):
         for column, (other, x) in enumerate(columns):
@@ -54,24 +57,18 @@ def corner(draws: Mapping[str, np.ndarray], weights: np.ndarray, text: str) -> F
                 panel.hist(
                     x, BINS, range=limits[column], weights=weights, color=LIGHT.run, alpha=0.8
                 )
-                panel.set_yticks([])
+                panel.set(xlim=limits[column], xlabel=other, yticks=[])
             else:
-                count, *edges = np.histogram2d(
-                    x, y, BINS, range=(limits[column], limits[row]), weights=weights
+                shown = limits[column], limits[row]
+                panel.hist2d(
+                    x, y, BINS, range=shown, weights=weights, cmap="Blues", rasterized=True
                 )
-                panel.pcolormesh(*edges, count.T, cmap="Blues", rasterized=True)
-                panel.set_ylim(limits[row])
-            panel.set_xlim(limits[column])
+                panel.set(xlabel=other, ylabel=label)
             for axis in (panel.xaxis, panel.yaxis):
                 axis.set_major_formatter("{x:.6g}")
             panel.locator_params(nbins=3)
-            panel.tick_params(
-                labelbottom=row == n - 1, labelleft=column == 0 < row, labelrotation=30
-            )
-            if row == n - 1:
-                panel.set_xlabel(other)
-            if column == 0 < row:
-                panel.set_ylabel(label)
+            panel.tick_params(labelrotation=30)
+            panel.label_outer()
     fig.align_labels()
     fig.supxlabel(text, x=0.02, ha="left", fontsize="small")
     return fig

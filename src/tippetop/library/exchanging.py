@@ -147,7 +147,7 @@ class Fitted(fitting.Fit):
     @property
     def problem(self) -> Problem:
         """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return build.problem(fit_text.tables(self))
+        return build.problem(self.observation.tables(self.values))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
@@ -165,7 +165,7 @@ class Fitted(fitting.Fit):
         figure = draw_fit(
             self.observation.t,
             self.observation.dots(),
-            self.observation.curves({name: e.value for name, e in self.estimates.items()}),
+            self.observation.curves(self.values),
             self.residuals,
             fit_text.lines(self),
         )
@@ -275,10 +275,10 @@ def fit(
     every = laws.split(",") if isinstance(laws, str) else laws
     for law in sorted(every, key=lambda law: law != problem.law.key):
         one = law_choice.under(problem, law, until)
-        lacking = [n for n in names if n.startswith("friction.") and n not in one.rules]
+        known = [n for n in names if n in one.rules or not n.startswith("friction.")]
         explained = any(other.is_noise for other in fits.values())
         hopeless = law_choice.HOPELESS if explained else fitting.MET
-        found = fitted(one, [n for n in names if n not in lacking], within, hopeless)
+        found = fitted(one, known, within, hopeless)
         if not fits:  # the others begin where this one ended
             problem = found.problem
             within = min(within, law_choice.NEAR)

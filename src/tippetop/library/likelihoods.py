@@ -92,13 +92,12 @@ class Posterior:
         refuse_without("matplotlib")
         from ..figures.corner import corner
 
-        units = [self.fit.observation.rule(name).unit.symbol for name in self.free]
-        labels = [
-            name if unit == "1" else f"{name} ({unit})"
-            for name, unit in zip(self.free, units, strict=True)
-        ]
-        columns = dict(zip(labels, self.points.T, strict=True))
-        return saved(corner(columns, self.weights, self._effect()), path, overwrite)
+        columns = {}
+        for name, values in zip(self.free, self.points.T, strict=True):
+            unit = self.fit.observation.rule(name).unit.symbol
+            columns[name if unit == "1" else f"{name} ({unit})"] = values
+        moments = zip(self.mean.values(), self.sigma.values(), strict=True)
+        return saved(corner(columns, self.weights, moments, self._effect()), path, overwrite)
 
     def _effect(self) -> str:
         """Return how many of the draws count, in words."""
@@ -172,12 +171,4 @@ def posterior(
             f"`fitted` must be a fit of {', '.join(names)}, but is one of "
             f"{', '.join(fitted.estimates)}."
         )
-    sigma = np.array([e.sigma for e in fitted.estimates.values()])
-    covariance = fitted.correlations * np.outer(sigma, sigma)
-    if not np.isfinite(covariance).all() or np.linalg.eigvalsh(fitted.correlations)[0] <= 0:
-        raise InputError(
-            "the fit must decide every number for draws about it, but does not: free fewer."
-        )
-    centre = np.array([e.value for e in fitted.estimates.values()])
-    points, weights = drawn(function, centre, covariance, positive_integer("draws", draws), seed)
-    return Posterior(fitted, points, weights)
+    return Posterior(fitted, *drawn(function, fitted, positive_integer("draws", draws), seed))

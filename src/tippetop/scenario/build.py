@@ -14,7 +14,6 @@ from ..arguments import PlainData, measured, not_among, plain
 from ..errors import InputError
 from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
-from ..mechanics.contact.surroundings import TABLES as AROUND
 from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.number import completed, omission_faults
@@ -101,7 +100,6 @@ def problem(
     if columns is not None or known not in (None, find(system.name)):  # the store names them
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules = rules_of(scenario, system)
-    around = [name for name in AROUND if name in type(scenario).model_fields]
     kinds = tuple(event.name for event in system.events)
     parameters = dict(scenario.parameters)
     initial = {k: v for k, v in scenario.initial if v is not None}
@@ -122,7 +120,7 @@ def problem(
         initial=on_stem(initial, parameters, rules),
         times=run.rows(),
         contact=rules,
-        surroundings=dotted_numbers({name: dict(getattr(scenario, name)) for name in around}),
+        surroundings=dotted_numbers(scenario.model_dump()),
         origin=origin,
         **given,
     )
