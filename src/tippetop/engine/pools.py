@@ -20,7 +20,6 @@ Symbols
 
 import ctypes
 import threading
-from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -312,22 +311,10 @@ class HybridPools(Pools, HybridDriver):
         mine = leaves(order)[: len(solver.workspace.motion.pars)]
         self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
 
-    @property
-    def clock(self) -> tuple[Any, Any]:
-        """Return the internal time of the top that the driver holds."""
-        clock: tuple[float, float] = self.top[["high", "low"]].item()
-        return clock
-
-    @property
-    def state(self) -> np.ndarray:
-        """Return the state of the top that the driver holds."""
-        return self.states[self.slot, : len(self.workspace.motion.state)]
-
-    def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state and the time of the top that the driver holds."""
-        self.top["high"], self.top["low"] = clock
-        self.states[self.slot] = 0.0
-        self.states[self.slot, : len(state)] = state
+    def set_workspace(self, workspace: Any) -> None:
+        """Make the next steps in this phase; state and time remain those of the top."""
+        super().set_workspace(workspace)
+        self.motion = self.of_top
 
     # --- one top ---------------------------------------------------------------------------------
 
@@ -355,6 +342,9 @@ class HybridPools(Pools, HybridDriver):
         )
         self.slot = slot
         self.top = top = self.tops[slot]
+        clock = self.tops[slot : slot + 1]
+        of_top = {"state": self.states[slot][:, None], "high": clock["high"], "low": clock["low"]}
+        self.motion = self.of_top = self.notes.record.motion._replace(**of_top)
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
         names = ["began", "until", "short_phases", "end"]

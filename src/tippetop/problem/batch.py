@@ -94,7 +94,7 @@ class Problems:
     @property
     def contact(self) -> Any:
         """Return the law of the contact, SI, with arrays (n,); None where it never opens."""
-        rules = self.base.contact
+        rules: Any = self.base.contact
         for table in {"contact", "stem"} & self.base.tables.keys():
             rules = rules._replace(**self.given(table))
         return rules
