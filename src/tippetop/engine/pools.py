@@ -291,10 +291,9 @@ class HybridPools(Pools, HybridDriver):
         found = self.findings()
         none = Loaded(None, 0, 0, False, 0)
         self.notes = Loop(motion, self.all_events, *found, self.rules, none)
-        workspace = SimpleNamespace(motion=motion)
         variables = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
-            at=phases, workspace=workspace, variables=variables, sampled={}
+            at=phases, workspace=self.notes.record, variables=variables, sampled={}
         )
 
     # --- lanes of phases -------------------------------------------------------------------------
