@@ -9,10 +9,11 @@ from limits import assert_below, assert_near
 from nightly import at_night
 from touching import BODY, BOUNCE, DRILLING, TOSSED
 
-from tippetop.engine import jump_programs, pools
+from tippetop.engine import hybrid, jump_programs, pools
 from tippetop.engine.status import Status
 from tippetop.ensembles import ensemble, hybrid_tops, lanes
 from tippetop.ensembles.outcomes import Outcomes, _conclude
+from tippetop.mechanics import lines
 from tippetop.mechanics.contact import exits
 from tippetop.problem import Problems
 from tippetop.scenario import build, reading
@@ -169,6 +170,25 @@ def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
     single = alone(tops)
     np.testing.assert_array_equal(measured.status, single.status)
     assert_near(measured.final, single.final, 1e-9)
+
+
+def test_only_what_has_no_line_is_left_to_python(monkeypatch) -> None:
+    """Any other error of a jump that is recorded as a program is an error of this package."""
+    struck = exits.struck
+    raised: list[Exception] = [TypeError("no line"), AttributeError("a mistake")]
+
+    def fails(x, world, ball):
+        if isinstance(x.height, lines.Number):
+            raise raised[0]
+        return struck(x, world, ball)
+
+    monkeypatch.setattr(exits, "struck", fails)
+    hybrid.jump_of.cache_clear()
+    ensemble.measure(some("sticks"), threads=1)
+    del raised[0]
+    hybrid.jump_of.cache_clear()
+    with pytest.raises(AttributeError, match="a mistake"):
+        ensemble.measure(some("sticks"), threads=1)
 
 
 def test_a_stop_ends_the_pools_soon(monkeypatch) -> None:

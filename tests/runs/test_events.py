@@ -22,7 +22,9 @@ def count(
     tallies, found, waiting = new_tallies(event_rows([], [], []), np.ones((0, 1))), [], -1
     for rows in np.array_split(np.arange(len(theta) + 1), pieces):
         ways, angles = np.array([*sign, 0])[rows], np.array([*theta, end])[rows]
-        for row, confirms, waits in zip(rows, *count_turnings(tallies, ways, angles), strict=True):
+        for row, confirms, waits in zip(
+            rows, *count_turnings(tallies.lane, ways, angles), strict=True
+        ):
             found += [waiting] * bool(confirms)
             waiting = int(row) if waits else waiting
     return found, tallies

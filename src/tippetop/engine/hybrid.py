@@ -69,8 +69,6 @@ multiple root; and the time over which the rate is taken.
 """
 AT_END = 2.0**-50
 """An event that ends a phase in this last part of a run is left to a run that begins there."""
-AS_ROW = -1
-"""Number of a phase for a state that is a row already."""
 QUIET = np.errstate(all="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
 
@@ -791,7 +789,7 @@ class HybridDriver(Driver):
         """
         at = self.logged[0]
         loop = solver.workspace.loop if solver else self.loop
-        phase = solver.at if solver else AS_ROW
+        phase = solver.at if solver else len(self.phases)
         event = self.all_events.events[number:].ctypes.data
         values = np.array(state, float)
         given = number, self.slot, int(sign), phase, float(time), values.ctypes.data
@@ -845,13 +843,13 @@ class HybridDriver(Driver):
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
         """Return states (k, width) of phases, by number (k,), as rows (k, variables) of the run.
 
-        The numbers `AS_ROW` and that after the last phase mark states that are rows already.
+        The number after the last phase marks states that are rows already.
         `slots` are those of the tops, (k,), where a loop has many.
         """
         variables = self.problem.variables
         as_rows = states[:, : self.variables]
         rows = np.empty((len(phases), self.variables), self.number)
-        known = (phases == AS_ROW) | (phases == len(self.phases))
+        known = phases == len(self.phases)
         rows[known, : as_rows.shape[1]] = as_rows[known]
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)

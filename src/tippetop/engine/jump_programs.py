@@ -22,7 +22,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
@@ -226,7 +225,10 @@ class JumpPrograms:
             if passed:
                 b = solver.phase.parameters(body)
                 passed = [k for k in passed if to.notes(k, solver, state, b)]
-        except (InputError, TypeError, ValueError):  # a number that no line makes
+        except (TypeError, ValueError) as error:  # a float, or a function that has no line
+            cause = error.__cause__ or error
+            if not isinstance(cause, (TypeError, ValueError)):
+                raise cause from None
             return None
         numbers = leaves(tuple(n.rows.values()))
         if len(numbers) > NUMBERS:

@@ -285,16 +285,17 @@ def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -
 
 
 def count_turnings(
-    tallies: Tallies, signs: np.ndarray, theta: np.ndarray
+    lane: np.ndarray, signs: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Count turnings of theta that are more than rounding in the tally of the first lane.
+    """Count turnings of theta that are more than rounding in a tally.
 
     An extreme counts once theta has come back from it by `NOISE_FLOOR`: until then it waits.
 
     Parameters
     ----------
-    tallies
-        Of a run whose loop has a log, and therefore leaves the count to its caller.
+    lane
+        The tallies of runs. Turnings of the first are counted; its loop has a log, and therefore
+        leaves the count to its caller, or leaves the end of the run.
     signs, theta
         (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end
         of a run, which end a swing; [rad].
@@ -308,5 +309,5 @@ def count_turnings(
     theta = np.ascontiguousarray(theta, float)
     effects = np.empty(len(signs), np.int64)
     arrays = (array.ctypes.data for array in (signs, theta, effects))
-    library().loop_count_turnings(tallies.lane.ctypes.data, float(NOISE_FLOOR), len(signs), *arrays)
+    library().loop_count_turnings(lane.ctypes.data, float(NOISE_FLOOR), len(signs), *arrays)
     return effects & CONFIRMS > 0, effects & WAITS > 0

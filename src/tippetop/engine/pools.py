@@ -20,7 +20,6 @@ Symbols
 
 import ctypes
 import threading
-from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -292,10 +291,9 @@ class HybridPools(Pools, HybridDriver):
         found = self.findings()
         none = Loaded(None, 0, 0, False, 0)
         self.notes = Loop(motion, self.all_events, *found, self.rules, none)
-        workspace = SimpleNamespace(motion=motion)
         variables = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
-            at=phases, workspace=workspace, variables=variables, sampled={}
+            at=phases, workspace=self.notes.record, variables=variables, sampled={}
         )
 
     # --- lanes of phases -------------------------------------------------------------------------
@@ -312,25 +310,10 @@ class HybridPools(Pools, HybridDriver):
         mine = leaves(order)[: len(solver.workspace.motion.pars)]
         self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
 
-    @property
-    def clock(self) -> tuple[Any, Any]:
-        """Return the internal time of the top that the driver holds, the pair (high, low)."""
-        clock: tuple[float, float] = self.top[["high", "low"]].item()
-        return clock
-
-    @property
-    def state(self) -> np.ndarray:
-        """Return the state of the top that the driver holds."""
-        return self.states[self.slot, : len(self.workspace.motion.state)]
-
-    def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state and the time (high, low) of the top that the driver holds, in its slot.
-
-        Like the other overrides here it replaces the arrays of a single run by those of all tops.
-        """
-        self.top["high"], self.top["low"] = clock
-        self.states[self.slot] = 0.0
-        self.states[self.slot, : len(state)] = state
+    def set_workspace(self, workspace: Any) -> None:
+        """Make the next steps in this phase; state and time remain those of the top."""
+        super().set_workspace(workspace)
+        self.motion = self.of_top
 
     # --- one top ---------------------------------------------------------------------------------
 
@@ -361,6 +344,9 @@ class HybridPools(Pools, HybridDriver):
         )
         self.slot = slot
         self.top = top = self.tops[slot]
+        clock = self.tops[slot : slot + 1]
+        of_top = {"state": self.states[slot][:, None], "high": clock["high"], "low": clock["low"]}
+        self.motion = self.of_top = self.notes.record.motion._replace(**of_top)
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
         names = ["began", "until", "short_phases", "end"]

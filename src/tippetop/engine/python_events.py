@@ -18,7 +18,7 @@ def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
     solver, (high, low) = run.solver, run.clock
     ta = solver.ahead
     ta.pars[:] = leaves(solver.b)[: len(ta.pars)]
-    ta.state[:], ta.time = run.state, run.number(0)
+    ta.state[:], ta.time = run.state[: len(ta.state)], run.number(0)
     _, h = ta.step(write_tc=True)
 
     def value(event: Event, t: Any) -> float:

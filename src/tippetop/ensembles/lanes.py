@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from ..engine.expressions import formulas_of
-from ..engine.loop import MOST_COEFFICIENTS, Loop, new_motion
+from ..engine.loop import MOST_COEFFICIENTS, Loop, count_turnings, new_motion
 from ..engine.observables import Observables, values_of
 from ..engine.pools import HybridPools, Pools, Tops
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import NOISE_FLOOR, EventRows, Rules, looked_for, new_log, new_samples
+from ..engine.tallies import EventRows, Rules, looked_for, new_log, new_samples
 from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
@@ -208,13 +208,10 @@ class Lanes:
         phases = rows.phases[made] % len(pools.pools)
         outcomes.rows[made] = pools.rows_of(phases, rows.states[made], tops[place])
 
-        tallies = pools.of_tops.lane[tops]
         theta = values_of(self.tops, final, tops)["theta"]
-        at = tallies["waits_at"]
-        counts = tallies["waiting"] * (theta - at) >= NOISE_FLOOR  # the turning that waits
-        tallies["turnings"] += counts
-        for name, nearer in ("theta_min", np.fmin), ("theta_max", np.fmax):
-            tallies[name][counts] = nearer(tallies[name], at)[counts]
+        for top, angle in zip(tops.tolist(), theta, strict=True):  # the turning that waits
+            count_turnings(pools.of_tops.lane[top:], np.zeros(1), angle)
+        tallies = pools.of_tops.lane[tops]
         columns["t_end"][tops] = tallies["t"]
         columns["steps"][tops] = pools.tops["steps"][tops] + tallies["steps"]
         for name in SWINGS:

@@ -147,7 +147,7 @@ class EventLog:
         rows, signs, theta
             (k,) Rows in the log, +1 for a minimum of theta and -1 for a maximum, and theta [rad].
         """
-        confirmed, waits = count_turnings(self.tallies, signs, theta)
+        confirmed, waits = count_turnings(self.tallies.lane, signs, theta)
         waiting = np.maximum.accumulate(np.append(self.waiting, np.where(waits, rows, -1)))
         self.waiting = int(waiting[-1])
         return [row for row in waiting[:-1][confirmed].tolist() if row >= 0]
