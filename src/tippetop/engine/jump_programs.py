@@ -213,7 +213,8 @@ class JumpPrograms:
         world = world._replace(body=body, rules=rules, left=left, struck=struck)
         try:
             n, to, after, values = jump(run, state, world)
-            if n.ends or to.sampled:
+            numbers = leaves(tuple(n.rows.values()))
+            if n.ends or to.sampled or len(numbers) > NUMBERS:
                 return None
             sides, zeros, passed = to.begins(n, values, signs)
             ranged: list = []
@@ -229,9 +230,6 @@ class JumpPrograms:
             cause = error.__cause__ or error
             if not isinstance(cause, (TypeError, ValueError)):
                 raise cause from None
-            return None
-        numbers = leaves(tuple(n.rows.values()))
-        if len(numbers) > NUMBERS:
             return None
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay

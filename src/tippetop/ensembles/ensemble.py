@@ -80,15 +80,17 @@ def measure(
 
     turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
     is_hybrid = tops.base.system.is_hybrid
-    functions = np.full((tops.n, 1), np.nan)
+    begun = tops
+    valid = tops.valid
     if is_hybrid:
         mu = np.broadcast_to(tops.given("friction").get("mu", 1.0), (tops.n,))
         alone = (mu == 0) & (mu != 0).any()  # they have other phases
         alone |= not turns or tops.base.contact is None or events
+        begun, valid = checked_tops(measured, ended)
+        functions = np.full((tops.n, 1), np.nan)
     else:
         functions = event_functions(tops)
         alone = _ends_at_start(tops, functions)
-    begun, valid = checked_tops(measured, ended) if is_hybrid else (tops, tops.valid)
     numbers = np.flatnonzero(valid & ~alone)
     if len(numbers):
         bodies = bodies_of(begun) if is_hybrid else tops.pars
@@ -96,16 +98,16 @@ def measure(
         room = -(-len(numbers) // n)
         stop = threading.Event()
         first = problem_of(tops, int(numbers[0]))
-        pools = [
+        groups = [
             HybridPools(first, stop)
             if is_hybrid
             else PoolOfOne(tops, wanted, events=events, most=most)
             for _ in range(n)
         ]
-        every = new_tops(pools[0], n, begun, functions, bodies, measured.times)
-        for thread, its in enumerate(pools):
-            its.join(every, thread)
-        workers = [Lanes(measured, its, ended, room, stop) for its in pools]
+        every = new_tops(groups[0], n, begun, functions, bodies, measured.times)
+        for thread, group in enumerate(groups):
+            group.join(every, thread)
+        workers = [Lanes(measured, group, ended, room, stop) for group in groups]
         _run_all(workers, iter(numbers.tolist()), stop)
         possible = sum(worker.pools.record.possible for worker in workers)
         measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)

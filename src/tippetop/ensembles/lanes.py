@@ -84,7 +84,7 @@ class PoolOfOne(Pools):
         self.add_pool(0, self.loop, range(numbers))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states of the tops in slots as rows (k, variables); see `Driver.rows_of`."""
+        """Return states of tops as rows (k, variables); see `HybridDriver.rows_of`."""
         return states[:, : self.variables]
 
 
@@ -101,9 +101,6 @@ class Lanes:
         Called whenever a top has ended.
     room
         Number of tops that may be under way.
-
-    Attributes
-    ----------
     stop
         Set it to end `run` soon, whether its tops have ended or not.
     """
@@ -116,7 +113,7 @@ class Lanes:
         room: int,
         stop: threading.Event,
     ):
-        """Set up lanes without tops; equations of phases are compiled later."""
+        """Set up lanes; no top has begun."""
         self.outcomes = outcomes
         self.pools: Any = pools
         self.ended = ended
