@@ -113,7 +113,7 @@ class Motion(NamedTuple):
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         # the largest decide the errors
         sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
-        scales = np.array([sizes**k for k in range(parts)])
+        scales = sizes ** np.arange(parts)[:, None]
         start, known = (
             (rows / scales).reshape(-1, directions) for rows in (state[:size], self.pars)
         )
@@ -661,7 +661,8 @@ class Pass:
         There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
-        at = np.searchsorted(self.times, times)
+        is_known = np.isin(times, [*self.shifts])
+        at = np.where(is_known, -1, np.searchsorted(self.times, times))
         for _, motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
             if not len(mine):
