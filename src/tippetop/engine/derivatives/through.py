@@ -179,7 +179,7 @@ class Motion(NamedTuple):
         return moved, np.where(counts, least, np.inf)
 
 
-def least_of(changes: Sequence, directions: int) -> np.ndarray:
+def least_of(changes: Sequence | np.ndarray, directions: int) -> np.ndarray:
     """Return the least change along each direction, infinite without one."""
     return np.fmin.reduce(np.reshape(changes, (-1, directions)), initial=np.inf)
 
@@ -236,7 +236,7 @@ class Tape:
             self.parts = 2 * len(results)
             return [*chain(*(parts_of(one, 1) for one in results)), *changes]
 
-        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel())
+        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel().tolist())
 
     def __call__(self, numbers: np.ndarray, follow: Any = None) -> tuple | None:
         """Return what `evaluated` does; None if a comparison turns out otherwise."""
