@@ -915,6 +915,29 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
+/* Cases of operations on a and b, with the functions of a precision by their suffix. */
+#define OPERATIONS(suffix)                                    \
+    case ADD: *to = a + b; break;                             \
+    case SUBTRACT: *to = a - b; break;                        \
+    case MULTIPLY: *to = a * b; break;                        \
+    case POWER: *to = pow##suffix(a, b); break;               \
+    case NEGATIVE: *to = -a; break;                           \
+    case SQRT: *to = sqrt##suffix(a); break;                  \
+    case ABSOLUTE: *to = fabs##suffix(a); break;              \
+    case MAXIMUM: *to = MAX(a, b); break;                     \
+    case EXP: *to = exp##suffix(a); break;                    \
+    case LOG: *to = log##suffix(a); break;                    \
+    case ARCTAN2: *to = atan2##suffix(a, b); break;           \
+    case SIN: *to = sin##suffix(a); break;                    \
+    case COS: *to = cos##suffix(a); break;                    \
+    case LESS: *to = a < b; break;                            \
+    case LESS_EQUAL: *to = a <= b; break;                     \
+    case EQUAL: *to = a == b; break;                          \
+    case UNIT:                                                \
+        frexp##suffix(a, &exponent);                          \
+        *to = ldexp##suffix(1, exponent);                     \
+        break;
+
 /* Execute a program. Return whether comparisons are as expected. */
 static bool execute(const Program *c, const Loop *const *loops) {
     real *r = c->registers, *to = r + c->result;
@@ -922,30 +945,11 @@ static bool execute(const Program *c, const Loop *const *loops) {
         real a = r[line->a], b = r[line->b];
         int exponent;
         switch (line->what) {
-        case ADD: *to = a + b; break;
-        case SUBTRACT: *to = a - b; break;
-        case MULTIPLY: *to = a * b; break;
+            OPERATIONS()
         case DIVIDE:
             if (b == 0)
                 return false;
             *to = a / b;
-            break;
-        case POWER: *to = pow(a, b); break;
-        case LESS: *to = a < b; break;
-        case LESS_EQUAL: *to = a <= b; break;
-        case EQUAL: *to = a == b; break;
-        case NEGATIVE: *to = -a; break;
-        case SQRT: *to = sqrt(a); break;
-        case ABSOLUTE: *to = fabs(a); break;
-        case MAXIMUM: *to = MAX(a, b); break;
-        case EXP: *to = exp(a); break;
-        case LOG: *to = log(a); break;
-        case ARCTAN2: *to = atan2(a, b); break;
-        case SIN: *to = sin(a); break;
-        case COS: *to = cos(a); break;
-        case UNIT:
-            frexp(a, &exponent);
-            *to = ldexp(1, exponent);
             break;
         case EXPECT:
             if ((a != 0) != (b != 0))
@@ -969,27 +973,8 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
             long double a = r[line->a * n + i], b = r[line->b * n + i];
             int exponent;
             switch (line->what) {
-            case ADD: *to = a + b; break;
-            case SUBTRACT: *to = a - b; break;
-            case MULTIPLY: *to = a * b; break;
+                OPERATIONS(l)
             case DIVIDE: *to = a / b; break;
-            case POWER: *to = powl(a, b); break;
-            case NEGATIVE: *to = -a; break;
-            case SQRT: *to = sqrtl(a); break;
-            case ABSOLUTE: *to = fabsl(a); break;
-            case MAXIMUM: *to = MAX(a, b); break;
-            case EXP: *to = expl(a); break;
-            case LOG: *to = logl(a); break;
-            case ARCTAN2: *to = atan2l(a, b); break;
-            case SIN: *to = sinl(a); break;
-            case COS: *to = cosl(a); break;
-            case LESS: *to = a < b; break;
-            case LESS_EQUAL: *to = a <= b; break;
-            case EQUAL: *to = a == b; break;
-            case UNIT:
-                frexpl(a, &exponent);
-                *to = ldexpl(1, exponent);
-                break;
             case EXPECT:
                 if ((a != 0) != (b != 0))
                     return -1;
