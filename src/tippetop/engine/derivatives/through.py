@@ -43,13 +43,20 @@ from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
-from ..expressions import AXES, Formulas, formulas_of
+from ..expressions import (
+    AXES,
+    Formulas,
+    compile_observables,
+    formulas_of,
+    observed,
+    orientation_of,
+)
 from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, Moving, compiled_columns, compiled_flow, in_motion
+from ..variational import EXACT, Moving, compiled_flow, in_motion
 
 
 MOST_LANES = 8
@@ -638,16 +645,20 @@ class Pass:
         """Return the columns at all times, by name, in numbers with derivatives."""
         problem = self.problem
         order = self.order
-        key = problem.system, problem.variables, problem.law, order
+        variables = problem.variables
+        key = problem.system, variables, problem.law, order
         wait = "the derivatives of columns are being compiled"
-        names, function = awaited_once(compiled_columns, key, wait)
         states = self.rows()
         lanes = states.shape[2:]
         pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
         inputs = np.ascontiguousarray(states.reshape(-1, math.prod(lanes)))
-        columns = function(inputs, pars=pars[: function.nparams])
-        rows = columns.reshape(len(names), order + 1, *lanes)
-        values = dict(zip(names, duals_of(rows), strict=True))
+        values = dict[str, Any]()
+        for formulas in (observed, orientation_of):
+            if formulas is observed or (variables.orientation and variables.form.orientation):
+                names, function = awaited_once(compile_observables, (formulas, *key), wait)
+                columns = function(inputs, pars=pars[: function.nparams])
+                rows = columns.reshape(len(names), order + 1, *lanes)
+                values |= zip(names, duals_of(rows), strict=True)
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
