@@ -16,7 +16,9 @@ Symbols
     direction a change of the numbers of the user, each relative to its size; wrt: their names
     pace      the rate of an event function; by: its derivatives along the directions
     motion    a `Motion`: the equations of a phase or of an impact
-    jump, n   jump(x, world) -> n, a `form.Next`; q, b: state and parameters of a phase
+    jump, n   a `hybrid.Jump`, and its result, a `form.Next`
+    tape      a recorded function of numbers with derivatives, a `Tape`
+    q, b      state and parameters of a phase
 """
 
 import math
