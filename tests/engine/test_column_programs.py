@@ -1,5 +1,7 @@
 """Functions that are repeated for columns of 80-bit numbers, against NumPy's evaluation."""
 
+from typing import Any
+
 import numpy as np
 
 from tippetop.engine.column_programs import ColumnProgram
@@ -19,3 +21,21 @@ def test_a_repeated_function_has_the_values_of_numpy(rng: np.random.Generator) -
     program = ColumnProgram(values_of, common, columns[:, 0])
     expected = np.array(values_of(common, *columns))
     assert np.array_equal(program(np.array(common)[:, None], columns), expected)
+
+
+def test_columns_that_compare_otherwise_than_the_recorded_ones_have_no_results() -> None:
+    program = ColumnProgram(lambda _, x: [2 * x if x < 1 else x], (), [0.5])
+    none = np.zeros((0, 1))
+    assert np.array_equal(program(none, np.array([[0.2, 0.7]])), [[0.4, 1.4]])
+    assert program(none, np.array([[0.2, 1.5]])) is None
+
+
+def test_a_motion_is_followed_where_a_program_calls_it() -> None:
+    def function(_: tuple, x: Any) -> list:
+        return [1 + y for y in x.program.call(3, lambda square: [square, -square], x * x)]
+
+    program = ColumnProgram(function, (), [0.5])
+    follow = lambda place, inputs: np.concatenate([place * inputs, inputs])  # noqa: E731
+    assert np.array_equal(
+        program(np.zeros((0, 1)), np.array([[2.0, 4.0]]), follow), [[13, 49], [5, 17]]
+    )

@@ -1,7 +1,7 @@
 """Programs: the operations of one run of a function of numbers, one after another.
 
 A function that is called with the `inputs` of a `Program` leaves a line for each operation;
-`code()` returns them for the loop in C (`engine.jump_programs`) and for tapes with derivatives. A
+`code()` returns them for the loop in C (`engine.jump_programs`, `engine.column_programs`). A
 program repeats the run for other numbers, as long as every comparison turns out as it did.
 
 Symbols

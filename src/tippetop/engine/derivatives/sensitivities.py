@@ -67,10 +67,9 @@ def differentiate(
     """
     n = len(wrt)
     i = j = np.arange(n)
-    own: Any = slice(None)
     if order == 2:
         i, j = np.tril_indices(n)  # second derivatives along means of two directions too
-        own = i == j
+    own = i == j
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     ways = (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2
     passed = followed(problem, wrt, every, ways, order, driver)

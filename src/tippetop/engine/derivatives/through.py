@@ -16,7 +16,9 @@ Symbols
     direction a change of the numbers of the user, each relative to its size; wrt: their names
     pace      the rate of an event function; by: its derivatives along the directions
     motion    a `Motion`: the equations of a phase or of an impact
-    jump, n   jump(x, world) -> n, a `form.Next`; q, b: state and parameters of a phase
+    jump, n   a `hybrid.Jump`, and its result, a `form.Next`
+    tape      a recorded function of numbers with derivatives, a `Tape`
+    q, b      state and parameters of a phase
 """
 
 import math
@@ -43,13 +45,20 @@ from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
 from ..driver import STEPS_PER_SLICE
-from ..expressions import AXES, Formulas, formulas_of
+from ..expressions import (
+    AXES,
+    Formulas,
+    compile_observables,
+    formulas_of,
+    observed,
+    orientation_of,
+)
 from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, Moving, compiled_columns, compiled_flow, in_motion
+from ..variational import EXACT, Moving, compiled_flow, in_motion
 
 
 MOST_LANES = 8
@@ -113,7 +122,7 @@ class Motion(NamedTuple):
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         # the largest decide the errors
         sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
-        scales = np.array([sizes**k for k in range(parts)])
+        scales = sizes ** np.arange(parts)[:, None]
         start, known = (
             (rows / scales).reshape(-1, directions) for rows in (state[:size], self.pars)
         )
@@ -182,7 +191,7 @@ class Motion(NamedTuple):
         return moved, np.where(counts, least, np.inf)
 
 
-def least_of(changes: Sequence, directions: int) -> np.ndarray:
+def least_of(changes: Sequence | np.ndarray, directions: int) -> np.ndarray:
     """Return the least change along each direction, infinite without one."""
     return np.fmin.reduce(np.reshape(changes, (-1, directions)), initial=np.inf)
 
@@ -239,7 +248,7 @@ class Tape:
             self.parts = 2 * len(results)
             return [*chain(*(parts_of(one, 1) for one in results)), *changes]
 
-        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel())
+        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel().tolist())
 
     def __call__(self, numbers: np.ndarray, follow: Any = None) -> tuple | None:
         """Return what `evaluated` does; None if a comparison turns out otherwise."""
@@ -648,16 +657,20 @@ class Pass:
         """Return the columns at all times, by name, in numbers with derivatives."""
         problem = self.problem
         order = self.order
-        key = problem.system, problem.variables, problem.law, order
+        variables = problem.variables
+        key = problem.system, variables, problem.law, order
         wait = "the derivatives of columns are being compiled"
-        names, function = awaited_once(compiled_columns, key, wait)
         states = self.rows()
         lanes = states.shape[2:]
         pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
         inputs = np.ascontiguousarray(states.reshape(-1, math.prod(lanes)))
-        columns = function(inputs, pars=pars[: function.nparams])
-        rows = columns.reshape(len(names), order + 1, *lanes)
-        values = dict(zip(names, duals_of(rows), strict=True))
+        values = dict[str, Any]()
+        for formulas in (observed, orientation_of):
+            if formulas is observed or (variables.orientation and variables.form.orientation):
+                names, function = awaited_once(compile_observables, (formulas, *key), wait)
+                columns = function(inputs, pars=pars[: function.nparams])
+                rows = columns.reshape(len(names), order + 1, *lanes)
+                values |= zip(names, duals_of(rows), strict=True)
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
@@ -671,7 +684,8 @@ class Pass:
         There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
-        at = np.searchsorted(self.times, times)
+        is_known = np.isin(times, [*self.shifts])
+        at = np.where(is_known, -1, np.searchsorted(self.times, times))
         for _, motion, which, states in self._together(self.samples):
             mine = np.flatnonzero(np.isin(at, which))
             if not len(mine):
