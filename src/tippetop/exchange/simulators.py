@@ -4,10 +4,12 @@ A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`.
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..columns import Arrays
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
@@ -15,8 +17,7 @@ from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import is_frictionless
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
-from ..runs.shape import Surface, angular_velocity, moments, surface_of
-from ..scenario import build
+from ..runs.shape import Surface, angular_velocity, lowest, moments, surface_of
 from .motion import in_body_axes, turned
 
 
@@ -37,10 +38,51 @@ class Start(NamedTuple):
 
 def start_of(problem: Problem) -> Start:
     """Return the start of a body on the plane, in any form."""
-    if problem.contact is None and problem.system.name != "heavy-top":
-        problem = _opened(problem)
-    place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
+    columns = columns_of(replace(problem, columns=None), np.zeros(1), problem.start()[None])
+    names = ("place", "orientation", "velocity", "omega")
+    place, q, velocity, w = (columns[name][0] for name in names)
     return Start(place, q, velocity, in_body_axes(q, w))
+
+
+def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
+    """Return the columns of a motion by name, and quantities that a table may have instead, SI.
+
+    `rows` (n, variables) are internal states at times [s], (n,).
+    """
+    body = problem.body()
+    view = Observables(problem)
+    columns = {name: column.values for name, column in view.columns(times, rows).items()}
+    if problem.contact is not None or problem.system.name == "heavy-top":
+        names = ("place", "orientation", "velocity", "omega", "force")
+        return columns | dict(zip(names, motion_of(problem, rows), strict=True))
+    if not hasattr(body, "outline"):
+        return columns
+    none = np.zeros(len(rows))
+    if "axis" in columns:
+        attitude = attitude_of(columns, body)
+        columns["omega"] = turning = angular_velocity(attitude, columns["L"], body)
+    else:  # a cylinder
+        theta = columns["theta"]
+        attitude = np.stack([np.sin(theta), none, np.cos(theta)], axis=1)
+        turning = np.stack([none, columns["theta_dot"], none], axis=1)
+    state = view.state(rows)
+    rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
+    scale = problem.unit(METRE_PER_SECOND)
+    across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
+    down = lowest(attitude, body)
+    rise = np.cross(down, turning)[:, 2]
+    columns["place"] = np.stack([columns["x"], columns.get("y", none), -down[:, 2]], axis=1)
+    columns["velocity"] = np.stack([*across, rise], axis=1)
+    return columns
+
+
+def attitude_of(motion: Arrays, body: Any) -> Any:
+    """Return the orientation (rows, 4) or the axis (rows, 3), as `shape.lies` takes it, or None.
+
+    `motion` are columns by name, `body` the `b` of formulas in SI.
+    """
+    name = "orientation" if hasattr(body, "I2") else "axis"
+    return motion.get(name) if hasattr(body, "outline") else None
 
 
 def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -88,19 +130,6 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     place = vectors(METRE, carried.x, y, state.height)
     velocity = vectors(METRE_PER_SECOND, *(getattr(state, name) for name in contact.VELOCITY))
     return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
-
-
-def _opened(problem: Problem) -> Problem:
-    """Return the same start of a body whose contact may open; that of rolling has no slip."""
-    return build.problem(
-        {
-            "system": problem.system.name.removeprefix("rolling-"),
-            "parameters": dict(problem.parameters),
-            "friction": {"law": "none"},
-            "initial": dict(problem.initial),
-            "run": {"until": problem.until, "on_liftoff": "fly"},
-        }
-    )
 
 
 def text_of(problem: Problem, to: str) -> str:
