@@ -20,7 +20,6 @@ from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from . import influences
-from .headers import UNITS
 from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
@@ -324,8 +323,7 @@ def judged(
     elif met < MET:
         reasons.append(
             f"the minimum is not trustworthy: {met} of {searches} independent searches ended "
-            f"there ({MET} are needed), "
-            "and other numbers may fit better: more `starts` may decide."
+            f"there ({MET} are needed), and other numbers may fit better: more `starts` may decide."
         )
     reasons += [*_undecided(space, values, widths, correlations), *_rivals(space, ends), *doubts]
     shares = {name: shift / sigma for name, shift in shifts.items()}
@@ -370,24 +368,19 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
     if excess > NOISY:
         reasons.append(
             f"the residuals are not noise (their autocorrelations are {excess:.0f} standard "
-            "deviations too large): the "
-            "model, or a start, is missing something."
+            "deviations too large): the model, or a start, is missing something."
         )
         if OFFSET not in misfit.space.names and observation.t[0] > observation.reach:
             reasons.append(
                 f"the table begins {observation.t[0]:.6g} s after the start of the motion: let "
-                f"`{OFFSET}` be "
-                "free if its clock was started earlier."
+                f"`{OFFSET}` be free if its clock was started earlier."
             )
-    for group, off in parts.items():
-        most = (observation.noise or np.inf) * np.sqrt(
-            1 + NOISY * np.sqrt(2 / np.isfinite(off).sum())
-        )
-        if group not in UNITS and noise[group] > most:  # an angle
+    for group, stated in observation.stated.items():
+        count = np.isfinite(parts[group]).sum()
+        if noise[group] > stated * np.sqrt(1 + NOISY * np.sqrt(2 / count)):
             reasons.append(
                 f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} "
-                "rad, not "
-                f"{observation.noise:.3g} rad."
+                f"rad, not {stated:.3g} rad."
             )
     return reasons
 

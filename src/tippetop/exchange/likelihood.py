@@ -9,7 +9,6 @@ import numpy as np
 
 from ..errors import InputError
 from .fitting import Fit
-from .headers import UNITS
 from .observation import Observation
 
 
@@ -98,7 +97,7 @@ class LogLikelihood:
             given = self._observation.given[group]
             squares = (off[:, given] ** 2).sum(axis=1)
             n = int(given.sum())
-            noise = self._observation.noise if group not in UNITS else None
+            noise = self._observation.stated.get(group)
             if noise is None:
                 total = total - n / 2 * np.log(np.maximum(squares, 1e-300))
             else:

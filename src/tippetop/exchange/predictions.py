@@ -81,7 +81,7 @@ class Predictions:
         turning = not known.isdisjoint({"orientation", *IN_BODY})
         tops = Problems.vary(self.problem, points, turning)
         most = int(MOST_STEPS * (1 + times.max() / self.problem.unit(SECOND)))
-        read = rows_at_times(tops, times, known, most=most)[0]
+        read = rows_at_times(tops, times, known, most=most)
         if by_momentum:
             q = read["orientation"]
             inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))

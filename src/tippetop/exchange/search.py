@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .headers import UNITS
 from .misfit import Misfit
 from .observation import OFFSET
 from .scales import FAR, Space
@@ -157,8 +156,8 @@ def search(
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
-    stated = None if UNITS.keys() & misfit.observation.groups else misfit.observation.noise
-    most = HOPELESS / MEDIAN * (stated or np.inf)
+    stated = [misfit.observation.stated.get(g, np.inf) for g in misfit.observation.groups]
+    most = HOPELESS / MEDIAN * max(stated)
     least = np.inf
     looking = True
     for n, window in enumerate(rows):
