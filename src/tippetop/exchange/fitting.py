@@ -11,8 +11,6 @@ Symbols
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +18,7 @@ from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from . import influences
+from .fit_result import Estimate, Fit
 from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
@@ -46,73 +45,6 @@ QUANTILE = 0.975
 LARGE = 3.0
 # Standard errors from a bound, and at most this coordinate, within which a number is at it
 AT_BOUND = 0.01
-
-
-class Estimate(NamedTuple):
-    """A number that was fitted: its value, standard error and 95 % interval, SI.
-
-    The interval is NaN where the residuals are not noise. `systematic` is how far the number would
-    move under all of `Fit.influences` together, as the root of the sum of their squares.
-    """
-
-    value: float
-    sigma: float
-    low: float
-    high: float
-    systematic: float
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """The result of a fit.
-
-    `judged` makes it; `library.exchanging.Fitted` shows it to the user.
-
-    Parameters
-    ----------
-    observation
-        Measurements and the scenario.
-    estimates
-        By dotted name.
-    correlations
-        (free, free).
-    converged
-        Whether enough independent searches ended in the same best minimum.
-    trustworthy
-        Whether also the residuals are noise, and the data decide every number.
-    reasons
-        Sentences; the first one is the outcome.
-    residuals
-        Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis
-        two parts, across it.
-    noise
-        Name -> its standard deviation.
-    influences
-        By how much each number would move, SI, under what the scenario lacks, by its name.
-    rows_correlated
-        Over how many rows the residuals are correlated; 1: noise.
-    """
-
-    observation: Observation
-    estimates: dict[str, Estimate]
-    correlations: np.ndarray
-    converged: bool
-    trustworthy: bool
-    reasons: list[str]
-    residuals: Arrays
-    noise: dict[str, float]
-    influences: dict[str, dict[str, float]]
-    rows_correlated: float
-
-    @property
-    def values(self) -> dict[str, float]:
-        """The fitted numbers, SI, by name."""
-        return {name: estimate.value for name, estimate in self.estimates.items()}
-
-    @property
-    def is_noise(self) -> bool:
-        """Whether the residuals are noise, of the stated size."""
-        return not np.isnan([estimate.low for estimate in self.estimates.values()]).any()
 
 
 def fit(

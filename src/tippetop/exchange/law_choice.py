@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..problem import Problem
 from ..runs.run import solve, with_rows_at
 from ..scenario import build
-from .fitting import Fit
+from .fit_result import Fit
 from .influences import PATCH, USUAL_MU, changed
 from .periods import RIVAL
 

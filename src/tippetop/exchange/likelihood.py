@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..errors import InputError
-from .fitting import Fit
+from .fit_result import Fit
 from .observation import Observation
 
 

@@ -4,7 +4,7 @@ Values of the free numbers and times go in; columns come out, computed by an ens
 """
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -56,7 +56,7 @@ class Predictions:
         self.problem = self.exact
 
     def read(
-        self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Sequence[str]
+        self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Collection[str]
     ) -> Arrays:
         """Return columns (points, rows) or (points, rows, parts), SI, by name.
 
