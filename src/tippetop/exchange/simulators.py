@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import is_frictionless
-from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
+from ..mechanics.units import METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
 from ..runs.shape import Surface, angular_velocity, lowest, moments, surface_of
 from .motion import in_body_axes, turned
@@ -52,28 +52,47 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
     body = problem.body()
     view = Observables(problem)
     columns = {name: column.values for name, column in view.columns(times, rows).items()}
-    if problem.contact is not None or problem.system.name == "heavy-top":
-        names = ("place", "orientation", "velocity", "omega", "force")
-        return columns | dict(zip(names, motion_of(problem, rows), strict=True))
+    if problem.system.name == "heavy-top":
+        u = columns["axis"]
+        L = columns["L"]
+        inertia = contact.tip_inertia(body)
+        spin = (L * u).sum(axis=1)[:, None]
+        w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
+        weight = np.array([0.0, 0.0, -body.m * body.g])
+        place = -body.c * u
+        rate = np.cross(w, u)
+        bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
+        force = -body.m * body.c / inertia * bend - weight
+        return columns | {"place": place, "velocity": -body.c * rate, "omega": w, "force": force}
     if not hasattr(body, "outline"):
         return columns
     none = np.zeros(len(rows))
     if "axis" in columns:
         attitude = attitude_of(columns, body)
-        columns["omega"] = turning = angular_velocity(attitude, columns["L"], body)
+        omega = angular_velocity(attitude, columns["L"], body)
     else:  # a cylinder
         theta = columns["theta"]
         attitude = np.stack([np.sin(theta), none, np.cos(theta)], axis=1)
-        turning = np.stack([none, columns["theta_dot"], none], axis=1)
-    state = view.state(rows)
-    rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
-    scale = problem.unit(METRE_PER_SECOND)
-    across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
-    down = lowest(attitude, body)
-    rise = np.cross(down, turning)[:, 2]
-    columns["place"] = np.stack([columns["x"], columns.get("y", none), -down[:, 2]], axis=1)
-    columns["velocity"] = np.stack([*across, rise], axis=1)
-    return columns
+        omega = np.stack([none, columns["theta_dot"], none], axis=1)
+    state, carried = view.state(rows)
+
+    def vectors(unit: Unit, *parts: Any) -> np.ndarray:
+        """Return three arrays of components (n,), internal units of `unit`, as (n, 3), SI."""
+        return np.stack(parts, axis=1).astype(float) * problem.unit(unit)
+
+    if problem.contact is None:
+        rates = {i.name: i.rate(state, carried, view.body) for i in problem.variables.integrals}
+        across = (rates.get(name, none) + none for name in "xy")
+        down = lowest(attitude, body)
+        velocity = vectors(METRE_PER_SECOND, *across, none)
+        velocity[:, 2] = np.cross(down, omega)[:, 2]
+        z = -down[:, 2]
+    else:
+        velocity = vectors(METRE_PER_SECOND, *(getattr(state, n) for n in contact.VELOCITY))
+        columns["force"] = vectors(NEWTON, state.Fx, state.Fy, state.force)
+        z = columns["z"]
+    place = np.stack([columns["x"], columns.get("y", none), z], axis=1)
+    return columns | {"place": place, "velocity": velocity, "omega": omega}
 
 
 def attitude_of(motion: Arrays, body: Any) -> Any:
@@ -83,53 +102,6 @@ def attitude_of(motion: Arrays, body: Any) -> Any:
     """
     name = "orientation" if hasattr(body, "I2") else "axis"
     return motion.get(name) if hasattr(body, "outline") else None
-
-
-def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the motion in internal rows of a body whose contact may open, or of a heavy top.
-
-    Parameters
-    ----------
-    problem : Problem
-        With orientation.
-    rows : ndarray
-        (n, variables).
-
-    Returns
-    -------
-    tuple of ndarray
-        Position of the centre of mass, quaternion, its velocity, angular velocity in space and the
-        force of the plane or the joint, (n, 3) or (n, 4), SI.
-    """
-    read = Observables(problem)
-    body = problem.body()
-    columns = read.columns(np.zeros(len(rows)), rows)
-    q = columns["orientation"].values
-
-    def vectors(unit: Unit, *parts: Any) -> np.ndarray:
-        """Return three arrays of components (n,), internal units of `unit`, as (n, 3), SI."""
-        return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
-
-    state, carried = read.state(rows)
-    x = contact.turning(state)
-    L = vectors(ANGULAR_MOMENTUM, *x.L)
-    u = np.stack(x.u[:3], axis=1).astype(float)
-    fixed = problem.system.name == "heavy-top"
-    inertia = contact.tip_inertia(body) if fixed else body.I1
-    spin = (L * u).sum(axis=1)[:, None]
-    w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
-    if hasattr(body, "I2"):
-        w = angular_velocity(q, L, body)
-    if fixed:
-        weight = np.array([0.0, 0.0, -body.m * body.g])
-        place = -body.c * u
-        rate = np.cross(w, u)
-        bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
-        return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
-    y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
-    place = vectors(METRE, carried.x, y, state.height)
-    velocity = vectors(METRE_PER_SECOND, *(getattr(state, name) for name in contact.VELOCITY))
-    return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
 
 
 def text_of(problem: Problem, to: str) -> str:
