@@ -127,10 +127,8 @@ class Fit:
             if name in TIMES
         ]
         heading = f"# Fitted by tippetop: {self.reason}"
-        return (
-            "\n".join([heading, toml_of(self.observation.tables(self.values), notes), *clock])
-            + "\n"
-        )
+        text = toml_of(self.observation.tables(self.values), notes)
+        return "\n".join([heading, text, *clock, ""])
 
     def __str__(self) -> str:
         """Return numbers with errors and intervals, and reasons, in lines; doubts first."""

@@ -22,7 +22,7 @@ from .fit_result import Estimate, Fit
 from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
-from .scales import FAR, Space
+from .scales import Space
 from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
@@ -49,12 +49,12 @@ AT_BOUND = 0.01
 
 def fit(
     observation: Observation,
-    loss: str = "linear",
-    starts: int = STARTS,
-    within: float = FAR,
-    systematic: bool = True,
-    hopeless: int = MET,
-    progress: Report = lambda *_: None,
+    loss: str,
+    starts: int,
+    within: float,
+    systematic: bool,
+    hopeless: int,
+    progress: Report,
 ) -> Fit:
     """Fit the free numbers of an observation.
 

@@ -40,10 +40,8 @@ class LogLikelihood:
         self._observation = observation
         observation.predicted.refine()
         self.free = observation.free
-        begin = observation.start()
-        self.start = np.array(list(begin.values()))
-        rules = [observation.rule(name) for name in self.free]
-        self._units = np.array([observation.problem.unit(rule.unit) for rule in rules])
+        self.start = np.array([*observation.start().values()])
+        self._units = np.array(observation.units)
 
     def __call__(
         self, points: Sequence[float] | np.ndarray, *, gradient: bool = False

@@ -172,6 +172,11 @@ class Observation:
         """Return the `Number` of a free number: its unit and interval."""
         return TIMES.get(name) or self.problem.rules[name]
 
+    @property
+    def units(self) -> list[float]:
+        """The SI values of the internal units of the free numbers."""
+        return [self.problem.unit(self.rule(name).unit) for name in self.free]
+
     def start(self) -> dict[str, float]:
         """Return the values of the free numbers in the scenario, SI, by name."""
         first = float(self.t[0])
@@ -184,9 +189,8 @@ class Observation:
     def space(self, within: float = FAR) -> Space:
         """Return the space of the free numbers, which are known `within` a relative distance."""
         begin = self.start()
-        rules = [self.rule(name) for name in begin]
-        units = [self.problem.unit(rule.unit) for rule in rules]
-        return Space(begin, [*map(scale_of, rules, begin.values(), units)], within)
+        rules = map(self.rule, begin)
+        return Space(begin, [*map(scale_of, rules, begin.values(), self.units)], within)
 
     def predictions(self, points: Sequence[dict[str, float]], rows: slice = slice(None)) -> Arrays:
         """Compute the residuals of each group, (points, rows, parts), SI.
