@@ -227,7 +227,7 @@ def velocity_of_centre_of_ball(table):
 
 def body_axes(table):
     q = table[VECTORS["quaternion"]].to_numpy() * [1, -1, -1, -1]
-    table[VECTORS["omega"]] = rotated(q, table[VECTORS["omega"]].to_numpy())
+    table[VECTORS["omega"]] = rotated(q, table[VECTORS["omega"]].to_numpy(copy=True))
 
 
 def arm(table):

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arguments import path_of
 from ..columns import flag_words
-from ..exchange.fit_text import toml_of
+from ..exchange.fit_result import toml_of
 from ..exchange.simulators import DIGITS, formats_of, gravity, rounded_to_digits, text_of
 from ..mechanics.contact.outline import Ball
 from ..problem import Problem

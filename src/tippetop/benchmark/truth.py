@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..exchange.motion import angle_between, theta_of
-from ..exchange.simulators import motion_of
+from ..exchange.simulators import columns_of
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 
@@ -47,7 +47,9 @@ def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tup
     The sign of the quaternion is continuous.
     """
     run = solve(with_rows_at(problem, times, precision=precision))
-    motion = Truth(run.times, *motion_of(run.problem, run.rows))
+    columns = columns_of(run.problem, run.times, run.rows)
+    names = ("place", "orientation", "velocity", "omega", "force")
+    motion = Truth(run.times, *(columns[name] for name in names))
     flips = (motion.quaternion[1:] * motion.quaternion[:-1]).sum(axis=1) < 0
     signs = np.cumprod(np.where(flips, -1.0, 1.0))
     motion.quaternion[1:] *= signs[:, None]

@@ -26,8 +26,8 @@ def rows_at_times(
     *,
     threads: int | None = None,
     most: int = MOST_STEPS,
-) -> tuple[Arrays, np.ndarray]:
-    """Return columns of tops at given times, and how each top ended.
+) -> Arrays:
+    """Return columns of tops at given times.
 
     Parameters
     ----------
@@ -44,11 +44,9 @@ def rows_at_times(
 
     Returns
     -------
-    columns
+    dict
         name -> (n, k) or (n, k, parts), SI; NaN before the start, after the end of a top that ended
         earlier, and of an invalid top.
-    status
-        (n,) codes of `Status`.
     """
     times = np.broadcast_to(np.asarray(times, float), (tops.n, np.shape(times)[-1]))
     last = times[:, -1]
@@ -71,4 +69,4 @@ def rows_at_times(
         whole = np.full((*times.shape, len(source.parts)), np.nan)
         whole[top, row] = parts * tops.unit(source.unit)[top, None]
         columns[name] = whole if source.dims else whole[..., 0]
-    return columns, measured.status
+    return columns

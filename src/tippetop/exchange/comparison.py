@@ -15,21 +15,19 @@ import numpy as np
 
 from ..arguments import PlainData
 from ..columns import Arrays
-from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.operand import Vector
-from ..mechanics.units import METRE_PER_SECOND
 from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
-from ..runs.shape import angular_velocity, lies, lowest
+from ..runs.shape import lies, lowest
 from .headers import CAMERA, KIND, UNITS
 from .motion import Convention, angle_in_picture, in_body_axes, motion
 from .motion_table import read
 from .predictions import ACCELEROMETER, Predictions, at_chip
 from .residuals import residuals
-from .simulators import gravity, motion_of
+from .simulators import attitude_of, columns_of, gravity
 
 
 MAIN = ("attitude", "axis", "theta", "place", "omega3", "gyroscope", "accelerometer")
@@ -110,7 +108,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         raise InputError(
             f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
-    columns = reference(run)
+    columns = columns_of(problem, run.times, run.rows)
     if {"omega", "orientation"} <= columns.keys():
         columns["gyroscope"] = in_body_axes(columns["orientation"], columns["omega"])
     theirs = {name: part[:rows] for name, part in motion(table, convention).items()}
@@ -163,49 +161,6 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
     )
 
 
-def reference(run: Solution) -> Arrays:
-    """Return the columns of a run by name, and quantities that a table may have instead, SI.
-
-    They are place, velocity, omega (rows, 3) and, where it is known, orientation and force: names
-    of `headers.KINDS`, in space.
-    """
-    problem = run.problem
-    body = problem.body()
-    columns = {name: column.values for name, column in run.columns().items()}
-    if problem.contact is not None or problem.system.name == "heavy-top":
-        names = ("place", "orientation", "velocity", "omega", "force")
-        return columns | dict(zip(names, motion_of(problem, run.rows), strict=True))
-    if not hasattr(body, "outline"):
-        return columns
-    none = np.zeros(len(run.times))
-    if "axis" in columns:
-        attitude = _attitude(columns, body)
-        columns["omega"] = turning = angular_velocity(attitude, columns["L"], body)
-    else:  # a cylinder
-        theta = columns["theta"]
-        attitude = np.stack([np.sin(theta), none, np.cos(theta)], axis=1)
-        turning = np.stack([none, columns["theta_dot"], none], axis=1)
-    view = Observables(problem)
-    state = view.state(run.rows)
-    rates = {i.name: i.rate(*state, view.body) for i in problem.variables.integrals}
-    scale = problem.unit(METRE_PER_SECOND)
-    across = [scale * np.asarray(rates.get(name, none), float) for name in "xy"]
-    down = lowest(attitude, body)
-    rise = np.cross(down, turning)[:, 2]
-    columns["place"] = np.stack([columns["x"], columns.get("y", none), -down[:, 2]], axis=1)
-    columns["velocity"] = np.stack([*across, rise], axis=1)
-    return columns
-
-
-def _attitude(motion: Arrays, body: Any) -> Any:
-    """Return the orientation (rows, 4) or the axis (rows, 3), as `shape.lies` takes it, or None.
-
-    `motion` are columns by name, `body` the `b` of formulas in SI.
-    """
-    name = "orientation" if hasattr(body, "I2") else "axis"
-    return motion.get(name) if hasattr(body, "outline") else None
-
-
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
     """Return what an accelerometer in the body measures along its axes, (rows, 3) [m/s^2].
 
@@ -247,7 +202,7 @@ def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
     They are changes relative to the first value, (rows,) each, of the quantities that the columns
     of the motion and its surroundings allow.
     """
-    attitude = _attitude(there, body)
+    attitude = attitude_of(there, body)
     others = {*groups_of(problem.surroundings)} - {"tilt"}
     if attitude is None or "omega" not in there or others:
         return {}
@@ -273,7 +228,7 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 
     {} if `there`, its columns by name, has no height or attitude; `body` is `b` in SI.
     """
-    attitude = _attitude(there, body)
+    attitude = attitude_of(there, body)
     if problem.system.name == "heavy-top" or attitude is None or "place" not in there:
         return {}
     gap = there["place"][:, 2] + lowest(attitude, body)[:, 2]

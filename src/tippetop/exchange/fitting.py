@@ -11,8 +11,6 @@ Symbols
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,11 +18,11 @@ from ..columns import Arrays
 from ..errors import InputError, refuse_without
 from ..progress import Report
 from . import influences
-from .headers import UNITS
+from .fit_result import Estimate, Fit
 from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
-from .scales import FAR, Space
+from .scales import Space
 from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
 
 
@@ -49,81 +47,14 @@ LARGE = 3.0
 AT_BOUND = 0.01
 
 
-class Estimate(NamedTuple):
-    """A number that was fitted: its value, standard error and 95 % interval, SI.
-
-    The interval is NaN where the residuals are not noise. `systematic` is how far the number would
-    move under all of `Fit.influences` together, as the root of the sum of their squares.
-    """
-
-    value: float
-    sigma: float
-    low: float
-    high: float
-    systematic: float
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """The result of a fit.
-
-    `judged` makes it; `library.exchanging.Fitted` shows it to the user.
-
-    Parameters
-    ----------
-    observation
-        Measurements and the scenario.
-    estimates
-        By dotted name.
-    correlations
-        (free, free).
-    converged
-        Whether enough independent searches ended in the same best minimum.
-    trustworthy
-        Whether also the residuals are noise, and the data decide every number.
-    reasons
-        Sentences; the first one is the outcome.
-    residuals
-        Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis
-        two parts, across it.
-    noise
-        Name -> its standard deviation.
-    influences
-        By how much each number would move, SI, under what the scenario lacks, by its name.
-    rows_correlated
-        Over how many rows the residuals are correlated; 1: noise.
-    """
-
-    observation: Observation
-    estimates: dict[str, Estimate]
-    correlations: np.ndarray
-    converged: bool
-    trustworthy: bool
-    reasons: list[str]
-    residuals: Arrays
-    noise: dict[str, float]
-    influences: dict[str, dict[str, float]]
-    rows_correlated: float
-
-    @property
-    def values(self) -> dict[str, float]:
-        """The fitted numbers, SI, by name."""
-        return {name: estimate.value for name, estimate in self.estimates.items()}
-
-    @property
-    def is_noise(self) -> bool:
-        """Whether the residuals are noise, of the stated size."""
-        return not np.isnan([estimate.low for estimate in self.estimates.values()]).any()
-
-
 def fit(
     observation: Observation,
-    loss: str = "linear",
-    starts: int = STARTS,
-    within: float = FAR,
-    systematic: bool = True,
-    hopeless: int = MET,
-    progress: Report = lambda *_: None,
+    loss: str,
+    starts: int,
+    within: float,
+    systematic: bool,
+    hopeless: int,
+    progress: Report,
 ) -> Fit:
     """Fit the free numbers of an observation.
 
@@ -324,8 +255,7 @@ def judged(
     elif met < MET:
         reasons.append(
             f"the minimum is not trustworthy: {met} of {searches} independent searches ended "
-            f"there ({MET} are needed), "
-            "and other numbers may fit better: more `starts` may decide."
+            f"there ({MET} are needed), and other numbers may fit better: more `starts` may decide."
         )
     reasons += [*_undecided(space, values, widths, correlations), *_rivals(space, ends), *doubts]
     shares = {name: shift / sigma for name, shift in shifts.items()}
@@ -370,24 +300,19 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
     if excess > NOISY:
         reasons.append(
             f"the residuals are not noise (their autocorrelations are {excess:.0f} standard "
-            "deviations too large): the "
-            "model, or a start, is missing something."
+            "deviations too large): the model, or a start, is missing something."
         )
         if OFFSET not in misfit.space.names and observation.t[0] > observation.reach:
             reasons.append(
                 f"the table begins {observation.t[0]:.6g} s after the start of the motion: let "
-                f"`{OFFSET}` be "
-                "free if its clock was started earlier."
+                f"`{OFFSET}` be free if its clock was started earlier."
             )
-    for group, off in parts.items():
-        most = (observation.noise or np.inf) * np.sqrt(
-            1 + NOISY * np.sqrt(2 / np.isfinite(off).sum())
-        )
-        if group not in UNITS and noise[group] > most:  # an angle
+    for group, stated in observation.stated.items():
+        count = np.isfinite(parts[group]).sum()
+        if noise[group] > stated * np.sqrt(1 + NOISY * np.sqrt(2 / count)):
             reasons.append(
                 f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} "
-                "rad, not "
-                f"{observation.noise:.3g} rad."
+                f"rad, not {stated:.3g} rad."
             )
     return reasons
 

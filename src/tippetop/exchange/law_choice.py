@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..problem import Problem
 from ..runs.run import solve, with_rows_at
 from ..scenario import build
-from .fitting import Fit
+from .fit_result import Fit
 from .influences import PATCH, USUAL_MU, changed
 from .periods import RIVAL
 
@@ -69,8 +69,15 @@ def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
 
 
 def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
-    """Return the law that explains a film best, and a sentence on the others."""
-    scores = {name: _likelihood(fit) - len(fit.estimates) for name, fit in fits.items()}
+    """Return the law that explains a film best, and a sentence on the others.
+
+    They are compared by the likelihood of independent noise as large as the residuals.
+    """
+    scores = {}
+    for name, fit in fits.items():
+        given = fit.observation.given
+        off = [given[g].sum() * math.log(max(size, 1e-300)) for g, size in fit.noise.items()]
+        scores[name] = -float(sum(off)) - len(fit.estimates)
     best = max(scores, key=lambda name: scores[name])
     behind = {
         name: (scores[best] - score) / fits[best].rows_correlated for name, score in scores.items()
@@ -86,14 +93,3 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     if early := [name for name in fits if name not in equal and not fits[name].converged]:
         sentence += f" Too few searches under {', '.join(early)} met: other numbers may fit better."
     return best, sentence
-
-
-def _likelihood(fit: Fit) -> float:
-    """Return the logarithm of the likelihood of independent noise as large as the residuals.
-
-    It is up to a constant of the measurements.
-    """
-    given = fit.observation.given
-    return -sum(
-        int(given[group].sum()) * math.log(max(size, 1e-300)) for group, size in fit.noise.items()
-    )

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..errors import InputError
-from .fitting import Fit
-from .headers import UNITS
+from .fit_result import Fit
 from .observation import Observation
 
 
@@ -41,10 +40,8 @@ class LogLikelihood:
         self._observation = observation
         observation.predicted.refine()
         self.free = observation.free
-        begin = observation.start()
-        self.start = np.array(list(begin.values()))
-        rules = [observation.rule(name) for name in self.free]
-        self._units = np.array([observation.problem.unit(rule.unit) for rule in rules])
+        self.start = np.array([*observation.start().values()])
+        self._units = np.array(observation.units)
 
     def __call__(
         self, points: Sequence[float] | np.ndarray, *, gradient: bool = False
@@ -98,7 +95,7 @@ class LogLikelihood:
             given = self._observation.given[group]
             squares = (off[:, given] ** 2).sum(axis=1)
             n = int(given.sum())
-            noise = self._observation.noise if group not in UNITS else None
+            noise = self._observation.stated.get(group)
             if noise is None:
                 total = total - n / 2 * np.log(np.maximum(squares, 1e-300))
             else:

@@ -74,23 +74,29 @@ class Misfit:
         self.rows = len(observation.t)
         self.last: Any = (None,)  # the points that were read last, and what was found
 
-    def at(
-        self, points: np.ndarray, rows: int, *, slopes: bool = True
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (points, numbers) of the first rows, and their Jacobians.
+    def residuals(self, points: np.ndarray, rows: int) -> np.ndarray:
+        """Return residuals (points, numbers) of the first rows.
 
-        `points` are (points, free), in the coordinates of the space; `rows` is the number of rows.
-        Without `slopes` the Jacobians have no columns. Gaps are left out; a motion that cannot be
-        computed leaves `WORST`, constant. Slopes are central differences.
+        `points` are (points, free), in the coordinates of the space. Gaps are left out; a motion
+        that cannot be computed leaves `WORST`, constant.
         """
         key = points.tobytes(), rows
         if self.last[0] != key:  # a minimiser wants values first, then slopes
             found = self.read(self.observation, [self.space.values(p) for p in points], rows)
             self.last = key, *found
         _, middle, worst = self.last
-        n, free = points.shape
-        jacobians = np.zeros((*middle.shape, free if slopes else 0))
-        bends = np.full((n, free if slopes else 0), np.inf)
+        return np.where(np.isfinite(middle), middle, worst)
+
+    def at(self, points: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals (points, numbers) of the first rows, and their Jacobians.
+
+        Slopes are central differences.
+        """
+        residuals = self.residuals(points, rows)
+        _, middle, worst = self.last
+        free = points.shape[1]
+        jacobians = np.zeros((*middle.shape, free))
+        bends = np.full(points.shape, np.inf)
         low, high = self.space.bounds
         for step in np.multiply(STEPS, FAR / self.space.within):
             p, i = np.nonzero(bends > AGREE)
@@ -112,7 +118,7 @@ class Misfit:
             p, i = p[better], i[better]
             jacobians[p, :, i] = slope[better]
             bends[p, i] = bend[better]
-        return np.where(np.isfinite(middle), middle, worst), jacobians
+        return residuals, jacobians
 
     def read(
         self, observation: Observation, points: Sequence[dict[str, float]], rows: int
@@ -161,13 +167,13 @@ class Misfit:
         """Return the residual beyond which a robust loss grows more slowly: the median size."""
         return max(float(np.median(np.abs(residuals))), 1e-12)
 
-    def costs(self, residuals: np.ndarray, like: np.ndarray) -> np.ndarray:
-        """Return sums of squares (points,) of residuals, with outliers cut off for a robust loss.
+    def costs(self, points: np.ndarray, rows: int, like: np.ndarray) -> np.ndarray:
+        """Return sums of squares (points,) of the residuals of the first rows.
 
-        `like`: residuals of the noise, which have the scale of outliers.
+        Outliers are cut off for a robust loss; `like`, residuals of the noise, have their scale.
         """
         most = np.inf if self.loss == "linear" else OUTLIER * self.size(like)
-        return (np.minimum(np.abs(residuals), most) ** 2).sum(axis=1)
+        return (np.minimum(np.abs(self.residuals(points, rows)), most) ** 2).sum(axis=1)
 
     def weight(self, residuals: np.ndarray) -> np.ndarray:
         """Return the weight, 0 to 1, that the loss gives to each of the residuals (numbers,)."""

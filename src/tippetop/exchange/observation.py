@@ -21,7 +21,7 @@ from ..mechanics.number import Number
 from ..mechanics.units import ONE, RADIAN, SECOND
 from ..problem import Problem
 from ..scenario import build
-from .headers import CAMERA
+from .headers import CAMERA, UNITS
 from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
 from .motion_table import read as read_table
 from .predictions import ACCELEROMETER, Predictions, at_chip
@@ -76,6 +76,8 @@ class Observation:
     ----------
     groups
         Name of each kind of measurement -> (rows, parts); NaN in gaps.
+    stated
+        Standard deviation of the noise of each kind for which it is stated [rad].
     given
         Which residuals of each kind are numbers, (rows, parts).
     """
@@ -95,15 +97,13 @@ class Observation:
         """
         self.free = tuple(free)
         self.t = seen["t"]
-        self.noise = noise
         longest = LONGEST * problem.unit(SECOND)
         # [s] Within which the time of the table's clock is searched
         self.reach = REACH * float(self.t[-1] - self.t[0])
         if self.t[-1] > longest:
             raise InputError(
-                f"the last time must be at most {longest:.3g} s in a fit, but is "
-                f"{self.t[-1]:.6g} s "
-                f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
+                f"the last time must be at most {longest:.3g} s in a fit, but is {self.t[-1]:.6g} "
+                f"s ({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
             )
         faults = [
             f"`{name}` must be {' or '.join(TIMES)}, but is not.{suggestion(name, TIMES)}"
@@ -120,6 +120,7 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, a camera, omega3, omega, a "
                 "gyroscope, an accelerometer, a place or a marker."
             )
+        self.stated = {g: noise for g in self.groups if noise is not None and g not in UNITS}
         self.given = {
             group: np.isfinite(residuals(group, rows, rows)) for group, rows in self.groups.items()
         }
@@ -171,6 +172,11 @@ class Observation:
         """Return the `Number` of a free number: its unit and interval."""
         return TIMES.get(name) or self.problem.rules[name]
 
+    @property
+    def units(self) -> list[float]:
+        """The SI values of the internal units of the free numbers."""
+        return [self.problem.unit(self.rule(name).unit) for name in self.free]
+
     def start(self) -> dict[str, float]:
         """Return the values of the free numbers in the scenario, SI, by name."""
         first = float(self.t[0])
@@ -183,9 +189,8 @@ class Observation:
     def space(self, within: float = FAR) -> Space:
         """Return the space of the free numbers, which are known `within` a relative distance."""
         begin = self.start()
-        rules = [self.rule(name) for name in begin]
-        units = [self.problem.unit(rule.unit) for rule in rules]
-        return Space(begin, [*map(scale_of, rules, begin.values(), units)], within)
+        rules = map(self.rule, begin)
+        return Space(begin, [*map(scale_of, rules, begin.values(), self.units)], within)
 
     def predictions(self, points: Sequence[dict[str, float]], rows: slice = slice(None)) -> Arrays:
         """Compute the residuals of each group, (points, rows, parts), SI.

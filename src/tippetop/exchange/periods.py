@@ -63,7 +63,6 @@ def _next(misfit: Misfit, minimum: Minimum, clock: int, side: int) -> Minimum | 
     seconds = misfit.space.width[clock] * misfit.space.scales[clock].size
     shift[:, clock] = side * np.linspace(0, misfit.observation.reach, POINTS) / seconds
     points = misfit.space.clipped(minimum.point + shift)
-    residuals, _ = misfit.at(points, misfit.rows, slopes=False)
-    costs = misfit.costs(residuals, minimum.residual)
+    costs = misfit.costs(points, misfit.rows, minimum.residual)
     lowest = np.flatnonzero((costs[1:-1] < costs[:-2]) & (costs[1:-1] < costs[2:])) + 1
     return local_minimum(misfit, points[lowest[0]], misfit.rows) if len(lowest) else None

@@ -4,7 +4,7 @@ Values of the free numbers and times go in; columns come out, computed by an ens
 """
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -56,7 +56,7 @@ class Predictions:
         self.problem = self.exact
 
     def read(
-        self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Sequence[str]
+        self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Collection[str]
     ) -> Arrays:
         """Return columns (points, rows) or (points, rows, parts), SI, by name.
 
@@ -81,7 +81,7 @@ class Predictions:
         turning = not known.isdisjoint({"orientation", *IN_BODY})
         tops = Problems.vary(self.problem, points, turning)
         most = int(MOST_STEPS * (1 + times.max() / self.problem.unit(SECOND)))
-        read = rows_at_times(tops, times, known, most=most)[0]
+        read = rows_at_times(tops, times, known, most=most)
         if by_momentum:
             q = read["orientation"]
             inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))

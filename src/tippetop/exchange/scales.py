@@ -122,7 +122,7 @@ class Space:
         for first, second, most in PAIRS:
             if not {first, second} <= start.keys() or not (theta > 0 or first == "plane.tilt"):
                 continue
-            places = [self.names.index(first), self.names.index(second)]
+            places = i, k = [self.names.index(name) for name in (first, second)]
             swept = first == "initial.theta_dot"
             size, other = start[first], start[second]
             vector = (size, other * (theta if swept else 1)) if most is None else (size, 0.0)
@@ -131,7 +131,7 @@ class Space:
             self.high[places] = np.inf if most is None else most / math.sqrt(2)
             self.low[places] = -self.high[places]
             self.loose[places] = True
-            self.pairs.append((*places, swept, None if most is None else other))
+            self.pairs.append((i, k, swept, None if most is None else other))
         self.width = np.where(self.far > 0, self.far, 1.0)
 
     @property

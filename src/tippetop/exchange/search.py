@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .headers import UNITS
 from .misfit import Misfit
 from .observation import OFFSET
 from .scales import FAR, Space
@@ -102,7 +101,7 @@ def local_minimum(
 
     def residuals(x: np.ndarray) -> np.ndarray:
         """Return the residuals at a point of the space of free numbers."""
-        return misfit.at(x[None], rows, slopes=False)[0][0]
+        return misfit.residuals(x[None], rows)[0]
 
     known: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
@@ -157,13 +156,13 @@ def search(
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
-    stated = None if UNITS.keys() & misfit.observation.groups else misfit.observation.noise
-    most = HOPELESS / MEDIAN * (stated or np.inf)
+    stated = [misfit.observation.stated.get(g, np.inf) for g in misfit.observation.groups]
+    most = HOPELESS / MEDIAN * max(stated)
     least = np.inf
     looking = True
     for n, window in enumerate(rows):
         last = window == rows[-1]
-        residuals, _ = misfit.at(points, window, slopes=False)
+        residuals = misfit.residuals(points, window)
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
         minima = merge([local_minimum(misfit, p, window, size) for p in points], last=last)
         best = minima[0]
@@ -240,7 +239,7 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
     space = misfit.space
     one = np.eye(len(best.point))
     ahead, behind = (space.clipped(best.point + sign * COARSE * one) for sign in (1, -1))
-    after, before = (misfit.at(side, rows, slopes=False)[0] for side in (ahead, behind))
+    after, before = (misfit.residuals(side, rows) for side in (ahead, behind))
     slow = (after - before) / np.diag(ahead - behind)[:, None]
     spread = np.linalg.inv(slow @ slow.T / best.variance + one)
     points = space.clipped(
@@ -248,8 +247,8 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
             best.point, WIDER**2 * spread, _share(CLOUD, space, CHILDREN), method="eigh"
         )
     )
-    residuals, _ = misfit.at(points, rows, slopes=False)
-    return points[np.argsort(misfit.costs(residuals, best.residual), kind="stable")[:CHILDREN]]
+    costs = misfit.costs(points, rows, best.residual)
+    return points[np.argsort(costs, kind="stable")[:CHILDREN]]
 
 
 def starts_of(misfit: Misfit, searches: int) -> np.ndarray:

@@ -4,19 +4,20 @@ A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`.
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..columns import Arrays
 from ..engine.observables import Observables
 from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import require_still
 from ..mechanics.friction import is_frictionless
-from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON, Unit
+from ..mechanics.units import METRE_PER_SECOND, NEWTON, Unit
 from ..problem import Problem
-from ..runs.shape import Surface, angular_velocity, moments, surface_of
-from ..scenario import build
+from ..runs.shape import Surface, angular_velocity, lowest, moments, surface_of
 from .motion import in_body_axes, turned
 
 
@@ -37,70 +38,70 @@ class Start(NamedTuple):
 
 def start_of(problem: Problem) -> Start:
     """Return the start of a body on the plane, in any form."""
-    if problem.contact is None and problem.system.name != "heavy-top":
-        problem = _opened(problem)
-    place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
+    columns = columns_of(replace(problem, columns=None), np.zeros(1), problem.start()[None])
+    names = ("place", "orientation", "velocity", "omega")
+    place, q, velocity, w = (columns[name][0] for name in names)
     return Start(place, q, velocity, in_body_axes(q, w))
 
 
-def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the motion in internal rows of a body whose contact may open, or of a heavy top.
+def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
+    """Return the columns of a motion by name, and quantities that a table may have instead, SI.
 
-    Parameters
-    ----------
-    problem : Problem
-        With orientation.
-    rows : ndarray
-        (n, variables).
-
-    Returns
-    -------
-    tuple of ndarray
-        Position of the centre of mass, quaternion, its velocity, angular velocity in space and the
-        force of the plane or the joint, (n, 3) or (n, 4), SI.
+    `rows` (n, variables) are internal states at times [s], (n,).
     """
-    read = Observables(problem)
     body = problem.body()
-    columns = read.columns(np.zeros(len(rows)), rows)
-    q = columns["orientation"].values
-
-    def vectors(unit: Unit, *parts: Any) -> np.ndarray:
-        """Return three arrays of components (n,), internal units of `unit`, as (n, 3), SI."""
-        return np.stack(parts, axis=1).astype(float) * problem.scales.of(unit)
-
-    state, carried = read.state(rows)
-    x = contact.turning(state)
-    L = vectors(ANGULAR_MOMENTUM, *x.L)
-    u = np.stack(x.u[:3], axis=1).astype(float)
-    fixed = problem.system.name == "heavy-top"
-    inertia = contact.tip_inertia(body) if fixed else body.I1
-    spin = (L * u).sum(axis=1)[:, None]
-    w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
-    if hasattr(body, "I2"):
-        w = angular_velocity(q, L, body)
-    if fixed:
+    view = Observables(problem)
+    columns = {name: column.values for name, column in view.columns(times, rows).items()}
+    if problem.system.name == "heavy-top":
+        u = columns["axis"]
+        L = columns["L"]
+        inertia = contact.tip_inertia(body)
+        spin = (L * u).sum(axis=1)[:, None]
+        w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
         rate = np.cross(w, u)
         bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
-        return place, q, -body.c * rate, w, -body.m * body.c / inertia * bend - weight
-    y = getattr(carried, "y", 0 * carried.x)  # a cylinder moves in a plane
-    place = vectors(METRE, carried.x, y, state.height)
-    velocity = vectors(METRE_PER_SECOND, *(getattr(state, name) for name in contact.VELOCITY))
-    return place, q, velocity, w, vectors(NEWTON, state.Fx, state.Fy, state.force)
+        force = -body.m * body.c / inertia * bend - weight
+        return columns | {"place": place, "velocity": -body.c * rate, "omega": w, "force": force}
+    if not hasattr(body, "outline"):
+        return columns
+    none = np.zeros(len(rows))
+    if "axis" in columns:
+        attitude = attitude_of(columns, body)
+        omega = angular_velocity(attitude, columns["L"], body)
+    else:  # a cylinder
+        theta = columns["theta"]
+        attitude = np.stack([np.sin(theta), none, np.cos(theta)], axis=1)
+        omega = np.stack([none, columns["theta_dot"], none], axis=1)
+    state, carried = view.state(rows)
+
+    def vectors(unit: Unit, *parts: Any) -> np.ndarray:
+        """Return three arrays of components (n,), internal units of `unit`, as (n, 3), SI."""
+        return np.stack(parts, axis=1).astype(float) * problem.unit(unit)
+
+    if problem.contact is None:
+        rates = {i.name: i.rate(state, carried, view.body) for i in problem.variables.integrals}
+        across = (rates.get(name, none) + none for name in "xy")
+        down = lowest(attitude, body)
+        velocity = vectors(METRE_PER_SECOND, *across, none)
+        velocity[:, 2] = np.cross(down, omega)[:, 2]
+        z = -down[:, 2]
+    else:
+        velocity = vectors(METRE_PER_SECOND, *(getattr(state, n) for n in contact.VELOCITY))
+        columns["force"] = vectors(NEWTON, state.Fx, state.Fy, state.force)
+        z = columns["z"]
+    place = np.stack([columns["x"], columns.get("y", none), z], axis=1)
+    return columns | {"place": place, "velocity": velocity, "omega": omega}
 
 
-def _opened(problem: Problem) -> Problem:
-    """Return the same start of a body whose contact may open; that of rolling has no slip."""
-    return build.problem(
-        {
-            "system": problem.system.name.removeprefix("rolling-"),
-            "parameters": dict(problem.parameters),
-            "friction": {"law": "none"},
-            "initial": dict(problem.initial),
-            "run": {"until": problem.until, "on_liftoff": "fly"},
-        }
-    )
+def attitude_of(motion: Arrays, body: Any) -> Any:
+    """Return the orientation (rows, 4) or the axis (rows, 3), as `shape.lies` takes it, or None.
+
+    `motion` are columns by name, `body` the `b` of formulas in SI.
+    """
+    name = "orientation" if hasattr(body, "I2") else "axis"
+    return motion.get(name) if hasattr(body, "outline") else None
 
 
 def text_of(problem: Problem, to: str) -> str:

@@ -21,8 +21,9 @@ from ..arguments import (
     takes,
 )
 from ..errors import InputError, refuse_without
-from ..exchange import fit_text, fitting, law_choice
+from ..exchange import fitting, law_choice
 from ..exchange.comparison import Verdict
+from ..exchange.fit_result import Fit
 from ..exchange.motion import convention_of
 from ..exchange.motion_table import read
 from ..exchange.observation import observed
@@ -30,7 +31,6 @@ from ..exchange.scales import FAR
 from ..problem import Problem
 from ..progress import reporting
 from ..runs.starting import load_any
-from ..scenario import build
 from .finished_run import Run
 from .plots import saved
 from .sources import problem_behind
@@ -110,7 +110,7 @@ def compare(others: str | Path | Sequence[str | Path], reference: Any, **frames:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fitted(fitting.Fit):
+class Fitted(Fit):
     """Numbers of a scenario that fit a measured motion. `tippetop.fit` makes it; it prints itself.
 
     Attributes
@@ -139,24 +139,6 @@ class Fitted(fitting.Fit):
 
     laws: dict[str, Fitted] = field(default_factory=dict)
 
-    @property
-    def reason(self) -> str:
-        """Return the warnings of the report, in sentences."""
-        return " ".join(self.reasons)
-
-    @property
-    def problem(self) -> Problem:
-        """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return build.problem(self.observation.tables(self.values))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return everything as plain data, as `tippetop fit --json` prints it."""
-        return fit_text.plain(self)
-
-    def to_toml(self) -> str:
-        """Return a scenario that runs."""
-        return fit_text.toml(self)
-
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
         """Draw it as a figure, and save that where a path is given."""
         refuse_without("matplotlib")
@@ -167,12 +149,9 @@ class Fitted(fitting.Fit):
             self.observation.dots(),
             self.observation.curves(self.values),
             self.residuals,
-            fit_text.lines(self),
+            str(self).splitlines(),
         )
         return saved(figure, path, overwrite)
-
-    def __str__(self) -> str:
-        return "\n".join(fit_text.lines(self))
 
     def __repr__(self) -> str:
         return (

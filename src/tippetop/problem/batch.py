@@ -12,7 +12,6 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.caching import cached_property
-from ..mechanics.contact.surroundings import by_table, dotted_numbers
 from ..mechanics.dual import plain
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
@@ -116,9 +115,10 @@ class Problems:
         Numbers that vary are arrays (n,), others may stay numbers.
         """
         friction = self.base.friction._replace(**self.given("friction"))
-        given = self.given("parameters")
-        around = by_table(self.base.surroundings)
-        given |= dotted_numbers({table: self.given(table) for table in around})
+        around = self.base.surroundings
+        given = self.given("parameters") | {
+            key: self.columns.get(key, around[key]) for key in around
+        }
         return self.base.system.body_of(given, friction, number)
 
     @cached_property
