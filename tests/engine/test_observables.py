@@ -6,6 +6,7 @@ import examples
 import numpy as np
 import pytest
 
+import tippetop as tt
 from tippetop.engine import observables
 from tippetop.engine.observables import Observables
 from tippetop.mechanics.systems import SYSTEMS
@@ -103,6 +104,14 @@ def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: flo
     assert undefined == {"phi", "phi_dot", "nu_x", "nu_y", "psi"} & set(columns)
     assert columns["theta"].values[0] == theta
     assert record.ux == record.uy == 0.0
+
+
+def test_psi_has_one_range_and_one_description_whether_it_is_an_angle_of_the_start_or_not() -> None:
+    tables = [tt.run(name, until=0.2).trajectory for name in ("off-axis-top", "inverting")]
+    assert tables[0].psi.long_name == tables[1].psi.long_name
+    assert "in (-pi, pi]" in tables[0].psi.long_name
+    for table in tables:
+        assert table.psi.min() < -2.9 < 2.9 < table.psi.max() <= np.pi
 
 
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])

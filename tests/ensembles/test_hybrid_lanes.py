@@ -100,6 +100,14 @@ def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
             assert_column(measured.columns[name][few], values)
 
 
+def test_tops_may_differ_in_their_stems() -> None:
+    lengths, radii = np.linspace(0.0195, 0.0198, 12), np.linspace(0.0036, 0.0038, 12)
+    tops = some("begins on its stem", **{"stem.h": lengths, "stem.r": radii})
+    measured, single = ensemble.measure(tops, threads=1), alone(tops)
+    assert_near(measured.final, single.final, 1e-9)
+    assert len({*measured.columns["theta_end"]}) == 12
+
+
 def test_tops_that_stand_on_their_stem_begin_there_whatever_their_inclination() -> None:
     """The gap of the sphere is not given: it follows theta. The energy of the start does too."""
     thetas = np.linspace(0.3, 3.0, 12)

@@ -12,6 +12,7 @@ from typed import reported
 
 import tippetop as tt
 from tippetop.errors import InputError
+from tippetop.exchange.comparison import differences
 from tippetop.exchange.simulators import start_of, text_of
 
 
@@ -80,6 +81,13 @@ def test_energy_is_compared_with_the_exact_loss(run: tt.Run, tmp_path: Path) -> 
     assert numbers["energy_error"] < 1e-13
     assert numbers["jellett_error"] < 1e-13
     assert "error of energy" in str(found)
+
+
+def test_differences_are_in_the_order_of_the_file() -> None:
+    """So reports of two processes are equal, whatever their order of sets."""
+    names = [f"camera_{k}" for k in range(20)]
+    rows = {name: np.zeros(3) for name in ("time", *reversed(names))}
+    assert list(differences({name: np.ones(3) for name in names}, rows)) == names
 
 
 def test_several_files_are_a_table_with_the_best_first(run: tt.Run, tmp_path: Path) -> None:

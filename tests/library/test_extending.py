@@ -9,6 +9,7 @@ import sys
 import tomllib
 from pathlib import Path
 from types import ModuleType
+from unittest import mock
 
 import laws
 import numpy as np
@@ -18,6 +19,7 @@ from limits import assert_below, assert_near
 
 import tippetop as tt
 from tippetop.columns import flagged
+from tippetop.mechanics.systems import SYSTEMS
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
@@ -151,6 +153,30 @@ def test_a_system_of_ones_own(own) -> None:
         tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.friction.Viscous(0.3)
     )
     assert list(many["status"].values) == [1, 1, 1]
+
+
+@pytest.mark.parametrize(
+    "around",
+    [
+        {"air": {"c1": 1e-8}},
+        {"plane": {"tilt": 0.02}},
+        {"plane": {"amplitude": 1e-5, "frequency": 20.0}, "contact": {"e_n": 0.0}},
+        {"plane": {"omega": 2.0}},
+    ],
+)
+def test_a_body_keeps_the_units_that_its_system_gives_in_surroundings(around: dict) -> None:
+    """`body_units` may be no formula of units: this body divides."""
+    base = tt.extending.SYSTEMS["tippe-top"]
+    dividing = base.replace(
+        name="dividing-top", body=lambda p, law: base.body({**p, "R": p["R"] ** 2 / p["R"]}, law)
+    )
+    with mock.patch.dict(SYSTEMS):
+        tt.extending.register(dividing)
+        rows, others = (
+            tt.run("inverting", system=system.name, until=0.05, **around).trajectory
+            for system in (base, dividing)
+        )
+    np.testing.assert_array_equal(rows.axis, others.axis)
 
 
 def test_workers_of_a_sweep_know_packages_only(

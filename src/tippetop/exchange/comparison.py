@@ -185,7 +185,7 @@ def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarra
     Both are columns by name, SI: `there` of the other program, `columns` of the reference.
     """
     result: Arrays = {}
-    for name in there.keys() & columns:
+    for name in [name for name in there if name in columns]:
         off = residuals(name, there[name], columns[name]).reshape(len(columns["time"]), -1)
         given = np.isfinite(off).any(axis=1)
         size = np.sqrt(np.nansum(off**2, axis=1))

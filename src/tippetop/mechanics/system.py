@@ -268,9 +268,8 @@ class System(metaclass=Described):
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
         if self.body_units is None:
             body = given.get("body", self.body)
-            tables = self.parameters, self.surroundings
             given["body_units"] = lambda friction: body(
-                {name: rule.unit for table in tables for name, rule in table.items()}, friction
+                {name: rule.unit for name, rule in self.parameters.items()}, friction
             )
         angles = self.angles
         if angles is None:

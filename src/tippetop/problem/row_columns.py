@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from ..errors import suggestion
+from ..mechanics.contact.body_axes import PSI
 from ..mechanics.system import Form, System
 from ..mechanics.units import ONE, RADIAN, Unit
 from ..mechanics.variables import Variables
@@ -15,7 +16,6 @@ from ..mechanics.variables import Variables
 
 TIME = "time"  # a column of every run
 TURN = ("psi", "orientation")  # columns that need the turn of the body about its axis
-PSI = "turn psi of the body about its axis, from 1hat, in (-pi, pi]; undefined (NaN) at a pole"
 ORIENTATION = "unit quaternion that turns body axes into space axes, w >= 0"
 
 

@@ -230,6 +230,19 @@ def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
         np.testing.assert_allclose(rows.friction_needed, known["mu_steady"].value, rtol=1e-12)
 
 
+@pytest.mark.parametrize("tube", [0.0, 0.002])
+def test_the_spin_of_steady_rolling_keeps_its_digits_at_every_rate(tube: float) -> None:
+    """Gravity and inertia balance: omega_3 phi' is linear in phi'^2; mu has a limit at phi' = 0."""
+    coin = tt.Disc(m=0.01, ring=0.02, tube=tube, c=1e-3, I1=1e-6, I3=2e-6).body()
+    rates = np.array([1.0, 2.0, 1e-9, 1e-3, 30.0, 1e4])
+    found = [outlook.revolution(coin, STILL | {"phi_dot": rate}).thresholds for rate in rates]
+    products = rates * [known["spin_steady"].value for known in found]
+    slope = (products[1] - products[0]) / 3
+    np.testing.assert_allclose(products, products[0] + slope * (rates**2 - 1), rtol=1e-12)
+    slow = [found[k]["mu_steady"].value for k in (2, 3)]
+    assert slow[0] == pytest.approx(slow[1], rel=1e-6)
+
+
 @pytest.mark.parametrize("rolls", [False, True])
 @pytest.mark.parametrize("name", ["spinning-egg", "spinning-coin"])
 def test_what_is_of_spheres_only_is_refused(name: str, rolls: bool) -> None:

@@ -20,6 +20,9 @@ from ..units import ONE, RADIAN
 from .body import axis
 
 
+PSI = "turn psi of the body about its axis, from 1hat, in (-pi, pi]; undefined (NaN) at a pole"
+
+
 @formula
 def transport(f, u, u_dot):
     """Return f' = -(f.3hat') 3hat [1/s]: f stays transverse, without spin about the axis.

@@ -28,7 +28,7 @@ from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, Moving, Turning, filled
-from .body_axes import axes_of_angles
+from .body_axes import PSI, axes_of_angles
 from .contact_phases import OF_FRAME, moving, slip_under, smooth_friction, without_slip
 from .frame import Asymmetric, Frame
 from .response import gains
@@ -103,9 +103,7 @@ ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 """Public variables: those of other bodies, with psi."""
 
 UNDEFINED_AT_POLES = (*gliding.UNDEFINED_AT_POLES, "psi")
-LONG_NAMES = gliding.LONG_NAMES | {
-    "psi": "turn psi of the body about its axis, from 1hat; undefined (NaN) exactly at a pole"
-}
+LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
 
 OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
 Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *rows.OF_FRAME, *OWN))))

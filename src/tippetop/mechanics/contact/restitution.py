@@ -7,6 +7,8 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from ..number import Number
 from ..units import METRE, ONE
 
@@ -41,8 +43,8 @@ class ContactLaw(NamedTuple):
 
     @property
     def stem(self) -> bool:
-        """Return whether there is a stem: h is not NaN."""
-        return self.h == self.h
+        """Return whether there is a stem: h, of one top or of many, is not NaN."""
+        return bool(np.all(self.h == self.h))
 
 
 CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1, symbol="e_n")}

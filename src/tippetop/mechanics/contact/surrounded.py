@@ -49,11 +49,14 @@ def disturbed(b: Any, start: Any, rules: Any = None) -> Outlook:
 
 def in_surroundings(system: System, around: tuple[str, ...]) -> System:
     """Return a system whose body is in surroundings of these tables, without its theory."""
+    rules = rules_of(around)
+    units = {key: rule.unit for key, rule in rules.items()}
+    body_units = surrounded_body(lambda parameters, friction: system.body_units(friction))
     return replace(
         system,
         body=surrounded_body(system.body),
-        body_units=None,
-        surroundings=rules_of(around),
+        body_units=lambda friction: body_units(units, friction),
+        surroundings=rules,
         landscape=None,
         potential=None,
         momenta=(),

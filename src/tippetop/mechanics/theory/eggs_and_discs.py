@@ -10,12 +10,10 @@ Symbols
 """
 
 import math
-from typing import Any
 
 import numpy as np
 
-from ..contact import rolling
-from ..contact.body import Touch, shape_of, touching_ball
+from ..contact.body import Touch, height, shape_of, touching_ball
 from ..contact.outline import at
 from ..contact.uniqueness import THETA, painleve_bound
 from ..units import METRE, ONE, RADIAN_PER_SECOND
@@ -80,16 +78,15 @@ def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshol
 
     Angles in rad, rates in rad/s. They are NaN or infinite where the body cannot roll so.
     """
-    ball = touching_ball(math.cos(theta), math.sin(theta) ** 2, b)
-
-    def at_spin(omega3: float) -> Any:
-        """Return the `Scalars` of steady rolling with this omega_3 [rad/s]."""
-        state = rolling.EulerState(theta, 0.0, phi_dot, omega3)
-        return rolling.euler_scalars(state, ball)
-
-    still, turning = (rolling.z_dot2(at_spin(omega3), ball) for omega3 in (0.0, 1.0))
-    omega3 = still / (still - turning)  # where z'' = 0, which is linear in it
-    mu = rolling.friction_needed(at_spin(omega3), ball)
+    s = math.sin(theta)
+    z = math.cos(theta)
+    ball = touching_ball(z, s * s, b)
+    high = height(z, ball)
+    q = ball.c - ball.R * z
+    # z'' = 0 is linear in omega_3; solved by hand it loses no digits where phi' is small or large
+    drive = b.I1 * z * phi_dot**2 - b.m * (ball.c * b.g + high * q * phi_dot**2)
+    omega3 = drive / ((b.I3 + b.m * high * ball.R) * phi_dot)
+    mu = abs(phi_dot * s * (ball.R * omega3 + q * phi_dot)) / b.g
     words = "steady rolling at theta and phi_dot of the start"
     return {
         "spin_steady": Threshold(omega3, RADIAN_PER_SECOND, f"omega3 of {words}"),
