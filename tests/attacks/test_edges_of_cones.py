@@ -154,6 +154,15 @@ def test_long_runs_end_at_their_end(kind: str, count: int) -> None:
         assert run.summary.status == "finished", (seed, run.summary.reason)
 
 
+def test_a_cylinder_slides_on_where_only_a_pull_would_hold_it() -> None:
+    """After a slide has come to rest, g_n of rolling is negative, but not that of a slide back."""
+    body = {"m": 0.048, "R": 0.03126, "alpha": 0.8275, "g": 17.65, "I": 2.639e-5}
+    start = {"theta": 2.7783, "theta_dot": 24.096, "nu_x": 0.7334}
+    run = followed("gliding-cylinder", body, {"mu": 0.069}, start, until=2.0)
+    assert run.summary.status == "finished", run.summary.reason
+    assert max(run.summary.drift.values()) < 1e-13
+
+
 def test_the_extremes_of_the_force_include_the_first_instants_of_a_slide() -> None:
     start = {"theta": 1.0, "phi_dot": 12.0, "omega3": 80.0}
     run = followed("tippe-top", BODY, {"mu": 0.02}, start, until=0.003, output_step=1e-6)

@@ -156,12 +156,13 @@ def first_directions(law: Callable) -> Iterator[float]:
     """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0 [rad].
 
     law(beta) -> (P, Q, N) at angles beta from a fixed axis; see `exits.pushed`. There is exactly
-    one direction outside the cone.
+    one direction outside the cone. In a plane, where Q is 0 everywhere, it is 0 or pi.
     """
     grid = np.radians(np.arange(361) + 1 / np.e)
     Q = law(grid)[1]
-    for k in np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0)):
-        beta = zero_of(lambda beta, k=k: law(beta)[1] * Q[k], *grid[k : k + 2])
+    turns = np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0))
+    zeros = (zero_of(lambda beta, k=k: law(beta)[1] * Q[k], *grid[k : k + 2]) for k in turns)
+    for beta in zeros if Q.any() else (0.0, np.pi):
         P, _, N = law(beta)
         if P > 0 and N > 0:
             yield beta
