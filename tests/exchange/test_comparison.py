@@ -54,7 +54,8 @@ def columns(run: tt.Run, turn: float = 0.0) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("to", ["csv", "parquet"])
 def test_an_exported_run_is_its_own_scenario(run: tt.Run, tmp_path: Path, to: str) -> None:
     pytest.importorskip("pyarrow")
-    found = tt.compare(run.export(tmp_path / f"run.{to}"), SCENARIO).to_dict()
+    scenario = {**SCENARIO, "run": {"until": 0.5, "columns": ["theta"]}}
+    found = tt.compare(run.export(tmp_path / f"run.{to}"), scenario).to_dict()
     assert found["rows"] == len(run.trajectory.time)
     assert all(found[name]["max"] < 2e-15 for name in ("theta", "axis", "attitude", "place"))
     assert found["omega3"]["max"] < 1e-11

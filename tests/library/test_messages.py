@@ -169,6 +169,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: reconstruct(made(), period=1e-300), "`period` must be longer than the 0.01 s"),
     (lambda: made().certify(0), "`window` must be greater than 0"),
     (lambda: least_energy(TOP, [0.1, 4], 1.0), r"`theta` must lie in \[0, pi\], but is 4"),
+    (lambda: least_energy(TOP, 1.0, 1e300), r"`lam` must give energies .*, but 1e\+300"),
     (lambda: least_energy(TOP, [1, 2], [1, 2, 3]), r"shapes that broadcast.*\(2,\) and \(3,\)"),
     # what has no such theory or landscape
     (lambda: thresholds("rolling-cylinder"), "but is that of the system rolling-cylinder"),

@@ -52,7 +52,8 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     if not hasattr(carried, "x"):  # on a fixed tip
         place = times(-body.c, third)
     elif isinstance(body, Touch):
-        place = Vector(carried.x, carried.y, height(scalars.z, by_scalars(scalars, body)))
+        y = getattr(carried, "y", 0 * carried.x)  # a planar motion has none
+        place = Vector(carried.x, y, height(scalars.z, by_scalars(scalars, body)))
     else:
         place = Vector(carried.x, carried.y, scalars.height)
     x, y = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)

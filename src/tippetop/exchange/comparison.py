@@ -108,7 +108,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         raise InputError(
             f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
-    columns = columns_of(problem, run.times, run.rows)
+    columns = columns_of(run.problem, run.times, run.rows)
     if {"omega", "orientation"} <= columns.keys():
         columns["gyroscope"] = in_body_axes(columns["orientation"], columns["omega"])
     theirs = {name: part[:rows] for name, part in motion(table, convention).items()}

@@ -141,11 +141,16 @@ def asymptotic_states(
     number = measured("lam", lam, JELLETT)
     body = top_of(top, TippeTop).body()
     states = least.asymptotic_states(number, body)
-    if not all(math.isfinite(state.energy) for state in states):
-        raise InputError(
-            f"`lam` must give energies in the range of a double, but {number:g} does not."
-        )
+    _require_energies(np.array([state.energy for state in states]), number)
     return states
+
+
+def _require_energies(energies: np.ndarray, lam: Any) -> None:
+    """Raise InputError if Jellett's integrals `lam` give infinite energies, which broadcast."""
+    if (beyond := np.broadcast_to(lam, energies.shape)[np.isinf(energies)]).size:
+        raise InputError(
+            f"`lam` must give energies in the range of a double, but {beyond[0]:g} does not."
+        )
 
 
 def least_energy(
@@ -172,7 +177,7 @@ def least_energy(
     Raises
     ------
     InputError
-        If the body is another one, or these are no numbers.
+        If the body is another one, or these are no numbers, or an energy overflows.
 
     Notes
     -----
@@ -189,7 +194,10 @@ def least_energy(
         raise InputError(
             f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."
         ) from None
-    return least.least_energy(np.cos(theta), lam, top_of(top, TippeTop).body())
+    with np.errstate(over="ignore"):
+        energy = least.least_energy(np.cos(theta), np.float64(lam), top_of(top, TippeTop).body())
+    _require_energies(energy, lam)
+    return energy
 
 
 def linear_modes(

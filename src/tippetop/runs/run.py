@@ -72,8 +72,13 @@ class Solution:
         return Observables(self.problem).columns(self.times, self.rows)
 
 
-def with_rows_at(problem: Problem, times: np.ndarray, **changes: Any) -> Problem:
-    """Return a problem whose only rows are at these times [s], ascending; it ends at the last."""
+def with_rows_at(
+    problem: Problem, times: np.ndarray, *, orientation: bool = True, **changes: Any
+) -> Problem:
+    """Return a problem whose only rows are at these times [s], ascending; it ends at the last.
+
+    They have all columns; without `orientation`, all but those of the turn about the axis.
+    """
     return replace(
         problem,
         times=ListedTimes(times),
@@ -81,6 +86,7 @@ def with_rows_at(problem: Problem, times: np.ndarray, **changes: Any) -> Problem
         output="times",
         stop_when="until",
         columns=None,
+        orientation=orientation,
         **changes,
     )
 
