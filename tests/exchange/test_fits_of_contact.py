@@ -117,7 +117,7 @@ def test_a_film_of_a_top_in_air_is_not_explained_without_it(
     theta = tt.run(run).trajectory.theta + noise * np.random.default_rng(seed).standard_normal(90)
     path = written(tmp_path / "film.csv", {"t [s]": t, "theta [rad]": theta})
     free = ["friction.mu", "initial.omega3", "initial.theta", "parameters.I1"]
-    found = tt.fit(path, tt.load("inverting", start), free, noise=noise, within=0.1, starts=3)
+    found = tt.fit(path, tt.load("inverting", start), free, noise=noise, within=0.1)
     assert found.converged
     assert not found.trustworthy
     assert words in found.reason

@@ -294,6 +294,12 @@ def assert_moves(rows: Any, b: Body, force: Callable, bound: float) -> None:
     assert_motion(last, b, end, bound)
 
 
+def must_pull(row: Any, b: Body, force: Callable) -> bool:
+    """Return whether the plane would have to pull a body in the state of a row to keep it."""
+    n = b.plane[:, 2]
+    return bool(n @ force(lowest(state_of(row, b), b), n)[0] < 0)
+
+
 def state_of(row: Any, b: Body) -> np.ndarray:
     """Return the state of a row: place, orientation, L and slip are those of the plane."""
     t = float(row.time)
