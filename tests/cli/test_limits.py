@@ -15,11 +15,11 @@ from unittest.mock import Mock
 import pytest
 from forked import Forked
 from nightly import at_night
+from refusals import refusal
 from stores import ended, wait_until
 from typed import typed
 
 import tippetop as tt
-from tippetop.errors import InputError
 from tippetop.runs import starting
 from tippetop.scenario import reading
 
@@ -98,7 +98,7 @@ def test_a_terminal_without_our_characters_is_written_to_nevertheless() -> None:
 def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:
     file = tmp_path / "deep.toml"
     file.write_text(text)
-    with pytest.raises(InputError, match="nested too deeply"):
+    with refusal("nested too deeply"):
         reading.read(str(file))
 
 
@@ -107,7 +107,7 @@ def test_deep_arguments_are_refused() -> None:
     for _ in range(20_000):
         tables = {"a": tables}
     for call in (lambda: tt.run(tables), lambda: tt.run("inverting", parameters={"m": tables})):
-        with pytest.raises(InputError, match="nested too deeply"):
+        with refusal("nested too deeply"):
             call()
 
 
@@ -135,7 +135,7 @@ def test_numbers_at_the_ends_of_the_doubles(
 def test_a_tolerance_far_below_the_rounding_unit_is_refused(
     precision: str, tolerance: float
 ) -> None:
-    with pytest.raises(InputError, match=r"must be 0 .the rounding unit. or at least"):
+    with refusal(r"must be 0 .the rounding unit. or at least"):
         starting.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
 
 

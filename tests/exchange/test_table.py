@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refusal
 
 from tippetop.errors import InputError
 from tippetop.exchange import motion_table
@@ -41,7 +42,7 @@ OWN = "time,phase,theta,theta_dot,orientation_w,energy,modified_energy,normal_fo
 def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
     """Its phases are words, and its integrals no measurements: both are left out."""
     path = written(tmp_path, f"{OWN}\n0,slip,0.1,0,1,3,3,1\n0.5,roll,4,0,1,3,3,1\n")
-    with pytest.raises(InputError, match="in 0 to pi"):
+    with refusal("in 0 to pi"):
         motion_table.read(path)
     read = motion_table.read(path, wrapped=False)  # as of a cylinder
     assert list(read.columns) == ["t", "theta", "theta_dot", "q_w"]
@@ -90,7 +91,7 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
     ],
 )
 def test_wrong_tables_are_rejected_with_a_message(tmp_path: Path, text: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
+    with refusal(words):
         motion_table.read(written(tmp_path, text))
 
 
@@ -186,7 +187,7 @@ def test_other_dialects_are_refused_in_our_words(
 ) -> None:
     path = tmp_path / "other.csv"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=words):
+    with refusal(words):
         motion_table.read(path)
 
 
@@ -204,11 +205,9 @@ def test_one_of_several_objects_is_chosen_by_its_name(tmp_path: Path, text: str)
         read = motion_table.read(path, track=track)
         np.testing.assert_array_equal(read.columns["x"], x)
         np.testing.assert_array_equal(read.columns["y"], np.array(x) + 1)
-    with pytest.raises(InputError, match=r"`track` must be an object of the table \(A, B\), but"):
+    with refusal(r"`track` must be an object of the table \(A, B\), but"):
         motion_table.read(path, track="C")
-    with pytest.raises(
-        InputError, match=r"`x` must occur once, .* one of several objects \(`track"
-    ):
+    with refusal(r"`x` must occur once, .* one of several objects \(`track"):
         motion_table.read(path)
 
 
@@ -228,14 +227,14 @@ def test_a_file_of_phyphox_is_read_as_it_is(tmp_path: Path) -> None:
 def test_cells_of_parquet_follow_the_same_rule(tmp_path: Path, cells: list) -> None:
     pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     pq.write_table(pa.table({"t [s]": [0.0, 1.0], "theta [rad]": cells}), tmp_path / "a.parquet")
-    with pytest.raises(InputError, match=r"row [12], column `theta`: a cell must be a number"):
+    with refusal(r"row [12], column `theta`: a cell must be a number"):
         motion_table.read(tmp_path / "a.parquet", wrapped=False)
 
 
 def test_the_order_of_a_numbered_quaternion_is_named_never_guessed(tmp_path: Path) -> None:
     text = "t [s],q_0,q_1,q_2,q_3\n0,0,0,0.6,0.8\n1,0,0,0.6,0.8\n"
     read = motion_table.read(written(tmp_path, text))
-    with pytest.raises(InputError, match="--quaternion wxyz or xyzw"):
+    with refusal("--quaternion wxyz or xyzw"):
         motion(read)
     np.testing.assert_allclose(motion(read, Convention("xyzw"))["orientation"][0], [0.8, 0, 0, 0.6])
     np.testing.assert_allclose(motion(read, Convention("wxyz"))["orientation"][0], [0, 0, 0.6, 0.8])

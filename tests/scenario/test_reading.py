@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refusals import refusal
 
 import tippetop as tt
-from tippetop.errors import InputError
 from tippetop.scenario.reading import override, presets
 
 
@@ -100,7 +100,7 @@ def test_the_last_assignment_counts() -> None:
     ],
 )
 def test_what_cannot_be_set_is_a_sentence(assignment: str, sentence: str) -> None:
-    with pytest.raises(InputError, match="--set") as found:
+    with refusal("--set") as found:
         override(TABLES, [assignment])
     assert sentence in str(found.value)
     assert len(found.value.sentences) == 1
@@ -133,9 +133,9 @@ def test_what_asks_for_rows_takes_the_place_of_what_did() -> None:
 @pytest.mark.parametrize("times", [[math.nan], [3, 2], [1, math.nan], [0.005, 0.005], ["soon"]])
 def test_times_that_are_none_are_refused_whatever_the_end(times: list) -> None:
     """They were dropped as times beyond the end, and no row was left."""
-    with pytest.raises(tt.InputError, match="output_times"):
+    with refusal("output_times"):
         tt.run("inverting", until=0.01, output_times=times)
-    with pytest.raises(tt.InputError, match="output_times"):
+    with refusal("output_times"):
         tt.load("inverting", [f"run.output_times={times}".replace("'", '"')], until=0.01)
 
 

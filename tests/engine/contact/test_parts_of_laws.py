@@ -7,6 +7,7 @@ import pytest
 import tilted
 from examples import columns
 from limits import assert_below
+from refusals import refusal
 from touching import LEINE_GLOCKER
 
 import tippetop as tt
@@ -100,7 +101,7 @@ def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
     ],
 )
 def test_parts_that_cannot_act_are_refused(law, parts, tables, message):
-    with pytest.raises(tt.InputError, match=message):
+    with refusal(message):
         scenario(LAWS[law], parts=parts, initial={}, **tables)
 
 
@@ -121,7 +122,7 @@ def test_records_take_parts_by_name():
         "mu_r",
         "mu_d",
     )
-    with pytest.raises(tt.InputError, match="mu_r"):
+    with refusal("mu_r"):
         tt.friction.Coulomb(0.3, mu_r=-1e-5)
 
 
@@ -132,8 +133,8 @@ def test_no_statement_about_lasting_spins_is_made():
     assert "thresholds" not in found
     assert "no state is known to attract" in found["regime"]
     assert solve(made, keep=False).report["outcome"] == "under-way"
-    with pytest.raises(tt.InputError, match="no spin lasts"):
+    with refusal("no spin lasts"):
         tt.theory.linear_modes(TOP, omega3=100.0, law=tt.friction.Viscous(0.3, mu_r=1e-5))
     run = tt.run("inverting", tt.friction.Viscous(0.3, mu_r=1e-5), until=0.01)
-    with pytest.raises(tt.InputError, match=r"none does under `friction.mu_r`"):
+    with refusal(r"none does under `friction.mu_r`"):
         run.plot("states")
