@@ -3,11 +3,11 @@
 from typing import Any
 
 import pytest
+from refusals import refusal
 
 from tippetop.engine import integrator
 from tippetop.engine.opt_level import OPT_LEVEL, opt_level
 from tippetop.engine.taylor import driver_of, fingerprint
-from tippetop.errors import InputError
 from tippetop.runs import starting
 
 
@@ -21,7 +21,7 @@ def test_it_is_that_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("text", ["", "4", "-1", "fast"])
 def test_another_word_is_refused_in_a_sentence(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(OPT_LEVEL, text)
-    with pytest.raises(InputError, match="`TIPPETOP_OPT_LEVEL` must be 0, 1, 2 or 3, but is"):
+    with refusal("`TIPPETOP_OPT_LEVEL` must be 0, 1, 2 or 3, but is"):
         opt_level()
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from examples import CANONICAL, turned
 from measured import written
+from refusals import refusal
 from typed import reported
 
 import tippetop as tt
-from tippetop.errors import InputError
 from tippetop.exchange.comparison import differences
 from tippetop.exchange.simulators import start_of, text_of
 
@@ -199,7 +199,7 @@ def test_the_command_prints_json_and_draws(run: tt.Run, tmp_path: Path) -> None:
 
 
 def test_a_cylinder_is_no_body_for_a_simulator(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="must be a top"):
+    with refusal("must be a top"):
         text_of(tt.load("gliding-cylinder"), "mjcf")
 
 
@@ -278,5 +278,5 @@ def test_a_column_without_a_reference_is_refused_by_its_name(tmp_path: Path) -> 
     for preset, head in (("inverting", "marker_x [m]"), ("gliding-cylinder", "phi [rad]")):
         path = written(tmp_path / "a.csv", {"t [s]": t, "theta [rad]": t + 0.1, head: t})
         name = head.partition(" ")[0]
-        with pytest.raises(InputError, match=f"comparable with the reference, but `{name}`"):
+        with refusal(f"comparable with the reference, but `{name}`"):
             tt.compare(path, preset)

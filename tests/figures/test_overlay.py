@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from refusals import refusal
 from typed import refused
 
-from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels, overlay
 from tippetop.figures.style import COLOURS, figure
 from tippetop.figures.window import in_window
@@ -67,9 +67,7 @@ def test_the_kinds_that_compare_runs_are_those_that_say_so() -> None:
     assert overlay.LABELS.keys() | overlay.CHANGES == {
         name for name, kind in catalogue.FIGURES.items() if kind.compares
     }
-    with pytest.raises(
-        InputError, match=r"several runs are drawn together as theta, .*; `sphere` is drawn of one"
-    ):
+    with refusal(r"several runs are drawn together as theta, .*; `sphere` is drawn of one"):
         drawing.several("sphere", [a_run(), a_run()], ["a", "b"])
 
 
@@ -81,7 +79,7 @@ def test_a_part_of_a_run_keeps_its_first_row_for_the_changes() -> None:
     assert cut["events"].sizes["event"] == 1
     assert known["first_row"]["energy"] == 1.0
     for start, until in ((4.0, 2.0), (9.0, 10.0)):
-        with pytest.raises(InputError, match="must be"):
+        with refusal("must be"):
             in_window({"trajectory": trajectory, "events": events}, attrs, start, until)
 
 

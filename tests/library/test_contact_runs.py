@@ -10,6 +10,7 @@ import pytest
 from examples import CANONICAL as BODY
 from limits import assert_below, assert_near
 from nightly import at_night
+from refusals import refusal
 from touching import DRILLING, LEINE_GLOCKER, STEM, TOSSED
 
 import tippetop as tt
@@ -120,7 +121,7 @@ def test_what_does_not_slide_from_its_start_settles(law: Any, theta: float, omeg
 
 @pytest.mark.parametrize("preset", ["rolling", "heavy-top", "rolling-cylinder"])
 def test_a_system_in_which_nothing_slides_cannot_settle(preset: str) -> None:
-    with pytest.raises(tt.InputError, match="in which nothing slides"):
+    with refusal("in which nothing slides"):
         tt.run(preset, until=1.0, stop_when="settled")
 
 

@@ -5,9 +5,9 @@ scenario takes.
 import tomllib
 
 import pytest
+from refusals import refusal
 
 import tippetop as tt
-from tippetop.errors import InputError
 from tippetop.mechanics.friction import LAWS, PARTS
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.scenario import build, reading
@@ -41,7 +41,7 @@ def test_a_key_in_a_comment_is_taken_when_it_is_uncommented(name: str) -> None:
 
 
 def test_what_is_no_system_is_a_sentence() -> None:
-    with pytest.raises(InputError, match="Did you mean `heavy-top`"):
+    with refusal("Did you mean `heavy-top`"):
         template("heavytop")
 
 

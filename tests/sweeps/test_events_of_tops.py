@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from limits import assert_near
+from refusals import refusal
 from sections import RECORDS, SECTION
 from stores import assert_same, flip
 from typed import typed
 
 import tippetop as tt
-from tippetop.errors import InputError, StoreError
+from tippetop.errors import StoreError
 from tippetop.extending import Event
 from tippetop.mechanics.operand import formula
 
@@ -138,9 +139,9 @@ def test_a_sweep_is_continued_with_its_own_records_only(whole: Path) -> None:
     records = {**RECORDS, "events": ["turning", changed]}
     with pytest.raises(StoreError, match="the same events and columns of the user"):
         tt.sweep(plan(), whole, workers=1, **records)
-    with pytest.raises(InputError, match="`keep` must be of"):
+    with refusal("`keep` must be of"):
         tt.sweep(plan(), whole, workers=1)
-    with pytest.raises(InputError, match="of a module that workers can import"):
+    with refusal("of a module that workers can import"):
         tt.sweep(plan(), whole, workers=2, **records)
     tt.sweep(plan(), whole, workers=1, **RECORDS)
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from plans import PLAN, all_numbers, plan_of
+from refusals import refusal
 from typed import reported, typed
 
 import tippetop
 from tippetop.columns import flag_words
 from tippetop.ensembles.outcomes import CLASSES
-from tippetop.errors import InputError
 from tippetop.figures.sweep_map import draw_map
 from tippetop.mechanics.theory import thresholds
 from tippetop.runs import starting
@@ -169,7 +169,7 @@ def test_what_cannot_be_drawn_is_said(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     of = plan_of({**AXIS, "n": 4})
-    with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
+    with refusal("must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
 
 

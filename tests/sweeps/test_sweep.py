@@ -13,11 +13,12 @@ import pytest
 from forked import Forked
 from nightly import at_night
 from plans import PLAN
+from refusals import refusal
 from stores import assert_same, ended, written
 from typed import typed
 
 import tippetop
-from tippetop.errors import InputError, StoreError
+from tippetop.errors import StoreError
 from tippetop.store import provenance, root
 from tippetop.sweeps import chunk, workers
 from tippetop.sweeps.plan import Plan
@@ -228,6 +229,6 @@ def test_other_versions_are_refused(
 def test_no_scheduler_no_store(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(workers, "CONNECT_FOR", "200 ms")
     for address in ("nonsense", "tcp://127.0.0.1:9"):
-        with pytest.raises(InputError, match="must be the address of a running dask scheduler"):
+        with refusal("must be the address of a running dask scheduler"):
             tippetop.sweep(file, tmp_path / "S.zarr", scheduler=address)
     assert not (tmp_path / "S.zarr").exists()

@@ -9,6 +9,7 @@ import pytest
 from examples import stored_reference
 from limits import assert_near
 from nightly import at_night
+from refusals import refusal
 
 import tippetop as tt
 from tippetop.exchange.simulators import text_of
@@ -104,7 +105,7 @@ def test_a_disc_that_falls_flat_ends_by_an_event() -> None:
     assert run.summary.status == "ended"
     for start in ({"theta": 0.0}, {"theta": np.pi}, {}):
         for options in ({}, {"on_liftoff": "fly"}):
-            with pytest.raises(tt.InputError, match="lies flat"):
+            with refusal("lies flat"):
                 tt.run(coin, tt.friction.Frictionless(), start=start, until=1.0, **options)
 
 
@@ -174,5 +175,5 @@ def test_a_disc_that_loses_energy_ends_flat(law: Any) -> None:
 )
 def test_no_file_has_a_ball_in_place_of_another_body(preset: str, formats: list[str]) -> None:
     for to in formats:
-        with pytest.raises(tt.InputError, match=r"one that `.*` can express"):
+        with refusal(r"one that `.*` can express"):
             text_of(tt.load(preset), to)
