@@ -84,6 +84,14 @@ def assert_column(found: np.ndarray, single: np.ndarray) -> None:
     assert_near(found, single, 1e-8 * np.nanmax(np.abs(single), initial=1e-3))
 
 
+def measured_as_alone(tops: Problems) -> Outcomes:
+    """Return what tops in lanes are, and check that they end as each does alone."""
+    measured, single = ensemble.measure(tops, threads=1), alone(tops)
+    np.testing.assert_array_equal(measured.status, single.status)
+    assert_near(measured.final, single.final, 1e-9)
+    return measured
+
+
 @pytest.mark.parametrize("case", [at_night(case) if case in RARE else case for case in TOPS])
 def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
     tops, few = some(case, 9), slice(None, None, 4)
@@ -103,8 +111,7 @@ def test_tops_in_lanes_are_what_they_are_alone(case: str) -> None:
 def test_tops_may_differ_in_their_stems() -> None:
     lengths, radii = np.linspace(0.0195, 0.0198, 12), np.linspace(0.0036, 0.0038, 12)
     tops = some("begins on its stem", **{"stem.h": lengths, "stem.r": radii})
-    measured, single = ensemble.measure(tops, threads=1), alone(tops)
-    assert_near(measured.final, single.final, 1e-9)
+    measured = measured_as_alone(tops)
     assert len({*measured.columns["theta_end"]}) == 12
 
 
@@ -116,8 +123,7 @@ def test_tops_that_stand_on_their_stem_begin_there_whatever_their_inclination() 
     for top, theta in enumerate(thetas.tolist()):
         own = build.problem(tables | {"initial": ON_STEM["initial"] | {"theta": theta}})
         assert hybrid_tops.problem_of(tops, top).initial == own.initial
-    measured, single = ensemble.measure(tops, threads=1), alone(tops)
-    assert_near(measured.final, single.final, 1e-9)
+    measured = measured_as_alone(tops)
     assert_below(1e-12, measured.drift)
 
 
@@ -171,13 +177,10 @@ def test_a_top_that_fails_ends_alone(monkeypatch) -> None:
 
     monkeypatch.setattr(exits, "struck", fails)
     tops = some("sticks", **{"friction.mu": mu, "initial.omega3": spins})
-    measured = ensemble.measure(tops, threads=1)
+    measured = measured_as_alone(tops)
     statuses = [list(Status)[code].value for code in measured.status]
     assert statuses == ["finished", "finished", "invalid", "stalled", "finished"]
     assert [top for top, _ in measured.faults] == [2]
-    single = alone(tops)
-    np.testing.assert_array_equal(measured.status, single.status)
-    assert_near(measured.final, single.final, 1e-9)
 
 
 def test_only_what_has_no_line_is_left_to_python(monkeypatch) -> None:

@@ -25,6 +25,7 @@ from tippetop.mechanics.systems import SYSTEMS
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
 TOP = tt.TippeTop(**CANONICAL)
+VISCOUS = tt.friction.Viscous(0.3)
 START = {"theta": 0.1, "omega3": 155.0}
 SCALED = {"m": 0.02, "R": 0.02, "alpha": 0.3, "k1": 131 / 350, "k3": 0.4, "g": 9.82}
 
@@ -45,7 +46,7 @@ def test_a_law_of_ones_own(own) -> None:
     with refusal("must be registered"):
         tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
     tt.extending.register(own.Quadratic)
-    plain = tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.5)
+    plain = tt.run(TOP, VISCOUS, start=START, until=0.5)
     same = tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
     more = tt.run(TOP, own.Quadratic(mu=0.3, drag=50.0), start=START, until=0.5)
     np.testing.assert_array_equal(same.trajectory.theta, plain.trajectory.theta)
@@ -122,19 +123,17 @@ def test_which_events_are_logged(own) -> None:
 
 def test_a_system_of_ones_own(own) -> None:
     """Passed as a record or by its name, it is the tippe top in other numbers."""
-    run = tt.run(
-        own.SCALED_TIPPE_TOP, tt.friction.Viscous(0.3), parameters=SCALED, start=START, until=2.0
-    )
+    run = tt.run(own.SCALED_TIPPE_TOP, VISCOUS, parameters=SCALED, start=START, until=2.0)
     assert_near(
         run.trajectory.theta,
-        tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=2.0).trajectory.theta,
+        tt.run(TOP, VISCOUS, start=START, until=2.0).trajectory.theta,
         1e-10,
     )
     assert "spin_energy" in run.trajectory
     with refusal(r"`parameters.k3` must be at most 2\*k1"):
         tt.run(
             own.SCALED_TIPPE_TOP,
-            tt.friction.Viscous(0.3),
+            VISCOUS,
             parameters={**SCALED, "k3": 1.0},
             start=START,
             until=2.0,
@@ -146,10 +145,8 @@ def test_a_system_of_ones_own(own) -> None:
         "initial": START,
         "run": {"until": 0.5},
     }
-    assert "k1" in tt.run(tables, tt.friction.Viscous(0.3)).summary.parameters
-    many = tt.ensemble(
-        tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.friction.Viscous(0.3)
-    )
+    assert "k1" in tt.run(tables, VISCOUS).summary.parameters
+    many = tt.ensemble(tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, VISCOUS)
     assert list(many["status"].values) == [1, 1, 1]
 
 

@@ -176,6 +176,7 @@ def test_the_uniform_body_is_that_of_a_scenario_too() -> None:
 # --- predictions --------------------------------------------------------------------------------
 
 EGG = tt.Spheroid(m=0.06, a=0.03, b=0.02)
+COIN = tt.Disc(m=0.01, ring=0.02, tube=0.002, c=1e-3, I1=1e-6, I3=2e-6)
 
 
 @pytest.mark.parametrize("inverted", [False, True])
@@ -218,13 +219,12 @@ def test_where_a_body_rests_its_height_is_stationary() -> None:
 
 @pytest.mark.parametrize("rolls", [False, True])
 def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
-    coin = tt.Disc(m=0.01, ring=0.02, tube=0.002, c=1e-3, I1=1e-6, I3=2e-6)
     start = {"theta": 1.1, "phi_dot": 12.0}
-    known = outlook.revolution(coin.body(), STILL | start, rolls=rolls).thresholds
+    known = outlook.revolution(COIN.body(), STILL | start, rolls=rolls).thresholds
     start["omega3"] = known["spin_steady"].value
     law = None if rolls else tt.friction.Coulomb(mu=1.01 * known["mu_steady"].value)
     rows = tt.run(
-        coin, law, start={**start, **({} if rolls else {"nu_x": 0.0})}, until=1.0
+        COIN, law, start={**start, **({} if rolls else {"nu_x": 0.0})}, until=1.0
     ).trajectory
     assert_near(rows.theta, 1.1, 1e-12)
     if rolls:
@@ -234,7 +234,7 @@ def test_a_disc_rolls_steadily_as_check_predicts(rolls: bool) -> None:
 @pytest.mark.parametrize("tube", [0.0, 0.002])
 def test_the_spin_of_steady_rolling_keeps_its_digits_at_every_rate(tube: float) -> None:
     """Gravity and inertia balance: omega_3 phi' is linear in phi'^2; mu has a limit at phi' = 0."""
-    coin = tt.Disc(m=0.01, ring=0.02, tube=tube, c=1e-3, I1=1e-6, I3=2e-6).body()
+    coin = COIN._replace(tube=tube).body()
     rates = np.array([1.0, 2.0, 1e-9, 1e-3, 30.0, 1e4])
     found = [outlook.revolution(coin, STILL | {"phi_dot": rate}).thresholds for rate in rates]
     products = rates * [known["spin_steady"].value for known in found]
