@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from coulomb import Ball, axes, held
 from examples import CANONICAL as BODY
+from limits import assert_near
 from nightly import TONIGHT, at_night
 
 import tippetop as tt
@@ -97,7 +98,7 @@ def test_a_slide_from_rest_is_that_of_an_own_integration(count: int) -> None:
         if judged == count:
             break
     assert judged == count
-    assert repeated <= count / 30
+    assert repeated <= count / 50
 
 
 @pytest.mark.parametrize("precision", ["double", at_night("longdouble")])
@@ -155,12 +156,20 @@ def test_long_runs_end_at_their_end(kind: str, count: int) -> None:
 
 
 def test_a_cylinder_slides_on_where_only_a_pull_would_hold_it() -> None:
-    """After a slide has come to rest, g_n of rolling is negative, but not that of a slide back."""
+    """After a slide has come to rest, g_n of rolling is negative, but not that of a slide back; of
+    the mirror image too.
+    """
     body = {"m": 0.048, "R": 0.03126, "alpha": 0.8275, "g": 17.65, "I": 2.639e-5}
     start = {"theta": 2.7783, "theta_dot": 24.096, "nu_x": 0.7334}
-    run = followed("gliding-cylinder", body, {"mu": 0.069}, start, until=2.0)
-    assert run.summary.status == "finished", run.summary.reason
-    assert max(run.summary.drift.values()) < 1e-13
+    mirrored = {name: -value for name, value in start.items()}
+    runs = [
+        followed("gliding-cylinder", body, {"mu": 0.069}, each, until=2.0)
+        for each in (start, mirrored)
+    ]
+    for run in runs:
+        assert run.summary.status == "finished", run.summary.reason
+        assert max(run.summary.drift.values()) < 1e-13
+    assert_near(runs[1].trajectory.theta, -runs[0].trajectory.theta, 1e-9)
 
 
 def test_the_extremes_of_the_force_include_the_first_instants_of_a_slide() -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
 from tippetop.errors import InputError
@@ -22,10 +23,10 @@ def test_units_become_si_and_gaps_stay(tmp_path: Path) -> None:
         "# filmed\nt [ms], theta [deg], x [mm], omega3 [rpm]\n0,90,1,60\n\n10,,2,60\n20,45,nan,60\n"
     )
     read = motion_table.read(written(tmp_path, text))
-    np.testing.assert_allclose(read.t, [0, 0.01, 0.02])
-    np.testing.assert_allclose(read.columns["theta"], [np.pi / 2, np.nan, np.pi / 4])
-    np.testing.assert_allclose(read.columns["x"], [1e-3, 2e-3, np.nan])
-    np.testing.assert_allclose(read.columns["omega3"], 2 * np.pi)
+    assert_allclose(read.t, [0, 0.01, 0.02])
+    assert_allclose(read.columns["theta"], [np.pi / 2, np.nan, np.pi / 4])
+    assert_allclose(read.columns["x"], [1e-3, 2e-3, np.nan])
+    assert_allclose(read.columns["omega3"], 2 * np.pi)
 
 
 def test_a_parquet_file_is_read_as_csv_is(tmp_path: Path) -> None:
@@ -33,7 +34,7 @@ def test_a_parquet_file_is_read_as_csv_is(tmp_path: Path) -> None:
     path = tmp_path / "other.parquet"
     pq.write_table(pa.table({"t [s]": [0.0, 1.0, 2.0], "theta [deg]": [10.0, None, 20]}), path)
     theta = motion_table.read(path).columns["theta"]
-    np.testing.assert_allclose(theta, [np.pi / 18, np.pi / 9])  # empty rows are left out
+    assert_allclose(theta, [np.pi / 18, np.pi / 9])  # empty rows are left out
 
 
 OWN = "time,phase,theta,theta_dot,orientation_w,energy,modified_energy,normal_force"
@@ -46,7 +47,7 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
         motion_table.read(path)
     read = motion_table.read(path, wrapped=False)  # as of a cylinder
     assert list(read.columns) == ["t", "theta", "theta_dot", "q_w"]
-    np.testing.assert_array_equal(read.columns["theta"], [0.1, 4.0])
+    assert_array_equal(read.columns["theta"], [0.1, 4.0])
 
 
 @pytest.mark.parametrize(
@@ -113,15 +114,15 @@ def test_a_cell_is_a_number_a_gap_or_refused_with_its_place(tmp_path: Path, cell
 @pytest.mark.parametrize("cell", ["", " ", "NaN", "-nan", "NA", "N/A", "#N/A", "null", "None", "-"])
 def test_documented_gaps_leave_the_rest_of_their_row(tmp_path: Path, cell: str) -> None:
     read = motion_table.read(written(tmp_path, f"t [s],theta [rad],x [m]\n0,1,2\n1,{cell},3\n"))
-    np.testing.assert_array_equal(read.columns["theta"], [1, np.nan])
-    np.testing.assert_array_equal(read.columns["x"], [2, 3])
+    assert_array_equal(read.columns["theta"], [1, np.nan])
+    assert_array_equal(read.columns["x"], [2, 3])
 
 
 def test_numbers_are_read_to_their_last_bit(tmp_path: Path) -> None:
     values = np.random.default_rng(5).standard_normal(2000) * 10.0 ** np.arange(-50, 50, 0.05)
     rows = "\n".join(f"{t},{value!r}" for t, value in enumerate(values.tolist()))
     read = motion_table.read(written(tmp_path, f"t [s],x [m]\n{rows}"))
-    np.testing.assert_array_equal(read.columns["x"], values)
+    assert_array_equal(read.columns["x"], values)
 
 
 ANGLES = ["28.70", "28.10", "", "-1.2E-2"]
@@ -165,8 +166,8 @@ def test_dialects_of_other_programs_are_the_same_table(tmp_path: Path, content: 
     path = tmp_path / "other.csv"
     path.write_bytes(content)
     read = motion_table.read(path, noise=1.0)
-    np.testing.assert_allclose(read.t, [0, 0.033, 0.1])
-    np.testing.assert_allclose(np.rad2deg(read.columns["theta"]), [28.7, 28.1, -0.012])
+    assert_allclose(read.t, [0, 0.033, 0.1])
+    assert_allclose(np.rad2deg(read.columns["theta"]), [28.7, 28.1, -0.012])
 
 
 @pytest.mark.parametrize(
@@ -203,8 +204,8 @@ def test_one_of_several_objects_is_chosen_by_its_name(tmp_path: Path, text: str)
     path = written(tmp_path, text)
     for track, x in (("A", [1, 5]), ("B", [3, 7])):
         read = motion_table.read(path, track=track)
-        np.testing.assert_array_equal(read.columns["x"], x)
-        np.testing.assert_array_equal(read.columns["y"], np.array(x) + 1)
+        assert_array_equal(read.columns["x"], x)
+        assert_array_equal(read.columns["y"], np.array(x) + 1)
     with refusal(r"`track` must be an object of the table \(A, B\), but"):
         motion_table.read(path, track="C")
     with refusal(r"`x` must occur once, .* one of several objects \(`track"):
@@ -215,12 +216,12 @@ def test_a_file_of_phyphox_is_read_as_it_is(tmp_path: Path) -> None:
     header = [f'"Gyroscope {c} (rad/s)"' for c in "xyz"]
     text = f'"Time (s)",{",".join(header)},"Absolute (rad/s)"\n0,1,2,3,4\n1,1,2,3,4\n'
     read = motion(motion_table.read(written(tmp_path, text)), Convention())
-    np.testing.assert_array_equal(read["gyroscope"][0], [1, 2, 3])
+    assert_array_equal(read["gyroscope"][0], [1, 2, 3])
     header = [f"Acceleration {c} (m/s^2)" for c in "xyz"]
     tabs = "\t".join(header)
     text = f"Time (s)\t{tabs}\n0,0\t1,5\t2,0\t3,0\n1,0\t1,5\t2,0\t3,0\n"
     read = motion(motion_table.read(written(tmp_path, text)), Convention())
-    np.testing.assert_array_equal(read["accelerometer"][0], [1.5, 2, 3])
+    assert_array_equal(read["accelerometer"][0], [1.5, 2, 3])
 
 
 @pytest.mark.parametrize("cells", [[True, False], [1.0, np.inf], ["1", "1.#QNAN"]])
@@ -236,8 +237,8 @@ def test_the_order_of_a_numbered_quaternion_is_named_never_guessed(tmp_path: Pat
     read = motion_table.read(written(tmp_path, text))
     with refusal("--quaternion wxyz or xyzw"):
         motion(read)
-    np.testing.assert_allclose(motion(read, Convention("xyzw"))["orientation"][0], [0.8, 0, 0, 0.6])
-    np.testing.assert_allclose(motion(read, Convention("wxyz"))["orientation"][0], [0, 0, 0.6, 0.8])
+    assert_allclose(motion(read, Convention("xyzw"))["orientation"][0], [0.8, 0, 0, 0.6])
+    assert_allclose(motion(read, Convention("wxyz"))["orientation"][0], [0, 0, 0.6, 0.8])
 
 
 def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
@@ -245,9 +246,9 @@ def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
     c, s = np.cos(0.15), np.sin(0.15)
     text = f"t [s],q_w,q_x,q_y,q_z,x [m],y [m],z [m]\n0,{c},0,0,{s},1,2,3\n1,{c},0,0,{s},1,2,3\n"
     seen = motion(motion_table.read(written(tmp_path, text)), Convention(up="y"))
-    np.testing.assert_allclose(seen["theta"], 0.3)
-    np.testing.assert_allclose(seen["place"][0], [3, 1, 2])
-    np.testing.assert_allclose(seen["axis"][0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
+    assert_allclose(seen["theta"], 0.3)
+    assert_allclose(seen["place"][0], [3, 1, 2])
+    assert_allclose(seen["axis"][0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
 
 
 def test_a_row_that_begins_with_a_gap_is_no_comment(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from examples import CANONICAL
 from matplotlib.figure import Figure
+from numpy.testing import assert_allclose, assert_array_equal
 from refusals import refusal
 
 from tippetop.figures import catalogue, drawing, labels
@@ -59,13 +60,13 @@ def test_theta_is_drawn_with_its_turnings(inverting: tuple) -> None:
     trajectory, events, _ = inverting
     figure = drawn("theta", inverting)
     curve = lines(figure)["θ(t)"]
-    np.testing.assert_array_equal(curve.get_xdata(), trajectory["time"])
-    np.testing.assert_array_equal(curve.get_ydata(), trajectory["theta"])
+    assert_array_equal(curve.get_xdata(), trajectory["time"])
+    assert_array_equal(curve.get_ydata(), trajectory["theta"])
     turning = events.isel(event=(events["kind"].values == 0) & events["significant"].values)
     for label, sign in (("maxima: upper envelope", -1), ("minima: lower envelope", 1)):
         some = turning.isel(event=turning["theta_dot_sign"].values == sign)
         assert some.sizes["event"] > 100
-        np.testing.assert_array_equal(marks(figure)[label].T, [some["time"], some["theta"]])
+        assert_array_equal(marks(figure)[label].T, [some["time"], some["theta"]])
     above, below = figure.axes
     assert above.get_ylabel() == "inclination θ (rad)"
     assert below.get_xlabel() == "time t (s)"
@@ -132,9 +133,7 @@ def test_normal_force_is_drawn_in_weights_with_its_extremes(inverting: tuple) ->
     weight = attrs["parameters"]["m"] * attrs["parameters"]["g"]
     figure = drawn("normal-force", inverting)
     (axes,) = figure.axes
-    np.testing.assert_allclose(
-        axes.get_lines()[-1].get_ydata(), trajectory["normal_force"] / weight
-    )
+    assert_allclose(axes.get_lines()[-1].get_ydata(), trajectory["normal_force"] / weight)
     extremes = attrs["report"]["normal_force"]
     dots = [tuple(map(float, c.get_offsets()[0])) for c in axes.collections]
     assert dots == [(extremes[f"t_{key}"], extremes[key] / weight) for key in ("min", "max")]
@@ -154,8 +153,8 @@ def test_sphere_shows_the_near_side_of_the_path(inverting: tuple) -> None:
             next(c for c in axes.collections if c.get_array() is not None).get_segments()
         )
         near = (sign * path[1:, 2] >= 0) & (sign * path[:-1, 2] >= 0)
-        np.testing.assert_array_equal(segments[:, 0], path[:-1, :2][near] * (1, mirrored))
-        np.testing.assert_array_equal(segments[:, 1], path[1:, :2][near] * (1, mirrored))
+        assert_array_equal(segments[:, 0], path[:-1, :2][near] * (1, mirrored))
+        assert_array_equal(segments[:, 1], path[1:, :2][near] * (1, mirrored))
 
 
 # --- in the landscape ---------------------------------------------------------------------------
@@ -166,7 +165,7 @@ def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) ->
     above, below = figure.axes
     curves = lines(figure)
     assert above.get_ylabel() == "inclination θ (rad)"
-    np.testing.assert_array_equal(curves["θ(t)"].get_ydata(), inverting[0]["theta"])
+    assert_array_equal(curves["θ(t)"].get_ydata(), inverting[0]["theta"])
     low, high = (line.get_ydata() for line in above.get_lines()[1::-1])
     inside = (curves["θ(t)"].get_ydata() > low - 1e-6) & (curves["θ(t)"].get_ydata() < high + 1e-6)
     assert inside.all()
@@ -192,7 +191,7 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     )
     solid, dotted = (np.array(line.get_data_3d()) for line in (on, above))
     both = np.isfinite(solid).all(axis=0)
-    np.testing.assert_array_equal(solid[:, both], dotted[:, both])  # solid above dotted
+    assert_array_equal(solid[:, both], dotted[:, both])  # solid above dotted
     assert np.isfinite(dotted).all(axis=0).sum() > both.sum() > 0
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.testing import assert_allclose, assert_array_equal
 
 from tippetop.figures import sweep_map
 from tippetop.figures.style import styled
@@ -52,12 +53,12 @@ def test_every_cell_has_the_colour_of_its_class() -> None:
     field = np.array([[0, 1], [2, 3], [4, 5]], float)
     figure = drawn(a_map("class", (X, Y), {"class": field}))
     mesh = mesh_of(figure)
-    np.testing.assert_array_equal(mesh.get_coordinates()[0, :, 0], X.edges)
-    np.testing.assert_array_equal(mesh.get_coordinates()[:, 0, 1], Y.edges)
+    assert_array_equal(mesh.get_coordinates()[0, :, 0], X.edges)
+    assert_array_equal(mesh.get_coordinates()[:, 0, 1], Y.edges)
     colours = mesh.to_rgba(mesh.get_array()).reshape(2, 3, 4)
     for i, j in np.ndindex(3, 2):
         expected = mpl.colors.to_rgba(sweep_map.colours()[SHOWN[int(field[i, j])]])
-        np.testing.assert_allclose(colours[j, i], expected, atol=1 / 255)
+        assert_allclose(colours[j, i], expected, atol=1 / 255)
     assert set(sweep_map.colours()) == set(SHOWN)
 
 
@@ -87,22 +88,20 @@ def test_ends_over_one_axis_are_dots_in_the_colour_of_their_class() -> None:
     theta = np.array([0.0, np.pi, np.nan])
     dots = curves(drawn(a_map("class", (X,), {"class": kinds, "theta_end": theta})))
     assert {name for name in dots if not name.startswith("_")} == {"upright", "inverted"}
-    np.testing.assert_array_equal(dots["upright"].get_ydata(), [0.0, np.nan, np.nan])
-    np.testing.assert_array_equal(dots["inverted"].get_ydata(), [np.nan, np.pi, np.nan])
+    assert_array_equal(dots["upright"].get_ydata(), [0.0, np.nan, np.nan])
+    assert_array_equal(dots["inverted"].get_ydata(), [np.nan, np.pi, np.nan])
     assert dots["inverted"].get_color() == sweep_map.colours()["inverted"]
 
 
 def test_times_and_forces_over_one_axis_are_curves() -> None:
     fields = {"inverted_at": np.array([5.0, 4.0, 3.0]), "first_equator": np.array([4.0, 3.0, 2.0])}
     found = curves(drawn(a_map("inversion", (X,), fields)))
-    np.testing.assert_array_equal(
-        found["first θ = π/2"].get_xydata().T, [X.centres, fields["first_equator"]]
-    )
-    np.testing.assert_array_equal(found["first θ = π − 0.1"].get_ydata(), fields["inverted_at"])
+    assert_array_equal(found["first θ = π/2"].get_xydata().T, [X.centres, fields["first_equator"]])
+    assert_array_equal(found["first θ = π − 0.1"].get_ydata(), fields["inverted_at"])
     fields = {
         "normal_force_min": np.array([0.5, 0.3, 0.0]),
         "normal_force_max": np.array([1.5, 2.0, 3.0]),
     }
     found = curves(drawn(a_map("normal-force", (X,), fields)))
-    np.testing.assert_array_equal(found["least"].get_ydata(), fields["normal_force_min"])
-    np.testing.assert_array_equal(found["greatest"].get_ydata(), fields["normal_force_max"])
+    assert_array_equal(found["least"].get_ydata(), fields["normal_force_min"])
+    assert_array_equal(found["greatest"].get_ydata(), fields["normal_force_max"])

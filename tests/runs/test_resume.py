@@ -141,6 +141,15 @@ def test_a_run_whose_folder_was_replaced_stops_at_its_next_commit(tmp_path: Path
     assert "Nothing acknowledged is lost" not in err
 
 
+def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
+    store = tmp_path / "run.zarr"
+    both = [start(*running(store, 20.0)) for _ in range(2)]
+    ends = [ended(process) for process in both]
+    assert sorted(code for code, _ in ends) == [0, 5]
+    assert any("must have one writer, but" in err for _, err in ends)
+    assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
+
+
 def test_slices_of_wide_numbers_have_fewer_steps(tmp_path: Path) -> None:
     """A slice takes less time than the time between two commits."""
     steps: list[int] = []
