@@ -125,7 +125,7 @@ def missing_extra(error: ImportError) -> str | None:
 
 
 def _missing(name: str) -> str:
-    """Return a sentence on a package that is required but not installed."""
+    """Return a sentence about a package that is required but not installed."""
     extra = EXTRAS[name]
     return (
         f"{name} is required, but not installed: pip install 'tippetop[{extra}]', "

@@ -306,14 +306,7 @@ def orders_of(compared: Sequence[Compared]) -> list[PlainData]:
 class Verdict:
     """Motions of another program compared with the exact one.
 
-    Attributes
-    ----------
-    motions : tuple of Compared
-        Of each file: `t`, `curves` of differences by name, and `numbers`.
-    orders : list of dict
-        Orders of convergence between files of different steps.
-    title : str
-        The name of the reference.
+    `tippetop.compare` returns a public subclass, which describes the attributes.
     """
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):

@@ -69,7 +69,7 @@ def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
 
 
 def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
-    """Return the law that explains a film best, and a sentence on the others.
+    """Return the law that explains a film best, and a sentence about the others.
 
     They are compared by the likelihood of independent noise as large as the residuals.
     """

@@ -55,7 +55,7 @@ EXACT = 1e-8
 SMALL = 1e-3
 # Multiple of the stated noise, of the residuals of a window, beyond which a search is given up
 HOPELESS = 3.0
-# Fewest residuals that can end a search: half of so many are rarely that large by chance
+# Fewest residuals that can end a search: noise rarely makes half of this many so large
 SURE = 12
 # Ratio of the standard deviation of noise to the median of its size
 MEDIAN = 1.4826

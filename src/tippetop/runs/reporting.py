@@ -238,7 +238,7 @@ def _ending(progress: RunProgress) -> Event:
 
 
 def _lost(progress: RunProgress) -> str:
-    """Return a sentence on why the state, or the step, could not be continued."""
+    """Return a sentence about why the state, or the step, could not be continued."""
     t = progress.t_end
     is_infinite = progress.status is Status.NON_FINITE
     problem = progress.problem

@@ -251,7 +251,7 @@ def resolved(problem: Problem) -> PlainData:
 
 
 def _pole_faults(problem: Problem) -> list[str]:
-    """Return a sentence on a start too near a pole where the form is singular."""
+    """Return a sentence about a start too near a pole where the form is singular."""
     theta = problem.initial.get("theta", 0.0)
     near = min(theta, math.pi - theta)
     form = f'where form = "{problem.form.name}" is singular'

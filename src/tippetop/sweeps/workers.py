@@ -53,7 +53,7 @@ class Workers(NamedTuple):
 
 
 def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
-    """Yield each task with its columns, computed in this process, or a sentence on its failure."""
+    """Yield each task with its columns, computed in this process, or why it failed."""
     for task in tasks:
         try:
             yield task, chunk.compute_chunk(task, threads)
@@ -62,7 +62,7 @@ def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
 
 
 def on_workers(workers: Workers, tasks: Iterator[Task]) -> Iterator[Outcome]:
-    """Yield each task with its columns, computed by workers, or a sentence on its failure.
+    """Yield each task with its columns, computed by workers, or why it failed.
 
     A worker that dies takes the chunks in flight with it: they are computed again, each alone, once
     all others are computed. So a chunk that kills its worker fails alone. Raises SchedulerLost, and

@@ -389,7 +389,7 @@ class Pass:
         self.times = times
         self.directions = ways.shape[1]
         self.order = order
-        # by phase, which is None in a smooth run; states are rows, (n, ..., times)
+        # by phase (None in a smooth run); states are rows, (n, ..., times)
         self.motions = dict[Any, Motion]()
         self.samples = defaultdict[Any, list](list)  # numbers of the times, and states there
         self.between = defaultdict[Any, list](list)  # numbers of the phases, and states in them

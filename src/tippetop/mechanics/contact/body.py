@@ -415,7 +415,7 @@ def rolling_velocity(e, s, z, b):
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
-    """Return [], or a sentence if a moment of inertia exceeds the sum of the others.
+    """Return a sentence, in a list, if a moment of inertia exceeds the sum of the others.
 
     `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name.
     """
@@ -432,7 +432,7 @@ def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
 
 
 def outside_faults(*centre: float) -> list[str]:
-    """Return [], or a sentence if the centre of mass lies outside of an ellipsoid.
+    """Return a sentence, in a list, if the centre of mass lies outside of an ellipsoid.
 
     `centre` is the vector from the centre of mass to the middle of the body, in units of its half
     axes.

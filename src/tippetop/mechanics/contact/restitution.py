@@ -59,7 +59,7 @@ STEM = {
 
 
 def stem_faults(R: float, r: float, h: float) -> list[str]:
-    """Return [] or a sentence on a stem that does not fit a sphere of radius R.
+    """Return [] or a sentence about a stem that does not fit a sphere of radius R.
 
     r, h of `ContactLaw` [m].
     """

@@ -205,7 +205,7 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def _round(law: Any) -> str:
-    """Return a sentence on how a round cylinder glides under a law: v_A' = -k g (I + m R^2)/I v_A.
+    """Return how a round cylinder glides under a law, in a sentence: v_A' = -k g (I + m R^2)/I v_A.
 
     [T 6.7]
     """
