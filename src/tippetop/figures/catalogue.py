@@ -30,14 +30,14 @@ class RunFigure:
     shows
         One line for the help.
     needs
-        The column without which it cannot be drawn.
+        The column without which it cannot be drawn: time, or a key of `DRAWN_FOR`.
     uses
         Further columns that it is made from, where the system has them; "integrals" and "landscape"
-        are those of the system.
+        are those of the system. A run that did not keep one of them is refused by name.
     over_time
         Whether the x axis of every panel is the time; the phases of the contact are shaded then.
     compares
-        Whether several runs can be drawn in one panel.
+        Whether several runs can be drawn in one panel; `overlay` draws these kinds.
     """
 
     shows: str
@@ -96,7 +96,7 @@ FIGURES: dict[str, RunFigure] = {
     "surface": RunFigure("the run on the minimal surface F(D, lambda)", "routh", OF_LANDSCAPES),
     "potential": RunFigure("the effective potential V(z) at six times", uses=OF_LANDSCAPES),
 }
-"""The figures of a run, by name."""
+"""The figures of a run, by name; `drawing._drawings` has the same names."""
 
 COMPARED = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
 """The figures that several runs share, in words."""

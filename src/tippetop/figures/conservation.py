@@ -23,7 +23,10 @@ UNIT = 2.2e-16  # rounding unit
 
 
 def drift(curves: list[Curve], attrs: Attributes) -> Axes:
-    """Draw the worst of relative changes per bin; curves are open where they are 0."""
+    """Draw the worst of relative changes per bin; curves are open where they are 0.
+
+    The curves are those of `changes`, or one for each of several runs.
+    """
     ax = panel(10, 5.0)
     since = "" if compact() else " since the start, worst per bin"
     times = np.concatenate([t for _, t, _ in curves])
@@ -33,7 +36,10 @@ def drift(curves: list[Curve], attrs: Attributes) -> Axes:
 
 
 def growth(curves: list[Curve], attrs: Attributes) -> Axes:
-    """Draw the largest of relative changes so far, and sqrt(t) as of a random walk."""
+    """Draw the largest of relative changes so far, and sqrt(t) as of a random walk.
+
+    The curves are those of `drift`; t = 0 is left out, because the time axis is logarithmic.
+    """
     ax = panel(10, 5.0)
     grown = [(words, t[t > 0], np.maximum.accumulate(values)[t > 0]) for words, t, values in curves]
     t = np.unique(np.concatenate([t for _, t, _ in grown]))
@@ -67,9 +73,10 @@ def _draw(ax: Axes, curves: list[Curve], attrs: Attributes, **style: Any) -> Axe
 def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
     """Return curves of the relative changes since the start of the conserved quantities.
 
-    `trajectory` is a Dataset. `attrs` are the root attributes of the run and two further ones of
-    other modules here: `first_row`, values at the start of a run of which a part is drawn, and
-    `handed_over`, times [s] at which another ball takes over.
+    Each curve has all rows of `trajectory`, a Dataset: `overlay` takes their largest. `attrs` are
+    the root attributes of the run and two further ones: `first_row` of `window.in_window`, values
+    at the start of a run of which a part is drawn, and `handed_over` of `drawing.axes_of`, times
+    [s] at which another ball takes over.
     """
     t = trajectory["time"].values
     first = attrs.get("first_row", {})

@@ -14,7 +14,11 @@ from .catalogue import COMPARED, DRAWN_FOR, FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
-    """Return the function for each kind of figure of a run; this imports matplotlib."""
+    """Return the function for each kind of figure of a run; this imports matplotlib.
+
+    The names are those of `FIGURES`; each function takes (trajectory, events, attrs) and returns
+    the Axes of its first panel.
+    """
     from ..landscape import run_landscape
     from ..runs import shape as bodies
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
@@ -62,7 +66,7 @@ def axes_of(
     groups
         trajectory and events, and phases and impacts where the run has them, as Datasets.
     attrs
-        The root attributes of the run's store.
+        The root attributes of the run's store, with `first_row` of a part that `in_window` cut.
     look
         Size, colours and title.
     ax
@@ -97,7 +101,8 @@ def axes_of(
 def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
     """Raise InputError if a run lacks rows or columns that a figure of this kind uses.
 
-    `trajectory` is a Dataset, `attrs` are its root attributes.
+    `trajectory` is a Dataset, `attrs` are its root attributes; `attrs["run"]` has `columns` if the
+    run kept some of its columns only.
     """
     from ..columns import require
     from ..mechanics.systems import find
@@ -131,8 +136,8 @@ def several(
 ) -> Any:
     """Draw the same curve of several runs in one panel; return the Axes.
 
-    `runs` are trajectories and root attributes, `names` the labels of equal runs. Raises
-    InputError.
+    `runs` are trajectories and root attributes, `names` the labels of runs without a difference.
+    Raises InputError.
     """
     from .overlay import overlay
     from .style import literal
@@ -197,6 +202,7 @@ def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fal
 
     figure = picture.get_figure(root=True)
     ending = path.suffix.removeprefix(".").lower()
+    # so that the same picture has the same bytes
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
     with styled(dark=look.dark), replacing(path, overwrite=overwrite) as scratch:
         figure.savefig(

@@ -61,7 +61,10 @@ def normal_force(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
 
 
 def energy(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
-    """Draw energy E, modified energy E~ and the energy taken by friction."""
+    """Draw energy E, modified energy E~ and the energy taken by friction.
+
+    The curve of E~ has gaps where the body is not on its sphere.
+    """
     t = trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
     curves = []

@@ -28,8 +28,8 @@ def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
     title
         The case.
     results
-        Each has `engine`, `setting`, `compared`, `heights`, by engine and setting; the largest step
-        first.
+        `benchmark.score.Result`s of the case, by engine and setting, the largest step first: the
+        last one of each setting is drawn over time.
     """
     fig = figure(10, 4.8)
     left, right = fig.subplots(1, 2)

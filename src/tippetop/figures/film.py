@@ -144,13 +144,14 @@ def pose(
 ) -> tuple[Array, Array, Array, Array]:
     """Return the body on the screen, at one row of its trajectory.
 
-    Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
+    Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass. `row` is
+    a Dataset, or a dict, of an orientation and, if the body may leave the floor, z [m].
     """
     axes = rotation(np.asarray(row["orientation"])) @ np.transpose(shape["axes"])
     unit = shape["unit"]
     down = -axes[2]
     profile = np.array(_capsule(1.0, 1.0))
-    if shape["meridian"]:
+    if shape["meridian"]:  # from the top down, by height and radius
         profile = np.array(shape["meridian"])[::-1, 1::-1].T
     surfaces = [
         (np.array(each["centre"]) / unit, np.array(each["half"]) / unit)
@@ -195,7 +196,7 @@ def pose(
 def _farthest(direction: Array, half: Array, profile: Array) -> Array:
     """Return the point of a surface that lies farthest in a direction, in axes of the surface.
 
-    The surface has a profile of radii and heights, in units of its half axes.
+    `profile` (2, n) has the radii and heights of the surface, in units of its half axes.
     """
     x, y, z = half * direction
     across = np.hypot(x, y)
@@ -205,7 +206,7 @@ def _farthest(direction: Array, half: Array, profile: Array) -> Array:
 
 
 def _capsule(across: float, along: float, low: float = 0, high: float = 0) -> tuple[Array, Array]:
-    """Return radii and heights, (n,) each ascending, of an ellipsoid of revolution.
+    """Return radii and heights, (n,) each, of an ellipsoid of revolution, from its lowest point up.
 
     Its half axes are `across` and `along`; its halves are moved to the heights `low` and `high`.
     """
@@ -229,9 +230,10 @@ def _facets(
     place, axes
         Origin and axes of the surface; the last column is the axis of revolution.
     radii, heights
-        Its profile, heights ascending.
+        Its profile, heights ascending, so that the normals of facets point outwards.
     paint
-        Colours; None: a light and a dark half, with sectors and a cap.
+        Colours, which broadcast to (n - 1, FACETS, 3); None: a light and a dark half, with sectors
+        and a cap.
     """
     angle = np.linspace(0, 2 * np.pi, FACETS + 1)
     around = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)

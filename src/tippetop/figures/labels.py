@@ -91,7 +91,10 @@ def _differ(runs: list[Attributes], table: str, key: str) -> bool:
 
 
 def shared(runs: list[Attributes]) -> Attributes:
-    """Return the attributes of a title that several runs have in common."""
+    """Return the attributes of the first run, with the title and initial numbers that all share.
+
+    `title` draws them. Further attributes, such as units and symbols, are those of the first run.
+    """
     first = runs[0]
     common = first.copy()
     if any(attrs["title"] != first["title"] for attrs in runs):

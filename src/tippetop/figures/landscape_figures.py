@@ -37,7 +37,7 @@ def surface(grid: Any, lines: Any, run: Any = None, title: str = "") -> Any:
     grid, lines
         As returned by `minimal_surface` and `marked_lines`.
     run
-        routh, jellett and modified_energy of a run.
+        routh, jellett and modified_energy along `time` of a run, NaN while it is not on its sphere.
     title
         The body.
     """
@@ -78,7 +78,10 @@ def surface(grid: Any, lines: Any, run: Any = None, title: str = "") -> Any:
 
 
 def _spinning(axes: Any, lines: Any, least: float, most: float) -> None:
-    """Draw the spinning states as lines: solid on the surface, dotted above it."""
+    """Draw the spinning states as lines: solid on the surface, dotted above it.
+
+    `lines` are those of `marked_lines`, theta = 0 first; `least` and `most` are limits of D.
+    """
     for i, color in enumerate((ink().lower, ink().upper)):
         end = lines.isel(end=i)
         words = f"spinning, {greek(end['end'].item())}"
@@ -94,7 +97,8 @@ def _spinning(axes: Any, lines: Any, least: float, most: float) -> None:
 def band(dataset: Any, events: Any, title: str) -> Axes:
     """Draw theta(t) on the predicted band; below, the distances of turnings from its edge.
 
-    `dataset` as returned by `band`; events: time, theta, edge (predicted).
+    The arguments are those that `run_landscape.band` returns; events: time, theta, edge
+    (predicted).
     """
     colours = ink()
     away = np.abs(events["theta"].values - events["edge"].values)

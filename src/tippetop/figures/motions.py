@@ -25,7 +25,7 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     Parameters
     ----------
     motions
-        Each with `path`, `t`, `theta`, `reference` and `curves`, as `exchange.comparison.Compared`.
+        `exchange.comparison.Compared`s; the second title names the `main` quantity of the last.
     title
         The reference.
     """

@@ -53,7 +53,7 @@ def overlay(kind: str, runs: list[tuple[Any, Attributes]], names: list[str]) -> 
 
 
 def _values(kind: str, trajectory: Any, attrs: Attributes) -> np.ndarray:
-    """Return the values (n,) of the curve `kind` of a run, as this figure draws them."""
+    """Return the values (n,) of the curve `kind` of a run; of its changes, the largest in a row."""
     if kind in CHANGES:
         return np.max([values for *_, values in changes(trajectory, attrs)], axis=0)
     if kind == "normal-force":

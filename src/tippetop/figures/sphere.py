@@ -85,7 +85,10 @@ def _view(axes: Axes, view: str, path: np.ndarray, t: np.ndarray) -> Any:
 
 
 def busy(theta: np.ndarray, t: np.ndarray) -> tuple[float, float]:
-    """Return the time in which the mean inclination changes, else the whole run."""
+    """Return the time in which the mean inclination changes, else the whole run.
+
+    `sphere` spreads its colours, and `film` its poses, over this time [s].
+    """
     width = max(1, len(theta) // 40)
     mean = np.convolve(theta, np.ones(width) / width, mode="valid")
     if len(mean) < 3 or np.ptp(mean) < INCLINED:

@@ -22,7 +22,8 @@ def states(
 ) -> Axes:
     """Draw branches of asymptotic states: cos(theta) over lambda, stable solid, unstable dashed.
 
-    `marks` are named values of lambda; `path` is cos(theta) of a run and its lambda.
+    `branches` and `marks`, named values of lambda, are those of `run_landscape.diagram`; `path` is
+    cos(theta) of a run and its lambda, NaN while the run is not on its sphere.
     """
     colours = ink()
     ax = panel(8.4, 5.4)

@@ -30,8 +30,9 @@ Curve = tuple[str, np.ndarray, np.ndarray]
 class Ink(NamedTuple):
     """The colours of a figure.
 
-    `quiet` is for additions such as grid lines, `shades` for the phases of a contact: on the body
-    and on the stem.
+    `upper` and `lower` are those of maxima and minima, and of the inverted and the upright spin;
+    `sweep_map.CLASSES` has names of fields. `quiet` is for additions such as thresholds, `shades`
+    for the phases of a contact, by name: on the body and on the stem, in this order.
     """
 
     run: str
@@ -87,7 +88,7 @@ LEAST_FONT = 6.5
 WIDE = 1.2  # [rad] an axis over more than this has ticks at multiples of pi/4
 WIDTH = 95  # letters of a line of a title
 COMPACT = (5.0, 4.0)
-"""Figures below this width or height [inches] have one line of title and one panel."""
+"""Figures, and panels of the user's, below this width or height [inches] are `compact`."""
 COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#b3258f", "#8c6d1f", "#666666", "#e7298a", "#5254a3")
 """Colours of curves in one panel."""
 DASHES: tuple[Any, ...] = (
@@ -178,7 +179,11 @@ def ticks_in_joules(axis: Any) -> None:
 
 
 def mark_ends(axes: Any, *path: np.ndarray) -> None:
-    """Draw the first and the last finite point of a path: a full circle, an open diamond."""
+    """Draw the first and the last finite point of a path: a full circle, an open diamond.
+
+    `path` is an array for each axis of the panel, (n,); its last numbers are NaN if the body has
+    left its sphere, and the label differs then.
+    """
     colours = ink()
     known = np.flatnonzero(np.isfinite(sum(path)))
     last = "its end" if known.max(initial=0) == len(path[0]) - 1 else "last on its sphere"
@@ -194,7 +199,8 @@ def legend(
     """Draw a legend of all panels: outside of them at `place`, or inside a panel of the user's.
 
     It is no wider than the figure: it has fewer columns than `ncols`, and then broken lines.
-    Without `handles`, all labelled curves and marks are its entries.
+    Without `handles`, all labelled curves and marks are its entries, one for each label; matplotlib
+    leaves out labels that begin with an underscore. A figure may have one legend at each `place`.
     """
     whole: Any = ax.get_figure(root=True)
     is_ours = users_panel() is None
@@ -207,6 +213,7 @@ def legend(
     if not is_ours:
         ax.legend(entries.values(), entries, **options)
         return
+    # about 17 letters are an inch wide; a line and 6 letters of space stand before each label
     room = int(17 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
     labels = [broken(label, room * 4 // 5) for label in entries]
     # formulas are shorter than their TeX
@@ -226,7 +233,10 @@ def broken(words: str, letters: int) -> str:
 
 
 def _letters() -> int:
-    """Return the number of letters in a line of a title, for the requested size."""
+    """Return the number of letters in a line of a title, for the requested size.
+
+    Nine letters an inch leave a margin: about eleven fit.
+    """
     size = _setting.get().size
     if size is None:
         return WIDTH
@@ -234,7 +244,11 @@ def _letters() -> int:
 
 
 def compact() -> bool:
-    """Return whether the requested size has no room for legends and notes, only for the curves."""
+    """Return whether the requested size, or that of the user's panel, is below COMPACT.
+
+    Then titles and labels are short, and notes and further panels are left out; `well` keeps every
+    third panel. Legends stay. Without a requested size a figure of ours is not compact.
+    """
     size = _setting.get().size
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 
@@ -248,7 +262,10 @@ def draw_curves(ax: Axes, curves: Sequence[Curve], **style: Any) -> None:
 
 
 def heading(*lines: str) -> str:
-    """Return a title whose lines fit the figure; for a compact figure the first part of it."""
+    """Return a title whose lines fit the figure.
+
+    A compact figure has only the first line, up to its first colon.
+    """
     shown = [lines[0].partition(":")[0]] if compact() else filter(None, lines)
     return "\n".join(broken(line, _letters()) for line in shown)
 
@@ -285,7 +302,8 @@ def styled(
 ) -> Iterator[None]:
     """Draw in our style, whatever the user's settings are, at this size [inches].
 
-    A panel of the user's figure, `ax`, keeps the user's settings and its own size.
+    A panel of the user's figure, `ax`, keeps the user's settings; its own size replaces `size`, and
+    decides whether it is `compact`.
     """
     colours = DARK if dark else LIGHT
     given = RC | _letter_sizes(size[0] if size else FONT_WIDTH) | {"grid.color": colours.grid}

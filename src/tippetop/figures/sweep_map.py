@@ -42,7 +42,9 @@ CLASSES = {
     "nutating": ("#d9c7a3", "nutates for ever: no friction"),
     "at-rest": ("#111111", "at rest"),
 }
-"""Colour and label of each class of tops."""
+"""Colour and label of each class of `sweeps.maps.SHOWN`, as in `views/page/map.js`.
+
+A colour may be a field of `Ink`."""
 
 
 def colours() -> dict[str, str]:
@@ -93,7 +95,7 @@ def draw_map(sweep_map: Any) -> Axes:
 
 
 def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
-    """Draw a map over two axes; return the entries of its legend."""
+    """Draw a map over two axes: the first of its fields; return the entries of its legend."""
     axes.grid(visible=False)
     x, y = sweep_map.axes
     axes.set(
@@ -130,7 +132,7 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
 
 
 def _cells(axes: Any, sweep_map: Any, values: np.ndarray, shades: dict[str, str]) -> list[Any]:
-    """Draw cells of the values 0, 1, ... in the colours of `shades`, by label.
+    """Draw cells of the values 0, 1, ..., places in `shades`: the colour of each label.
 
     Return entries of the legend for the values that occur.
     """
@@ -142,7 +144,7 @@ def _cells(axes: Any, sweep_map: Any, values: np.ndarray, shades: dict[str, str]
 
 
 def _of_classes(sweep_map: Any) -> dict[str, str]:
-    """Return the colour of each class of a map, by its label."""
+    """Return the colour of each class of a map, by its label, in the order of the field `class`."""
     return {CLASSES[name][1]: colours()[name] for name in sweep_map.classes}
 
 
@@ -173,7 +175,8 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
 def _borders(sweep_map: Any) -> Iterator[tuple[str, np.ndarray, Any]]:
     """Yield label, values and dashes of each border.
 
-    The symbols of a label, such as `λ = λ_u: words`, are formulas.
+    The symbols of a label, such as `λ = λ_u: words`, are formulas; `outlook.tippe_top_borders`
+    makes the labels.
     """
     for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
         symbol, _, words = label.partition(": ")

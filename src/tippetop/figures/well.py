@@ -12,15 +12,15 @@ from matplotlib.ticker import EngFormatter
 from .style import compact, figure, ink, legend, ticks_in_joules, users_panel
 
 
-REACH = 2.8  # height of a panel without a level
-FEW = 3  # every third panel where there is no room for all
+REACH = 0.98  # height of a panel without a level, by that of the 70th percentile of V
+FEW = 3  # every third panel in a compact figure
 MARGIN = np.radians(4.0)  # at least this is shown on either side of the band
 
 
 def potential(curves: list[tuple[str, Any, Any]], title: str = "") -> Axes:
     """Draw V(z) with the energy level and the turning angles, a panel for each time.
 
-    `curves` are titles, potentials and turning angles.
+    `curves` are titles, potentials and turning angles, as `run_landscape.potential` returns them.
 
     The potential has V along z; the turning angles have F, theta_star, and, where a level is drawn,
     energy, theta_min and theta_max. In a panel of the user's only the first one is drawn.
@@ -55,7 +55,7 @@ def _well(axes: Axes, title: str, V: Any, at: Any) -> None:
     star = float(at["theta_star"])
     dots = [(star, least, colours.quiet, "least V, which is F")]
     window = (-1.0, 1.0)
-    high = least + REACH * 0.35 * (np.percentile(values[np.isfinite(values)], 70) - least)
+    high = least + REACH * (np.percentile(values[np.isfinite(values)], 70) - least)
     words = f"F = {joules(least)} at θ = {np.degrees(star):.4g}°"
     if "energy" in at:
         level, inner, outer = (float(at[name]) for name in ("energy", "theta_min", "theta_max"))

@@ -13,9 +13,10 @@ from ..errors import InputError
 def in_window(
     groups: dict[str, Any], attrs: dict[str, Any], start: float | None, until: float | None
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a part of a run [s], and its attributes with the first row of the run.
+    """Return a part of a run [s], and its attributes with `first_row`, scalars of its first row.
 
-    Changes are measured from that row. Raises InputError if nothing is in between.
+    `conservation.changes` measures from that row. Raises InputError if fewer than two rows are in
+    between.
     """
     if start is None and until is None:
         return groups, attrs

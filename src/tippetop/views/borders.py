@@ -35,8 +35,8 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
     -------
     dict
         `labels` of the thresholds, and for each choice of the further axes, the last fastest,
-        `lines`: numbers x, y, x, y ... for each label, NaN between two lines; y is -inf and inf
-        where there is one axis.
+        `lines`: numbers x, y, x, y ... for each label, in base64, NaN between two lines; y is -inf
+        and inf where there is one axis. borders.js reads them.
     """
     plane = [axis for axis in axes[:2] if axis.varies]
     further = axes[len(plane) :]
@@ -61,7 +61,7 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
 
 def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
     """Return the points (n, 2) where logarithms of ratios over one or two axes are zero."""
-    # |lambda|/threshold - 1 is linear in a spin
+    # interpolated between points as |lambda|/threshold - 1, which is linear in a spin
     values = np.ma.masked_invalid(np.expm1(logarithms))
     reach = (1.0, 1.0)
     if len(places) == 1:

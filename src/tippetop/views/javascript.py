@@ -24,7 +24,7 @@ def arrow(inputs: dict[str, Any], formula: Callable, *, fills: bool = False, row
     fills
         Whether the results fill a further argument `out`.
     rows
-        The number of lists in which several results are returned.
+        The number of lists in which several results are returned; one result is a number.
     """
     texts = [
         name if record is None else f"{name}[{i}]"

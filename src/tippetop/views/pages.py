@@ -43,6 +43,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
     -------
     str
         Every module is a function that returns its exports, after the modules that it imports.
+        Comments that begin a line, and indentation, are left out.
     """
     parts: dict[str, str] = {}
     written = {"rotation.js": rotations(), **written}
@@ -50,7 +51,8 @@ def script(entry: str, written: Mapping[str, str]) -> str:
     def take(name: str) -> None:
         """Append the text of a module to `parts`, after those that it imports, once.
 
-        It becomes a constant: the result of a function that returns the exports.
+        It becomes a constant: the result of a function that returns the exports. `IMPORT` and
+        `EXPORT` know only the forms of both statements that the modules of `page/` have.
         """
         text = written[name] if name in written else source(name)
         imports = IMPORT.findall(text)
@@ -95,7 +97,7 @@ def page(
     entry
         The module that starts it.
     data
-        Plain data, stored as JSON.
+        Plain data, stored as JSON, which the module `entry` reads.
     written
         Modules for this page alone: name -> text.
     aside
@@ -103,6 +105,7 @@ def page(
     about
         The line below the title.
     """
+    # no tag may end the elements that contain data and script
     text = json.dumps(data, allow_nan=False, ensure_ascii=False).replace("<", "\\u003c")
     parts = {
         "title": html.escape(title),

@@ -74,8 +74,8 @@ def is_movable(problem: Problem) -> bool:
 def numbers_for_page(problem: Problem) -> dict[str, Any]:
     """Return what a page integrates: the numbers of top, law and start, and how long.
 
-    A number of the start that is absent is 0 on the page. With `atRest` the page computes nu_x and
-    nu_y such that the centre of mass rests.
+    simulation.js and contact.js read the names. A number of the start that is absent is 0 on the
+    page. With `atRest` the page computes nu_x and nu_y such that the centre of mass rests.
     """
     data = dict(problem.initial)
     contact = problem.contact
@@ -96,7 +96,10 @@ def numbers_for_page(problem: Problem) -> dict[str, Any]:
 
 
 def contacts(laws: Mapping[str, Any]) -> dict[str, str]:
-    """Return the module `phases.js`, with the functions of each law by name; see `phases.d.ts`."""
+    """Return the module `phases.js`, with the functions of each law by name; see `phases.d.ts`.
+
+    `laws` are classes by the name under which the page chooses one.
+    """
     facts = {
         "variables": list(VARIABLES.names),
         "moving": VARIABLES.moving,
@@ -207,7 +210,8 @@ def _of_law(law: Any) -> str:
 def channels(y: Any, force: Vector, b: Any) -> list:
     """Return axes 1 and 3 of a state y, then the channels of a sample from omega on.
 
-    `force` is that of the plane [N]. motion.js reads the numbers by their places.
+    `force` is that of the plane [N]. motion.js reads the numbers by their places, which are those
+    of `samples.samples`.
     """
     q, carried = y
     x = FLIGHT.leave(q, b)
@@ -221,7 +225,10 @@ def channels(y: Any, force: Vector, b: Any) -> list:
 
 
 def _thresholds(b: Touch) -> str:
-    """Return JavaScript: a function (b) -> a list of records, the thresholds of a tippe top."""
+    """Return JavaScript: a function (b) -> a list of records, the thresholds of a tippe top.
+
+    Their names are those of the body `b`, with alpha > 0, as of every top of the playground.
+    """
     known: dict[str, Any] = {}
 
     def values(symbols: Touch) -> list:

@@ -33,7 +33,10 @@ def playground() -> str:
 
 
 def _preset(name: str) -> dict[str, Any] | None:
-    """Return a preset as JSON for the page; None of a body that it cannot integrate."""
+    """Return a preset as JSON for the page; None of a body that it cannot integrate.
+
+    Its law must be in `BY_NAME`; the page integrates 30 s at most.
+    """
     problem = load(name)
     if not is_movable(problem):
         return None

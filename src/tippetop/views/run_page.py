@@ -117,7 +117,9 @@ def read(
 ) -> tuple[np.ndarray, np.ndarray, float, list[str]]:
     """Return times and samples of a page, the error of the attitude between rows [rad], and notes.
 
-    Raises InputError if no row is within."""
+    `film` of the command line reads a run by it too, after `refuse`. Raises InputError if no row is
+    within.
+    """
     begin = start or 0.0
     end = np.inf if until is None else until
     notes = []
@@ -134,6 +136,7 @@ def read(
         some = samples(columns, attrs)
         rough = max(rough, spacing.row_error(t, some))
         span = span or max(min(end, end_of(attrs)) - t[0], 1e-300)
+        # the share of this piece in the samples of a page
         few = spacing.chosen(t, some, max(1, math.ceil(spacing.FEW * np.ptp(t) / span)))
         times.append(t[few])
         kept.append(some[few])
@@ -178,7 +181,10 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
 
 
 def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[str, Any]]:
-    """Return the phases of the contact from `begin` to `end` [s], for JSON; [] without a table."""
+    """Return the phases of the contact from `begin` to `end` [s], for JSON; [] without a table.
+
+    The page reads the names of the records.
+    """
     if "phases" not in groups:
         return []
     table = groups["phases"]

@@ -34,7 +34,7 @@ def needed(attrs: dict[str, Any]) -> list[str]:
 
 
 def well_quantities(system: Any) -> list[str]:
-    """Return the quantities of the potential and of its level, if the system has one."""
+    """Return the quantities of the potential, and last that of its level, if the system has one."""
     if system.potential is None:
         return []
     return [*system.momenta, system.landscape.energy if system.landscape else "modified_energy"]
@@ -42,6 +42,10 @@ def well_quantities(system: Any) -> list[str]:
 
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     """Return samples (n, 23), as motion.js reads them, of rows given as columns by name, SI.
+
+    The channels: orientation (4), angular velocity, centre of mass, force of the plane, sliding,
+    angular momentum (3 each), theta, two momenta and the level of the potential. The command `film`
+    reads the place and theta; from the angular velocity on `phase_formulas.channels` has the same.
 
     Parameters
     ----------
@@ -78,11 +82,11 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
             _place(columns, arm, drawn["fixed"]),
             _force(columns, velocity, slip, third.z, b),
             *slip,
-            np.zeros(n),
+            np.zeros(n),  # a contact slides in the plane
             *momentum,
             columns["theta"],
             *well[:-1],
-            *np.zeros((3 - len(well), n)),
+            *np.zeros((3 - len(well), n)),  # the level is the last channel
             *well[-1:],
         ]
     )
@@ -130,9 +134,9 @@ def _force(
 ) -> np.ndarray:
     """Return the force of the plane, (n, 3) [N].
 
-    `velocity` (n, 3) is that of the centre of mass, `slip` (2, n) that of the contact [m/s], z is
+    `velocity` (2, n) is that of the centre of mass, `slip` (2, n) that of the contact [m/s], z is
     cos(theta) (n,), b the body. Friction follows from its law in sliding with one phase, else from
-    m r'', row by row.
+    m r'', row by row, and is 0 next to a change of phase.
     """
     n = velocity.shape[1]
     normal = columns.get("normal_force", np.full(n, np.nan))

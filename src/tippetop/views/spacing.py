@@ -53,7 +53,8 @@ def interpolated(times: np.ndarray, samples: np.ndarray, shown: np.ndarray) -> n
 def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
     """Return the indices of evenly spaced samples, and of the last one.
 
-    At least `enough`, and as many as the attitude of the others requires.
+    At least `enough`, and as many as the attitude of the others requires: its error, as the page
+    interpolates it, is at most WITHIN.
     """
     n = len(times)
     step = max(1, n // enough)

@@ -39,7 +39,7 @@ LINE = (
     "drift_jellett",
     "drift_energy_balance",
 )
-"""Columns of a page, if the sweep kept them; the class first."""
+"""Columns of a page, if the sweep kept them; the class first, by which the map is coloured."""
 
 
 def page_of_sweep(path: Path) -> str:
@@ -92,7 +92,10 @@ def page_of_sweep(path: Path) -> str:
 
 
 def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the numbers in which tops differ, by dotted key; psi' as the corresponding omega_3."""
+    """Return the numbers in which tops differ, by dotted key, (tops,) each.
+
+    They replace those of `numbers_for_page`, which has no psi': it becomes omega_3.
+    """
     columns = {
         key: np.broadcast_to(values, tops.shape) for key, values in plan.columns(tops).items()
     }
@@ -111,7 +114,7 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return an axis of the sweep as the page takes it; `numbers`: its value per top, (n,)."""
+    """Return an axis of the sweep as map.js takes it; `numbers`: its value per top, (n,)."""
     log = axis.is_log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.of,
