@@ -11,7 +11,6 @@ from typed import answered, typed
 
 FILM = "t [s],theta [deg]\n0,5.7\n0.1,5.6\n0.2,5.8\n0.3,5.6\n"
 LONG = "n" * 300
-FIT = "fit film.csv inverting --free friction.mu"
 COMMANDS: list[tuple[str, int, str]] = [
     # any command
     ("rum inverting", 2, 'Unknown command "rum". Did you mean "run"?'),
@@ -69,6 +68,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("plot RUN.zarr --size 0x5 --out f.png", 2, "`size` must be between"),
     ("plot BAR.zarr sphere --out f.png", 2, "for tops only; this is `rolling-cylinder`."),
     ("plot KEPT.zarr theta --out f.png", 2, "has none: replay a part"),
+    ("plot inverting states --from 1 --out f.png", 2, "require a run, but `inverting` is a scen"),
     # pages
     ("view RUN.zarr --out there.html", 5, "must not exist yet"),
     ("view RUN.zarr --out new.pdf", 2, "--out must end with .html"),
@@ -87,7 +87,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("potential inverting --D 0 --lambda 0 --n 1", 2, "--n must be at least 2"),
     ("surface inverting", 2, "nothing to do: give --out F.zarr, --figure F.png, or both."),
     # measured motions
-    (f"{FIT} --out film.csv --overwrite", 2, "--out must end with .toml, but is"),
+    ("fit film.csv inverting --free friction.mu --out film.csv", 2, "--out must end with .toml"),
     ("compare film.csv", 2, "a file and a reference must be given"),
     ("compare gone.csv inverting", 2, "CSV or Parquet, but: No such file or directory"),
     ("compare film.csv inverting --up x", 2, "`up` must be one of z, y, but is 'x'."),
@@ -102,10 +102,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert typed(f"run inverting --until 0.2 --out {place}/RUN.zarr") == 0
     assert typed(f"run inverting --until 2 {keyframes} --out {place}/KEPT.zarr") == 0
     assert typed(f"run rolling-cylinder --until 0.1 --out {place}/BAR.zarr") == 0
-    assert typed(f"potential inverting --D 0 --lambda 4e-6 --out {place}/V.zarr") == 0
     (place / "folder").mkdir()
-    texts = {"film.csv": FILM, "early.csv": FILM.replace("0,5", "-1,5", 1), "PLAN.toml": PLAN}
-    for name in ("there.png", "there.html", "there.toml", "folder/precious"):
+    texts = {"film.csv": FILM, "PLAN.toml": PLAN}
+    for name in ("there.png", "there.html", "folder/precious"):
         texts[name] = "mine"
     for name, text in texts.items():
         (place / name).write_text(text, encoding="utf-8")

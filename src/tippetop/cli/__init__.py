@@ -25,6 +25,7 @@ DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = (
     130,
     143,
 )
+"""Exit codes; `help_command.EXIT_CODES` has their meanings."""
 DISK_ERRORS = {  # of the operating system, wherever they come from: the program has no bug
     *(errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO),
     *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.ENOTDIR),
@@ -50,7 +51,7 @@ def _terminate(*_: Any) -> NoReturn:
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and exit with one of `reference.EXIT_CODES`."""
+    """Run the command line and exit with one of `help_command.EXIT_CODES`."""
     streams.prepare()
     gc.set_threshold(100_000)  # a hundred collections while modules load take a tenth of a start
     signal.signal(signal.SIGTERM, _terminate)
@@ -82,7 +83,8 @@ def _warn(message: Warning | str, *_: Any) -> None:
 def outcome(arguments: Sequence[str] | None = None) -> int:
     """Call the command and return its exit code; errors become sentences on stderr.
 
-    `arguments` are the words of the command line, by default those of the process.
+    `arguments` are the words of the command line, by default those of the process. Any other
+    exception is a bug, and keeps its traceback.
     """
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:

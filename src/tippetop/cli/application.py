@@ -38,8 +38,9 @@ COMMANDS = {
     for module, names in _MODULES.items()
     for name in names.split()
 }
-"""The function of each command, which cyclopts imports when it is needed."""
+"""The function of each command, of the same name, which cyclopts imports when it is needed."""
 WITHOUT_ENGINE = {"export", "systems", "presets", "new", "help", "completion"}
+"""Commands that do not integrate: they start without `host.prepare`, which loads heyoka."""
 
 
 def application() -> App:

@@ -93,7 +93,8 @@ def _score(
 ) -> int:
     """Print the score of results, and draw the figures; return the exit code.
 
-    The arguments are those of `benchmark`.
+    The arguments are those of `benchmark`. The code is 2 if a file of results could not be read,
+    else 4 if `fail_above` found one too large.
     """
     from itertools import groupby
 
@@ -120,6 +121,7 @@ def _score(
         from ..figures import drawing
         from ..figures.errors_by_step import errors_by_step
 
+        # `score` sorts by case
         for name, group in groupby(scored.results, key=lambda result: result.case):
             drawing.write(
                 errors_by_step(name, list(group)), figures / f"{name}.png", overwrite=overwrite

@@ -96,6 +96,7 @@ def film(
     shown = np.arange(times[0], times[-1], speed / fps)
     if not shown.size:
         raise InputError("a film must have two rows, but there is one.")
+    # the places of the numbers are listed in `samples`
     at = spacing.interpolated(times, kept, shown)
     texts = [
         f"{t:.3f} s   θ = {theta:.1f}°   {speed:g}×"

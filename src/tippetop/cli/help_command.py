@@ -27,7 +27,10 @@ EXIT_CODES = {
 
 
 def topics() -> dict[str, Any]:
-    """Return the topics of `tippetop help`: name -> a function that returns the sections."""
+    """Return the topics of `tippetop help`: name -> a function that returns the sections.
+
+    The docstring of `help` lists the names.
+    """
     from ..scenario.scenario_reference import TOPICS, Section
     from ..sweeps.plan_reference import plan
 

@@ -17,7 +17,10 @@ ALLOCATOR = {-1: 1 << 30, -3: 32 << 20}
 
 
 def prepare() -> None:
-    """Keep freed memory and silence other libraries: heyoka warns on standard output."""
+    """Keep freed memory and silence other libraries: heyoka warns on standard output.
+
+    `application.called` does this once, before the command.
+    """
     # pydantic reads all installed packages to find plugins
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # of a process that tidies up after workers
@@ -38,7 +41,8 @@ def prepare() -> None:
 def stopping() -> Iterator[tuple[threading.Event, list[int]]]:
     """Provide an event that SIGINT and SIGTERM set in this block, and a list of those that came.
 
-    At its end the former handlers are put back. Only the main thread can do this.
+    The block passes the event as `stop` to a run, which ends after a slice. At its end the former
+    handlers are put back. Only the main thread can do this.
     """
     event = threading.Event()
     numbers = list[int]()

@@ -180,9 +180,9 @@ def potential(
 
 
 def picture(store: Path, attrs: PlainData, look: Look) -> Any:
-    """Draw the store of `surface` or `potential`, whose root attributes are `attrs`.
+    """Draw the store of `surface` or `potential`, whose root attributes are `attrs`; return Axes.
 
-    Return the figure.
+    `plot` calls it. The momenta of a potential are among the attributes.
     """
     from ..landscape import landscape_body, surface
     from ..sampling import spread
@@ -200,7 +200,7 @@ def picture(store: Path, attrs: PlainData, look: Look) -> Any:
 def describe(attrs: PlainData, as_json: bool) -> int:
     """Print the content of the store of `surface` or `potential`; return the exit code.
 
-    `attrs` are the root attributes of the store.
+    `info` calls it; `attrs` are the root attributes of the store.
     """
     if as_json:
         return print_json(attrs)
@@ -215,7 +215,7 @@ def describe(attrs: PlainData, as_json: bool) -> int:
 def _surface(grid: Any, top: Top, look: Look = PLAIN) -> Any:
     """Draw a surface, a Dataset of `surface.minimal_surface`, with lines of both spinning states.
 
-    Return the figure.
+    Return its Axes.
     """
     from ..figures import drawing, landscape_figures
     from ..landscape import marked_lines
@@ -225,7 +225,7 @@ def _surface(grid: Any, top: Top, look: Look = PLAIN) -> Any:
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
-    """Draw a potential with its minimum; return the figure.
+    """Draw a potential with its minimum; return its Axes.
 
     `V` is a Dataset of `potential.potential`, `least` one of `surface.minimal_surface` for the same
     D and lambda.

@@ -42,8 +42,8 @@ def plot(
     title
         Instead of the figure's own title; "" for none.
     size
-        Width and height in inches: 8x5. Below 5x4, such as 3.4x2.5, only the curves are drawn, in
-        smaller letters.
+        Width and height in inches: 8x5. Below 5x4, such as 3.4x2.5, titles and labels are short,
+        and notes and further panels are left out.
     dpi
         Dots per inch of a PNG.
     dark
@@ -78,7 +78,7 @@ def _drawn(
     """Return the figure of the kind `kind` of some stores, or of a scenario, as matplotlib's Axes.
 
     `kind` None is the first kind that the store has; `window` is the part of a run, (start, end)
-    [s]. Raises InputError.
+    [s], for stores of runs only. Raises InputError.
     """
     from ..figures import drawing
     from ..library.stored_run import StoredRun
@@ -86,8 +86,9 @@ def _drawn(
 
     first, *others = stores
     if not others and kind == "states" and not first.is_dir():
-        return _states(str(first), look)
-    attributes = [root.attributes(store) for store in stores]
+        attributes = [{"content": "scenario"}]
+    else:
+        attributes = [root.attributes(store) for store in stores]
     content = attributes[0].get("content", "run")
     for store, attrs in zip(stores, attributes, strict=True):
         if others and "content" in attrs:
@@ -100,6 +101,8 @@ def _drawn(
         return run.plot(kind or "theta", others=more, start=start, until=until, **vars(look))
     if window != (None, None):
         raise InputError(f"`--from` and `--until` require a run, but `{first}` is a {content}.")
+    if content == "scenario":
+        return _asymptotic_states(str(first), look)
     if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
         from ..figures.sweep_map import draw_map
@@ -113,8 +116,11 @@ def _drawn(
     return picture(first, attributes[0], look)
 
 
-def _states(scenario: str, look: Look) -> Any:
-    """Return the diagram of states of the body of a scenario, with lambda of its start."""
+def _asymptotic_states(scenario: str, look: Look) -> Any:
+    """Return the figure `states` of a scenario, as Axes: where its body can end, over lambda.
+
+    |lambda| of the start is marked; without a run there is no path.
+    """
     from ..figures import drawing
     from ..figures.stability import states
     from ..figures.style import literal

@@ -36,6 +36,7 @@ def reconstruct(
     run = running.open(store)
     if not isinstance(run, StoredRun):
         raise InputError(f"`{store}` must be the store of a run, but is not.")
+    # theta is NaN after the time at which the reconstruction ends
     result = awaited(
         lambda: theory.reconstruct(run, period=period),
         "solving the main equation, from one turning to the next",

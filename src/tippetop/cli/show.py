@@ -109,7 +109,10 @@ def check(
 
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
-    """Print facts on a checked scenario or plan; return exit code 0. `units` are those of keys."""
+    """Print facts on a checked scenario or plan; return exit code 0.
+
+    `units` are those of keys. The names of facts are those that `check --json` prints.
+    """
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})

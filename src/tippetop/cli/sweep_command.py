@@ -80,7 +80,10 @@ def describe(report: PlainData, as_json: bool) -> int:
 
 
 def examine(tables: PlainData, folder: Path) -> tuple[PlainData, dict[str, str]]:
-    """Return the axes, the size and the cost of a plan, and the units of its scenario."""
+    """Return the axes, the size and the cost of a plan, and the units of its scenario, for `check`.
+
+    Relative paths in `tables` start at `folder`. `check --json` prints the facts under these names.
+    """
     from ..awaiting import awaited
     from ..scenario import build
     from ..sweeps import chunk

@@ -50,7 +50,10 @@ def table(rows: Iterable[tuple[str, str]]) -> None:
 
 
 def units_of(tables: dict[str, Any]) -> dict[str, str]:
-    """Return the units of the keys of a scenario; none if its system is unknown here."""
+    """Return the units of the keys of a scenario; none if its system is unknown here.
+
+    A key has the same unit in every table that has it.
+    """
     from ..mechanics.systems import find
     from ..scenario import build
 

@@ -14,7 +14,10 @@ from ..errors import InputError
 
 
 def sentences(error: CycloptsError) -> list[str]:
-    """Return the sentences on an error that cyclopts found."""
+    """Return the sentences on an error that cyclopts found.
+
+    An InputError of a converter of `values` comes as the cause of a CoercionError.
+    """
     if isinstance(error, CoercionError) and isinstance(error.__cause__, InputError):
         return error.__cause__.sentences
     command = " ".join(["tippetop", *(error.command_chain or ())])

@@ -53,7 +53,7 @@ def view(
 
 
 def _text(store: Path | None, start: float | None, until: float | None) -> str:
-    """Return the page of a store, or the playground."""
+    """Return the page of a store, or without one the playground, as HTML."""
     if store is None:
         from ..views.playground import playground
 
