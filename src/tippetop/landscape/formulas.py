@@ -54,7 +54,8 @@ def at_momenta(first, second, c):
 def psi(q, p, c):
     """Return 2 psi sqrt(q), a double-double, with psi of the module's docstring.
 
-    It is the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q).
+    It is the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q). `slopes` has
+    the same psi in plain doubles.
     """
     Kq = scaled(4 * q, c.K)
     h = plus(c.sqrt_d0, scaled(q, c.sqrt_d1))
@@ -140,12 +141,15 @@ def momentum_slopes(q, p, c):
     )
 
 
-NEXT_TO = 1e-8  # of ln(q) from a minimum: one that has settled is nearer
+NEXT_TO = 1e-8  # of ln(q) from a minimum: the search of `kernels.minima` ends nearer
 
 
 @formula
 def surface_gradient(q, p, c):
-    """Return dF/dD, dF/dlambda of the minimal surface: V at its minimum next to the double q."""
+    """Return dF/dD, dF/dlambda of the minimal surface: V at its minimum next to the double q.
+
+    They are extrapolated to the minimum if it is nearer than NEXT_TO.
+    """
     s = momentum_slopes(q, p, c)
     per = 2 / (q * c.gamma.head)
     away = s.away if abs(s.away) < NEXT_TO else 0.0
@@ -159,7 +163,8 @@ def surface_gradient(q, p, c):
 def slopes(q, p, c):
     """Return q gamma times the first three derivatives of V by ln(q) [J].
 
-    The first is -N(z)/(1 - z^2) but for a factor.
+    The first is -N(z)/(1 - z^2) but for a factor. The search for a minimum takes ratios of the
+    three, in which the factor q gamma cancels; `curvature` and `potential.potential` divide by it.
     """
     K = c.K.head
     d0 = c.sqrt_d0.head
@@ -206,6 +211,9 @@ def curvature(q, p, c):
 @formula
 def pole_values(p, c):
     """Return |a| and |b| [sqrt(J)] with the part k psi of X, for a first guess of the minimum.
+
+    `reaches_pole` has the first one's limit for b = 0.
+
 
     k psi is that of q = a/b, where the two terms balance, and is split between them as a : b.
     """
@@ -264,7 +272,8 @@ def reaches_pole(first, second, p, c):
 
     The first happens on the marked line a = 0, the second on b = 0 if also a^2 >= gamma gain: near
     q = oo, V exceeds its limit by (a^2/gamma - gain)/q. Here a number is 0 if it is within four
-    rounding errors of the part by lambda. `first` (D) is there for the signature of the kernels.
+    rounding errors of the part by lambda. `first` (D) is there for the signature that
+    `tippetop_kernels.grid.minima` calls.
     """
     rounding = 4 * 2.220446049250313e-16
     a = abs(p.a.head + 2 * p.k.head * c.K.head / c.sqrt_d1.head)  # that of `pole_values` for b = 0

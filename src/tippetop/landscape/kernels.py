@@ -23,6 +23,7 @@ from .formulas import (
 )
 
 
+# the arguments have the order of parameters of `tippetop_kernels.grid`
 minima = grid.minima(at_momenta, guess, slopes, slope, value, reaches_pole)
 gradients = grid.gradients(at_momenta, surface_gradient)
 

@@ -51,8 +51,8 @@ class Top:
         """Return z = cos(theta) where the centre of mass is lowest: exactly 1 (c > 0) or -1.
 
         It is the pole q = 0 of the variable q of `formulas`; c is the offset of the ball's centre
-        from the centre of mass along the axis. Callers use it as a sign, an exponent and a slice
-        step, so it must be the integer 1 or -1.
+        from the centre of mass along the axis (negative for heavy tops and pegs). Callers use it as
+        a sign, an exponent and a slice step, so it must be the integer 1 or -1.
         """
         return 1 if self.body.c > 0 else -1
 
@@ -73,8 +73,8 @@ def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> 
         For a system without landscape, and for parameters that its record does not allow.
     """
     record = find(system) if isinstance(system, str) else system
-    if record is not None and record.contact is not None:  # that of the body in contact
-        record = find(record.name)
+    if record is not None and record.contact is not None:
+        record = find(record.name)  # a system whose contact may open has no landscape itself
     if record is None or record.landscape is None:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
         name = system if isinstance(system, str) else system.name
@@ -88,6 +88,6 @@ def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> 
     with decimal.localcontext(prec=DIGITS):
         exact = record.body_of(given, Frictionless(), decimal.Decimal)
         coefficients = rounded(landscape.coefficients(exact))
-    body = refill(exact, map(float, exact[:-1]))
+    body = refill(exact, map(float, exact[:-1]))  # the last field is the friction law
     two_wells = landscape.two_wells is not None and bool(landscape.two_wells(body))
     return Top(record, landscape, given, coefficients, body, two_wells)

@@ -40,7 +40,8 @@ def labelled(dims: Any, values: Any, units: str, long_name: str) -> tuple:
 def momenta(t: Top, *values: Any, dims: Any = None) -> dict[str, tuple]:
     """Return the values of the two momenta as labelled variables, by symbol.
 
-    Each is an axis, along itself; with `dims`, the first one lies along these instead.
+    Each is an axis, along itself; with `dims`, the first one lies along these instead: D of
+    `marked_lines`, which depends on lambda.
     """
     return {
         m.symbol: labelled(over or m.symbol, v, m.unit.symbol, m.long_name)
@@ -59,7 +60,8 @@ def attributes(t: Top) -> dict[str, Any]:
 def grid(t: Top, data: dict[str, Any], axes: dict[str, Any], given: tuple[Any, ...]) -> xr.Dataset:
     """Return data over axes as a Dataset without the dimensions of axes that are single numbers.
 
-    `given` are the arguments for the axes, in their order: numbers or arrays.
+    `given` are the arguments of the user for the axes, in the order of `axes`, which may have
+    further coordinates after them.
     """
     numbers = {name: 0 for name, value in zip(axes, given, strict=False) if np.ndim(value) == 0}
     return xr.Dataset(data, axes, attributes(t)).isel(numbers)

@@ -28,9 +28,9 @@ def marked_lines(t: Top, lam: Any) -> xr.Dataset:
     -------
     xarray.Dataset
         Over `end` (theta = 0, theta = pi) and `lambda`, (2, n): D [kg m^2/s], E, the energy E~ [J],
-        omega3 [rad/s], and on_surface, whether E~ = F there: theta = 0 always, theta = pi iff
-        |lambda| >= lambda_pi, which is an attribute [kg m^3/s]; of a peg, alpha < 0, theta =
-        pi always, and theta = 0 from lambda_pi on.
+        omega3 [rad/s], and on_surface, whether E~ = F there. The spin with the centre of mass
+        lowest (theta = 0, of a peg theta = pi) is always on the surface; the other one iff |lambda|
+        >= lambda_pi, which is an attribute [kg m^3/s].
 
     Raises
     ------

@@ -29,10 +29,11 @@ def potential(t: Top, z: Any, first: Any, second: Any) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        V, V_z and V_zz [J] over z x first x second; arguments that are numbers, not arrays, are no
-        dimensions. No digits are lost near the poles: 1 - z is exact there, and X is formed without
-        cancellation. Outside (-1, 1), at z = +-1 too, and for infinite arguments V is NaN: it is
-        +oo at a pole off the marked line; the end values on it are those of `marked_lines`.
+        V, V_z and V_zz [J] over z and both momenta, by their symbols; arguments that are numbers,
+        not arrays, are no dimensions. No digits are lost near the poles: 1 - z is exact there, and
+        X is formed without cancellation. Outside (-1, 1), at z = +-1 too, and for infinite
+        arguments V is NaN: it is +oo at a pole off the marked line; the end values on it are those
+        of `marked_lines`.
 
     Raises
     ------
@@ -44,6 +45,7 @@ def potential(t: Top, z: Any, first: Any, second: Any) -> xr.Dataset:
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         cosine = np.where(np.abs(z) < 1, t.bottom_z * z, np.nan)[:, None]
+        # tan(theta/2)^2, or cot(theta/2)^2 where the pole q = 0 is theta = pi
         q = (1 - cosine) / (1 + cosine)
         w = (1 - cosine) * (1 + cosine)
         for i, one in enumerate(x):  # not all at a time: formulas need much memory

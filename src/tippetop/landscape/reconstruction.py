@@ -31,7 +31,7 @@ def reconstruction(
     problem
         The problem that was integrated.
     rows, events
-        The tables of the run.
+        The tables of the run, whole: the first row is at a turning.
     period
         A guess of the period of nutation [s]; by default twice the first turning time.
     """

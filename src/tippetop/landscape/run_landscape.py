@@ -1,6 +1,7 @@
-"""A run in its landscape: the data of the figures of band, surface, potential and inversion.
+"""A run in its landscape: the data of the figures of band, surface, potential and states.
 
-Tables of a run go in; labelled data of one figure come out, for `figures.drawing`.
+Tables of a run go in; labelled data of one figure come out: `figures.drawing` passes what each
+function returns to the drawing of this name, as its arguments, in this order.
 """
 
 from collections.abc import Mapping
@@ -128,7 +129,10 @@ def states(
 
 
 def _body_of(attrs: PlainData) -> Top:
-    """Return the body of a run with these root attributes. Raises InputError without landscape."""
+    """Return the body of a run with these root attributes.
+
+    Raises InputError if it has no landscape, or a plane or air that changes the potential.
+    """
     require_still(attrs, "a run in a landscape")
     return top(attrs["parameters"], attrs["system"])
 
@@ -136,7 +140,8 @@ def _body_of(attrs: PlainData) -> Top:
 def diagram(t: Top, lam: float) -> tuple[list[tumbling.Branch], dict[str, float]]:
     """Return the asymptotic states of a body as branches over lambda, and its thresholds.
 
-    The branches reach beyond `lam` [kg m^3/s] and the thresholds.
+    The branches reach beyond `lam` [kg m^3/s] and the thresholds, whose names are labels in TeX.
+    `tippetop plot SCENARIO states` calls it too.
     """
     t.require_spinning()
     body = t.system.body_of(t.parameters, Frictionless())
@@ -147,7 +152,7 @@ def diagram(t: Top, lam: float) -> tuple[list[tumbling.Branch], dict[str, float]
 
 def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:
     """Return the columns that a landscape needs, NaN where the sphere does not touch the plane."""
-    names = {"theta", "routh", "jellett", "modified_energy"} & {*trajectory}
+    names = {"theta", "routh", "jellett", "modified_energy"} & {*trajectory}  # a run may drop some
     return trajectory[sorted(names)].where(xr.DataArray(on_sphere(trajectory), dims="time"))
 
 

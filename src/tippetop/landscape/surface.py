@@ -18,7 +18,8 @@ from .landscape_labels import axis, cosine, flags, grid, inclination, labelled, 
 def variables(t: Top, F: np.ndarray, q: np.ndarray, status: np.ndarray) -> dict[str, tuple]:
     """Return the results of `minima` as labelled variables F, z, theta and status.
 
-    Where the infimum is approached at a pole, z and theta are those of the pole.
+    Where the infimum is approached at a pole, z and theta are those of the pole. The schema of a
+    stored surface is made from this with empty arrays.
     """
     from tippetop_kernels.minimise import Status
 

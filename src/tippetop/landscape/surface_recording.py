@@ -20,7 +20,7 @@ from .landscape_body import Top
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
 FILLS = {"F": None, "z": None, "status": -1}
-"""The variables of a stored surface, with their values for missing data."""
+"""The variables of a stored surface, with their values for missing data: part of the format."""
 
 
 def write(
@@ -68,7 +68,10 @@ def write(
     blocks = list(itertools.product(*firsts))
 
     def chunks() -> Iterator[tuple[str, Arrays]]:
-        """Yield the axes, then each block of the surface: key in the store, values by name."""
+        """Yield the axes, then each block of the surface: key in the store, values by name.
+
+        The first part of a key is the table; "i.j" counts chunks, as zarr names their files.
+        """
         yield "axes/0", {name: values for name, (_, values, _) in axes.items()}
         for done, (i, j) in enumerate(blocks, 1):
             minima = surface.minima(top, x[i : i + chunk], y[j : j + chunk], threads)
@@ -98,7 +101,10 @@ def write(
 
 
 def write_potential(path: Path, V: Any, attrs: PlainData, *, overwrite: bool = False) -> None:
-    """Write the Dataset V of `potential` along z into a new store. Raises StoreError."""
+    """Write the Dataset V of `potential` along z into a new store. Raises StoreError.
+
+    `attrs` are root attributes: those that `cli.landscape_commands.picture` reads, and more.
+    """
     columns = {
         str(name): Column(("z",), np.asarray(v), dict(v.attrs))
         for name, v in V.variables.items()
@@ -120,8 +126,9 @@ def _write(
 ) -> None:
     """Write a new store, complete or not at all.
 
-    `content` is its kind, "surface" or "potential"; `about` are further root attributes, `tables`
-    as for `ledger.header`, and `chunks` pairs of a key and values.
+    `content` is its kind, "surface" or "potential", by which commands tell stores apart; `about`
+    are further root attributes, `tables` as for `ledger.header`, and `chunks` pairs of a key and
+    values. `info` and `plot` read the attributes.
     """
     attributes = {"content": content, **about, "status": "running", **provenance()}
     header = ledger.header(attributes, tables)

@@ -71,9 +71,10 @@ def turning_angles(
     found = np.empty((8, x.size))
     turned = t.body._replace(c=abs(t.body.c))  # kernels have z = 1 at q = 0
     kernels.turnings(inertia)(ALLOWANCE, x, y, E, at, c, turned, level, found)
-    low, high, q, F, curvature, period, *other = found
+    low, high, q, F, curvature, period, *other = found  # in the order of the kernel
     # 2 pi sqrt(2 g/V''): d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
     square = 2 * inertia(cosine(q, t.bottom_z), t.body) * (4 * q / (1 + q) ** 2) / curvature
+    # theta falls with q where the pole q = 0 is theta = pi
     (inner, outer), others = (low, high)[:: t.bottom_z], other[:: t.bottom_z]
     angles = "inclination theta [rad] where V = E~"
     second_well = "in the other well"

@@ -127,7 +127,7 @@ def sensitivities(
     if order == 2 and problem.system.is_hybrid:
         raise InputError("`order` must be 1 where the contact may change, but is 2.")
     driver: Any = driver_of(problem)
-    driver.intervals = []
+    driver.intervals = []  # a HybridDriver then keeps its phases, through which errors are followed
     solution = solve(problem, driver=driver)
     run = Run(solution)
     moments = {}
@@ -138,7 +138,7 @@ def sensitivities(
     derived, sentences = differentiate(
         problem, wrt, solution.times, solution.events, order, moments, driver
     )
-    names = "trajectory", "events", "second", "phases", "impacts"
+    names = "trajectory", "events", "second", "phases", "impacts"  # fields of Sensitivities
     tables = {name: _table(problem, wrt, derived.get(name, {}), run) for name in names}
     return Sensitivities(run, **tables, sentences=tuple(sentences))
 
@@ -146,7 +146,8 @@ def sensitivities(
 def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
     """Return columns of derivatives as a Dataset, with names and units of the numbers `wrt`.
 
-    It has the root attributes of the run.
+    `columns` are those of one table of `differentiate`, none if it is missing there. The Dataset
+    has the root attributes of the run.
     """
     dims = {dim for one in columns.values() for dim in one.dims}
     names = {name: (name, list(wrt)) for name in ("parameter", "parameter_2") if name in dims}

@@ -62,9 +62,10 @@ def given_records(argument: str, given: Any, kind: type[Event] | type[Quantity])
 
 
 def of_stored(attrs: dict[str, Any], events: Any = None, columns: Any = None) -> System | None:
-    """Return the system of a stored run with the user's events and columns, if any are given.
+    """Return the system of a stored run with the user's events and columns; None without any.
 
-    Raises InputError.
+    `attrs` are the root attributes of the store, which has no formulas: `open` and `resume` get the
+    records again. Raises InputError.
     """
     events = given_records("events", events, Event)
     columns = given_records("columns", columns, Quantity)
@@ -86,7 +87,8 @@ def of_stored(attrs: dict[str, Any], events: Any = None, columns: Any = None) ->
 def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
     """Return the system with more events and columns: the same record for the same ones.
 
-    So it is compiled once. Raises InputError.
+    So it is compiled once: `System.with_records` caches by their values, hence the tuples of
+    `kept`. Raises InputError.
     """
     if not events and not columns:
         return system
@@ -97,7 +99,10 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
 
 
 def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:
-    """Return a sentence for each fault of user-defined events and columns of a system."""
+    """Return a sentence for each fault of user-defined events and columns of a system.
+
+    Names are compared only where all fields have the right types.
+    """
     faults = [fault for column in columns for fault in type_faults("column", column)]
     for event in events:
         faults += type_faults("event", event) or _kept_faults(event) or _event_faults(event)
@@ -118,7 +123,11 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
 def _names(
     subject: str, names: list[str], system: System, known: set[str], others: Iterable[str] = ()
 ) -> list[str]:
-    """Return a sentence for each name that is impossible, or not new."""
+    """Return a sentence for each name that is impossible, or not new.
+
+    `known` are names of the system, `others` those of other records of the user. Rows and
+    tables of sweeps have columns state_..., final_..., drift_... and ..._lo.
+    """
     faults = []
     seen = set(others)
     for name in names:

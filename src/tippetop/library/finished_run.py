@@ -92,7 +92,7 @@ class Run:
 
     @property
     def trajectory(self) -> xr.Dataset:
-        """Return a copy of the rows along `time` [s], in SI units."""
+        """Return a copy of the rows along `time` [s], in SI units: users may assign columns."""
         return self._datasets["trajectory"].copy()
 
     @property
@@ -287,7 +287,7 @@ class Run:
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)
-        self.__dict__.pop("summary", None)
+        self.__dict__.pop("summary", None)  # the cached one has no certificate
         warn(certificate_violations(result), 2)
         return Certificate(self.summary.certificate)
 

@@ -53,8 +53,8 @@ def minimal_surface(
     -------
     xarray.Dataset
         F [J], z = cos(theta), theta [rad] of the minimum, status, and the gradient: F_D [1/s] and
-        F_lambda [1/(m s)], or F_L3 and F_Lz [1/s]; each (first, second); a number, not an array, is
-        no dimension.
+        F_lambda [1/(m s)], or F_L3 and F_Lz [1/s]; each over D and lambda, or L3 and Lz; a number,
+        not an array, is no dimension.
 
     Raises
     ------
@@ -93,8 +93,9 @@ def potential(
     Returns
     -------
     xarray.Dataset
-        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN at z
-        = -1 and 1, where V is +oo off the marked line, and for infinite momenta.
+        V, V_z, V_zz [J], each over z, D and lambda, or z, L3 and Lz; a number, not an array, is no
+        dimension. NaN for infinite momenta, and at z = -1 and 1: there V is infinite, except for
+        the momenta of a spin about the vertical (see `marked_lines`).
 
     Raises
     ------
@@ -210,8 +211,8 @@ def marked_lines(top: Body, lam: Any) -> xr.Dataset:
     xarray.Dataset
         Over `end` (theta = 0, theta = pi) and `lambda`: D [kg m^2/s], E, the modified energy E~
         [J], omega3 [rad/s], and `on_surface`, whether E~ = F there: theta = 0 always, theta = pi
-        iff |lambda| >= lambda_pi, which is an attribute [kg m^3/s]. Of a peg (alpha < 0) the two
-        ends are exchanged.
+        iff |lambda| >= lambda_pi, which is an attribute [kg m^3/s]. Of a peg (alpha < 0) it is
+        theta = pi always, and theta = 0 from lambda_pi on.
 
     Raises
     ------

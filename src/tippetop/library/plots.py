@@ -114,7 +114,11 @@ def plot(
 
 
 def saved(figure: Any, path: str | Path | None, overwrite: bool, look: Look = PLAIN) -> Any:
-    """Return a figure, which is written where a path is given."""
+    """Return a figure, which is written where a path is given.
+
+    Every `plot` of a result ends with it; `overwrite` and `look` are for the file. Raises
+    InputError, StoreError.
+    """
     if path is not None:
         place = catalogue.check_format(path_of("path", path))
         with in_python():

@@ -20,7 +20,10 @@ SYSTEMS = MappingProxyType(systems.SYSTEMS)
 
 
 class _Laws(Mapping):
-    """The friction laws of all registered systems, looked up when they are read."""
+    """The friction laws of all registered systems, looked up when they are read.
+
+    Not a copy: `register` and entry points add laws later.
+    """
 
     def __getitem__(self, name: str) -> type[FrictionLaw]:
         return systems.systems_of_laws()[name][0]

@@ -118,12 +118,12 @@ def run(
     place = None if out is None else path_of("out", out)
     if place is None and problem.output == "keyframes":
         raise InputError('`out` must be given where `output` is "keyframes": a store keeps them.')
-    warn(doubts(problem), 3)
+    warn(doubts(problem), 3)  # from here over the wrapper of `takes` to the user's call
     made: Run
     with _bar(progress) as follow:
         if place is None:
             made = Run(solution := solve(problem, follow))
-            # the whole report would take a tenth of a short run
+            # what `broken_promises` reads: the whole report would take a tenth of a short run
             report = {"drift": solution.progress.drift, "t_end": solution.progress.t_end}
             known: Any = {"report": report, "tolerance": problem.tolerance}
         else:
@@ -138,14 +138,20 @@ def run(
 
 
 def _bar(progress: bool) -> Any:
-    """Return a context that provides a progress callback, or None if `progress` is False."""
+    """Return a context that provides a progress callback, or None if `progress` is False.
+
+    Raises InputError if `progress` is no flag.
+    """
     flag("progress", progress)
     return bar_of_run() if progress else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
 def _resumable(place: Path) -> Iterator[None]:
-    """Let an Interrupted of the block contain how the run stored at `place` is continued."""
+    """Let an Interrupted of the block contain how the run stored at `place` is continued.
+
+    There is no store if the run was stopped before that began.
+    """
     try:
         yield
     except Interrupted:

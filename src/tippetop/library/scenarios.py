@@ -43,7 +43,12 @@ def problem_of(
     plane: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Problem:
-    """Return the checked Problem of the arguments of `run`. Raises InputError."""
+    """Return the checked Problem of the arguments of `run`. Raises InputError.
+
+    `run`, `ensemble`, `sensitivities` and `lyapunov` take its keywords by `takes`: a new one here
+    is an argument of all of them. A system is chosen before other tables are changed, because it
+    determines which of those of the source are left.
+    """
     about: dict[str, Any] = {"parameters": parameters, "contact": contact, "stem": stem}
     about |= {"air": air, "plane": plane}
     others = {"friction": friction, "start": start, "system": system, "form": form}
@@ -92,14 +97,18 @@ def problem_of(
 
 @lru_cache(maxsize=64)
 def _preset(name: str) -> Problem:
-    """Return the Problem of a preset; cached, as it never changes and takes some milliseconds."""
+    """Return the Problem of a preset, or of another text that is no file, which is refused.
+
+    Cached, as a Problem never changes and takes some milliseconds.
+    """
     return starting.load(name)
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[PlainData, System]:
     """Return the tables of the source, and its system, as arguments of `run` determine them.
 
-    The tables are a copy, which the caller may change. Raises InputError.
+    The tables are a copy, which the caller may change. A user's System, which need not be
+    registered, is checked for each run. Raises InputError.
     """
     record = next((each for each in (system, source) if isinstance(each, System)), None)
     if record is not None:
@@ -159,7 +168,8 @@ def _merge(tables: PlainData, name: str, given: PlainData) -> None:
 def _start(tables: PlainData, given: Any, system: System) -> None:
     """Replace initial data in place, and those of the source that mean the same in another way.
 
-    `given` is the argument `start`: a mapping, or the path of a store. Raises InputError.
+    `given` is the argument `start`: a mapping, or the path of a store, which becomes
+    `initial.from` and is read by `starting.problem_from_tables`. Raises InputError.
     """
     if isinstance(given, str | os.PathLike):
         given = {"from": os.fspath(given)}
@@ -175,7 +185,10 @@ def _start(tables: PlainData, given: Any, system: System) -> None:
 
 
 def _options(tables: PlainData, run: PlainData) -> None:
-    """Replace options in the table `run` in place; `run` are those that were given."""
+    """Replace options in the table `run` in place; `run` are those that were given.
+
+    Times of rows may be texts with units: the schema of a scenario takes numbers [s] only.
+    """
     given = plain(run)
     if isinstance(times := given.get("output_times"), list):
         given["output_times"] = measured_values("output_times", times, SECOND).tolist()
@@ -205,7 +218,10 @@ def table_of(law: Any) -> PlainData:
 
 
 def record_of(law: Any, system: System) -> Any:
-    """Return the record of a law, checked, if a system takes it. Raises InputError."""
+    """Return the record of a law, checked, if a system takes it. Raises InputError.
+
+    Numbers that were replaced by `_replace`, which checks nothing, are found here.
+    """
     known = laws_of(system)
     if (name := table_of(law)["law"]) not in known:
         raise InputError(f"`{system.name}` must have a law of {', '.join(known)}, but has {name}.")

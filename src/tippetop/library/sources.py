@@ -1,6 +1,6 @@
 """The body behind an argument: a body, a run, a problem, or the name of a scenario.
 
-Calls of `theory`, `landscapes` and `derivatives` take bodies from it.
+Calls of `theory`, `landscapes` and `exchanging` take bodies and problems from it.
 """
 
 from collections.abc import Mapping
@@ -24,9 +24,11 @@ KINDS = (TippeTop, HeavyTop, Cylinder, Spheroid, Disc, Ellipsoid)
 
 
 def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:
-    """Return the problem of a run, a problem or a scenario; None of a body.
+    """Return the problem of a run, a problem or a scenario; None of a body, which has no start.
 
-    Raises InputError for other sources; `kinds` are the bodies that its message lists.
+    `source` is an argument of the user; a scenario is a preset, a path, or tables, and is checked
+    as by `run`. Raises InputError for other sources; `kinds` are only the bodies that its message
+    lists: a caller checks that the body is one of them.
     """
     if isinstance(source, Top):
         return None
@@ -41,7 +43,11 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
 
 
 def top_of(source: Any, *kinds: type[Top]) -> Any:
-    """Return the body of a source. Raises InputError if it is of none of these kinds."""
+    """Return the body of a source, a record of one of these kinds. Raises InputError otherwise.
+
+    A system of the user with the same `body` counts as that kind; a problem with [air] or [plane]
+    is refused.
+    """
     problem = problem_behind(source, kinds)
     found = f"{source!r:.60}"
     if problem is None and isinstance(source, kinds):

@@ -120,6 +120,8 @@ class StoredRun(Run):
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
         """Return the tables for a figure of this kind, thinned to what it can draw.
 
+        `growth` of a run with keyframes is drawn from these, as many as there are.
+
         `window` is the part that is shown, (start, end) [s]. This overrides `Run._for_figures`, so
         that a long run is never read whole.
         """

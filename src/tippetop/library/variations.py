@@ -128,7 +128,7 @@ def ensemble(
     flag("lyapunov", lyapunov)
     flag("event_table", event_table)
     tops = vary(base, dotted, orientation=orientation)
-    if tops.valid[:1].any():
+    if tops.valid[:1].any():  # doubts on the first top, for all
         warn(doubts(one_of(tops, 0)), 3)
     with reporting(progress, "tops") as report:
         measured = measure(
@@ -205,7 +205,10 @@ def sweep(
     place = path_of("out", out)
 
     def base(tables: dict[str, Any]) -> Problem:
-        """Return the problem of these tables, with the events and columns of the user."""
+        """Return the problem of these tables, with the events and columns of the user.
+
+        The plan makes its base by it.
+        """
         return problem_of(tables, events=events, columns=columns)
 
     if isinstance(plan, Mapping):
