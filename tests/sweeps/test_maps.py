@@ -22,6 +22,7 @@ from tippetop.sweeps.sweep_summary import open_sweep
 
 
 AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}
+LAMBDA = {"of": "lambda", "linspace": [0.5, 2.0], "n": 5}
 
 
 def test_the_commands_know_a_sweep(whole: Path, file: Path, tmp_path: Path) -> None:
@@ -36,7 +37,6 @@ def test_the_commands_know_a_sweep(whole: Path, file: Path, tmp_path: Path) -> N
     file.write_text(PLAN.replace("chunk", "chnk"))
     assert typed(f"sweep {file} --out {tmp_path}/S.zarr") == 2
     assert not (tmp_path / "S.zarr").exists()
-    assert typed(f"sweep {file} --out {tmp_path}/S.zarr --workers 0") == 2
 
 
 def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
@@ -131,21 +131,24 @@ def test_borders_are_where_the_threshold_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Over lambda itself the border of the inverted spin is the line lambda = 1."""
-    axes = [
-        {"of": "lambda", "linspace": [0.5, 2.0], "n": 5},
-        {"of": "gamma", "linspace": [0.75, 1.2], "n": 5},
-    ]
-    of = plan_of(*axes)
+    of = plan_of(LAMBDA, {"of": "gamma", "linspace": [0.75, 1.2], "n": 5})
     found = synthetic(tmp_path, monkeypatch, of, inverted_at=np.zeros(of.n))
     values = found.borders["λ = λ_s: inverted spin stable above"]
     np.testing.assert_allclose(
         np.exp(values), np.broadcast_to(found.axes[0].span[:, None], values.shape), rtol=1e-12
     )
-    assert (
-        np.nanmin(found.borders["λ = λ_t: tumbling possible above"]) < 0
-    )  # a fold below gamma_+ only
-    gamma = found.axes[1].span
-    assert np.isnan(found.borders["λ = λ_t: tumbling possible above"][:, gamma > 0.85]).all()
+    tumbling = found.borders["λ = λ_t: tumbling possible above"]
+    assert np.nanmin(tumbling) < 0  # a fold below gamma_+ only
+    assert np.isnan(tumbling[:, found.axes[1].span > 0.85]).all()
+
+
+def test_borders_of_pegs_are_named_after_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Cells of the map reach beyond alpha = 0."""
+    of = plan_of({"of": "parameters.alpha", "values": [-0.5, -0.1]}, LAMBDA)
+    found = synthetic(tmp_path, monkeypatch, of, lyapunov=np.zeros(of.n))
+    assert "λ = λ_s: upright spin stable above" in found.borders
 
 
 def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,7 @@ from ..mechanics.contact.rows import row_of_angles
 from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
-from ..mechanics.theory.thresholds import poles, thresholds
+from ..mechanics.theory.thresholds import spins_by_height, thresholds
 from ..mechanics.variables import Variables
 from ..problem import Problem
 from .javascript import arrow
@@ -233,7 +233,7 @@ def _thresholds(b: Touch) -> str:
 
     def values(symbols: Touch) -> list:
         """Return the values of the thresholds, and keep their names."""
-        known.update(thresholds(symbols, poles(b)))
+        known.update(thresholds(symbols, spins_by_height(b)))
         return [t.value for t in known.values()]
 
     of_body = arrow({"b": b}, values)

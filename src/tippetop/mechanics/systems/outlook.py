@@ -32,9 +32,9 @@ from ..theory.thresholds import (
     lambda_de,
     lambda_s,
     lambda_u,
-    poles,
     sleeping_spin,
     spin_of,
+    spins_by_height,
     thresholds,
     thresholds_of_sleeping,
 )
@@ -122,7 +122,7 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
 
     NaN: no border.
     """
-    low, high = poles(b)
+    low, high = spins_by_height(b)
     least = lambda_u(b)
     tumbling = lambda_t(b)
     # otherwise tumbling begins where the lowest spin ends
@@ -142,7 +142,7 @@ def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
     limits["gamma"] = thresholds(b)["gamma"]
     nutates = STAYS if start["at_pole"] else "nutation between two angles" + UNLESS
-    fate = f"{nutates}; the {poles(b)[1]} spin of this lambda is {stable} in rolling"
+    fate = f"{nutates}; the {spins_by_height(b)[1]} spin of this lambda is {stable} in rolling"
     return Outlook(sentence, fate, limits)
 
 

@@ -25,7 +25,8 @@ from .thresholds import SPINS, Threshold
 def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Threshold]]:
     """Return which spins at the poles are stable, in words, and the limits of their speed.
 
-    The words are clauses; the limits are `Threshold`s by name, "spin_upright", "spin_inverted".
+    The words are clauses of a sentence of `outlook.revolution`; the limits are `Threshold`s by
+    name, "spin_upright", "spin_inverted". A pole at which the body has an edge is left out.
     """
     words = []
     found = {}
@@ -46,7 +47,10 @@ def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Thresh
 
 @np.errstate(all="ignore")  # a disc has no ball at its poles
 def limits(b: Touch) -> dict[str, Threshold]:
-    """Return the heights at rest, the balls at the poles, and Painleve's bound."""
+    """Return the heights at rest, the balls at the poles, and Painleve's bound, by name.
+
+    A tilted rest is where c = 0 of the touching ball, between two inclinations of the grid THETA.
+    """
     shape = shape_of(b)
     found = {}
 

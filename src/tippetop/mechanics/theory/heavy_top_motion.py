@@ -50,9 +50,9 @@ NEAR = 1e-7
 def heavy_top_motion(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
 ) -> str:
-    """Return the name of the motion of a heavy top with a fixed tip; see `turning_heights`.
+    """Return the name of the motion of a heavy top with a fixed tip, in words for users.
 
-    [T ch. 2]
+    The arguments are those of `turning_heights`. [T ch. 2]
     """
     low, high, _ = turning_heights(energy, Lz, L3, inertia, I3, weight)
     scale = math.sqrt(inertia * weight)

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..contact.body import Touch, height_energy
 from ..operand import formula
-from .thresholds import lambda_s, lambda_u, poles, spin_of
+from .thresholds import lambda_s, lambda_u, spin_of, spins_by_height
 from .tumbling import tumbling, tumbling_is_stable, tumbling_states
 
 
@@ -56,6 +56,8 @@ class AsymptoticState(NamedTuple):
 def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     """Return the critical points of E_lambda, from theta = 0 to pi.
 
+    The first is the upright, the last the inverted spin: `regime` unpacks them by their places.
+
     [T Theorems 3.3.1 and 3.3.2, corrected]
 
     Parameters
@@ -72,7 +74,7 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
             energy: Any = least_energy(z, np.float64(lam), b)
         return AsymptoticState(kind, math.acos(z), phi_dot, omega3, float(energy), stable)
 
-    low, high = poles(b)
+    low, high = spins_by_height(b)
     spins = {low: abs(lam) < lambda_u(b), high: abs(lam) > lambda_s(b)}
     sense = math.copysign(1, lam)
     tumbling_ones = []

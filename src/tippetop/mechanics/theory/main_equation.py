@@ -68,7 +68,9 @@ def reconstruct(
     z: float,
     period: float,
 ) -> Reconstruction:
-    """Return theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
+    """Return z(t) = cos(theta) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)).
+
+    [T 4.40, 5.26]
 
     Parameters
     ----------
@@ -79,7 +81,8 @@ def reconstruct(
     times
         Times of the rows [s], ascending, (n,), the first at a turning angle.
     momenta
-        The momenta that the potential takes, at the times, each (n,), SI.
+        The momenta that the potential takes, at the times, each (n,), SI, in the order of
+        `System.momenta`.
     energy
         E~ at the times [J], (n,).
     z
@@ -165,7 +168,8 @@ class Equation:
     def square(self, z: Any, t: Any, step: complex = 0.0) -> Any:
         """Return Q(z, t) = z'^2 [1/s^2] for numbers or arrays z and t [s] of one shape.
 
-        `step` is added to t to first order: an imaginary one gives the derivative by t.
+        `step` is added to t to first order: an imaginary one gives the derivative by t. All that
+        is called must take complex numbers.
         """
         energy, *momenta = (self.values(t) + step * self.values(t, 1)).T
         potential = self.system.potential

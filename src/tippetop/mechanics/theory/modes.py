@@ -55,7 +55,7 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
 
 
 def _slip(omega3: Any, up: int, law: Any) -> Any:
-    """Return the slip coefficient at rest [s/m].
+    """Return the slip coefficient k at rest [s/m]: a number, or (n,) for many laws or spins.
 
     For a disc that drills at omega3 it is the limit of small sliding, 3 pi mu/(8 patch |omega3|),
     without rolling resistance.
@@ -82,7 +82,8 @@ def shows_sliding(b: Touch, z: Any) -> Any:
     """Return whether friction at z = cos(theta) is so strong that sliding shows as a loss.
 
     A slide of 1e-3 sqrt(gR) loses more than 1e-12 of the unit of k |v_A|^2, below which a motion
-    counts as settled. Of one body, or of many, (n,).
+    counts as settled: 1e-12 here must be the bound of the event `gliding.SETTLED`. Of one body, or
+    of many, (n,).
     """
     law = b.friction
     if law.coefficient is None or law.set_valued:  # drilling takes without sliding; or it sticks
@@ -99,7 +100,8 @@ LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a m
 def will_leave(theta: float, omega3: float, b: Touch) -> bool:
     """Return whether a gliding body at theta [rad] with spin omega3 [rad/s] will leave the pole.
 
-    It is so near that its motion is linear, and a mode grows there.
+    It is so near that its motion is linear, and a mode grows there. Such a motion is not settled,
+    even if nothing slides.
     """
     inverted = theta > math.pi / 2
     near = min(theta, math.pi - theta) < LINEAR
@@ -134,6 +136,8 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
 
 def stability(z: int, b: Touch, *, rolls: bool, free: Any = False) -> tuple[Any, Any]:
     """Return p and q of a spin at the pole z: it is stable if p omega_3^2 > q, unstable if less.
+
+    Of one body, or of many, (n,); a number that is 0 to rounding is exactly 0.
 
     The contact rolls, or glides: `free` of friction, or under friction, which decides however weak
     it is. It takes energy, whose least value at this Jellett's integral does not depend on it.

@@ -19,7 +19,7 @@ class Regime(NamedTuple):
 
     @property
     def attractors(self) -> list[str]:
-        """Return the stable states in words."""
+        """Return the stable states in words, from theta = 0 to pi."""
         words = ["the upright spin"] if self.upright else []
         words += [f"tumbling at theta = {theta:.6g} rad" for theta in self.tumbling]
         return words + (["the inverted spin"] if self.inverted else [])

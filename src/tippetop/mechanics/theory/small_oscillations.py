@@ -21,6 +21,7 @@ def oscillations(spin: float, up: int, b: Asymmetric) -> tuple[np.ndarray, np.nd
     seen from the body. `spin` is about the vertical [rad/s]; axis 3, on which the centre of the
     ellipsoid lies, points along `up` = 1 or -1.
     """
+    # a state that leans by an infinitesimal part of each variable: complex steps give the matrix
     x, y, Lx, Ly = 1j * STEP * np.eye(4)
     q = framed.ROLLS.units._make((x, y, up, 1.0, 0.0, -up * x, Lx, Ly, b.I3 * spin))
     q_dot = framed.ROLLS.rates(q, b)

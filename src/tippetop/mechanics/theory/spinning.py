@@ -12,14 +12,14 @@ Symbols
 from ..contact.body import height, height_energy
 from ..operand import formula, sqrt
 from ..units import JELLETT, ONE
-from .thresholds import Threshold, poles, sense, spin, two_wells_from
+from .thresholds import Threshold, sense, spin, spins_by_height, two_wells_from
 
 
 @formula
 def d(z, b):
     """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
 
-    It gives D = L_3 sqrt(d).
+    It gives D = L_3 sqrt(d). `tippe_top.coefficients` contains d too, by its values at both poles.
 
     [T 4.7]
     """
@@ -47,7 +47,9 @@ def energy(z, lam, b):
 
 
 def lambda_pi(b):
-    """Return |lambda| [kg m^3/s] from which on the highest spin lies on the surface."""
+    """Return |lambda| [kg m^3/s] from which on the spin with the centre of mass highest lies on the
+    minimal surface: it is stable in pure rolling. [T 4.28]
+    """
     high = -sense(b)
     h = height(high, b)
     return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * d(high, b)) / (1 + b.m * b.R * h / b.I3)
@@ -63,7 +65,7 @@ def rolling_thresholds(b) -> dict[str, Threshold]:
     """
     return {
         "lambda_pi": Threshold(
-            float(lambda_pi(b)), JELLETT, f"{poles(b)[1]} spin stable in rolling above"
+            float(lambda_pi(b)), JELLETT, f"{spins_by_height(b)[1]} spin stable in rolling above"
         ),
         "gamma_star": Threshold(
             two_wells_from(b), ONE, "two wells of the potential are possible above"

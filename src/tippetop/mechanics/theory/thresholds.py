@@ -3,7 +3,7 @@
 A body goes in, numbers come out; `thresholds` returns all of them with unit and meaning, for
 `systems.outlook`. Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis
 turned round: alpha, theta, omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi'
-and all energies stay. `shape`, `sense` and `poles` make that change for all of theory.
+and all energies stay. `shape`, `sense` and `spins_by_height` make that change for all of theory.
 
 Symbols
     b         the body in SI units, a `contact.body.Touch` of floats, or of arrays
@@ -41,7 +41,10 @@ class Shape(NamedTuple):
 
 
 def shape(b: Touch) -> Shape:
-    """Return the numbers on which thresholds depend, a `Shape`; beta in kg m^3/s."""
+    """Return the numbers on which thresholds depend, a `Shape`; beta in kg m^3/s.
+
+    They do not depend on the sign of alpha: where it counts, `sense` has it.
+    """
     alpha = np.abs(b.c) / b.R
     return Shape(
         alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3)
@@ -57,13 +60,14 @@ def sense(b: Touch) -> Any:
     return np.where(b.c < 0, -1, 1)
 
 
-def poles(b: Touch) -> tuple[str, str]:
-    """Return the names of the spins with the centre of mass lowest and highest.
+def spins_by_height(b: Touch) -> tuple[str, str]:
+    """Return the names of the spins with the centre of mass lowest and highest, keys of SPINS.
 
-    Of a peg they are exchanged.
+    Of a peg they are exchanged. Many bodies are pegs if most are: the points of a map over alpha
+    reach beyond its numbers, which have one sign, by half a cell.
     """
     low, high = SPINS
-    return (high, low) if np.all(b.c < 0) else (low, high)
+    return (high, low) if np.mean(b.c < 0) > 0.5 else (low, high)
 
 
 # --- spinning states ----------------------------------------------------------------------------
@@ -98,9 +102,8 @@ def _over_root(number: Any, x: Any) -> Any:
 
 
 def lambda_de(b: Touch) -> Any:
-    """Return |lambda| [kg m^3/s] above which the highest spin has less E~ than the lowest.
-
-    [T 4.29]
+    """Return |lambda| [kg m^3/s] above which the spin with the centre of mass highest has less E~
+    than the one with it lowest. [T 4.29]
     """
     alpha = b.c / b.R
     return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
@@ -125,7 +128,10 @@ def gamma_de(alpha: Any) -> Any:
 
 
 def two_wells_from(b: Touch) -> float:
-    """Return gamma*, above which the potential can have two minima; infinite where it never can."""
+    """Return gamma*, above which the potential can have two minima; infinite where it never can.
+
+    The landscape scans for the lower one from there on (`Landscape.two_wells`).
+    """
     alpha, _, sigma, _ = shape(b)
     h = 1 + alpha
     below = 2 * sigma * h * (1 + sigma) - 1 - sigma * h
@@ -155,9 +161,14 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
     b
         The body, SI, floats; its friction law plays no part.
     states
-        As `poles` returns them; must be given where the numbers of the body are symbols.
+        As `spins_by_height` returns them; must be given where the numbers of the body are symbols,
+        which cannot be compared.
+
+    Notes
+    -----
+    The names are those that `check`, `tippetop.theory.thresholds` and the playground show.
     """
-    low, high = states or poles(b)
+    low, high = states or spins_by_height(b)
     alpha, gamma, *_ = shape(b)
 
     def spin_at(state: str, lam: Any) -> Any:
@@ -190,7 +201,7 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
 def sleeping_spin(b: Touch) -> float:
     """Return |omega_3| above which the upright heavy top with a fixed tip is stable [rad/s].
 
-    It is 2 sqrt(m g l I1*)/I3. [T 5.54]
+    It is 2 sqrt(m g l I1*)/I3, with l = -c. [T 5.54]
     """
     return 2 * math.sqrt(b.m * b.g * -b.c * tip_inertia(b)) / b.I3
 

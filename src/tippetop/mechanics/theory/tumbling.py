@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contact.body import Touch
-from .thresholds import SPINS, lambda_s, lambda_u, poles, sense, shape
+from .thresholds import SPINS, lambda_s, lambda_u, sense, shape, spins_by_height
 
 
 def tumbling_limits(b: Touch) -> tuple[float, float]:
@@ -52,7 +52,8 @@ def lambda_t(b: Touch) -> Any:
     """Return the least lambda of a tumbling state [kg m^3/s].
 
     For gamma < gamma_plus it is less than lambda_u and lambda_s; between it and the lesser of these
-    two, upright spin and tumbling are both stable. Its relative error is about 1e-5.
+    two, upright spin and tumbling are both stable. Its relative error is about 1e-5. Of one body,
+    or of many, (n,).
     """
     z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
     return np.nanmin(tumbling_jellett(z, b), axis=0)
@@ -73,8 +74,8 @@ def tumbling_states(lam: float, b: Touch) -> np.ndarray:
 
     They are roots of a quartic.
 
-    Terms that rounding hides for every z in [-1, 1] are left out: their roots lie far beyond, and
-    were found anywhere.
+    Terms that rounding hides for every z in [-1, 1] are left out: their roots lie far beyond, but
+    `np.roots` would place them anywhere.
     """
     alpha, gamma, _, beta = shape(b)
     h = np.array([1 - gamma, -2 * alpha, alpha**2 + gamma])
@@ -109,10 +110,14 @@ def branches(b: Touch, most: float) -> list[Branch]:
     most
         The spinning states are given for 0 <= lambda <= most [kg m^3/s]; the tumbling ones wherever
         they are.
+
+    Notes
+    -----
+    The lowest spin is stable below lambda_u, the highest one above lambda_s.
     """
     result = []
     for kind, limit, inside in zip(
-        poles(b), (lambda_u(b), lambda_s(b)), (True, False), strict=True
+        spins_by_height(b), (lambda_u(b), lambda_s(b)), (True, False), strict=True
     ):
         for ends, calm in (
             ((0.0, min(limit, most)), inside),
