@@ -168,13 +168,17 @@ STOPS_ROLLING = 1e-6
 def rolling(omega, law):
     """Return the torque of rolling resistance per normal force, (3,) [m].
 
-    It is -mu_r omega_h/|omega_h|, smooth where omega_h = 0.
+    It is -mu_r omega_h/|omega_h|, smooth where omega_h = 0. The vertical part is left to the
+    caller, who replaces z by a drilling torque.
     """
     k = -law.mu_r / sqrt(omega.x * omega.x + omega.y * omega.y + STOPS_ROLLING**2)
     return Vector(k * omega.x, k * omega.y, 0)
 
 
 def torque(drag, omega, law):
-    """Return the torque of drilling and of rolling resistance per normal force, (3,) [m]."""
+    """Return the torque of drilling and of rolling resistance per normal force, (3,) [m].
+
+    It is `FrictionLaw.torque` of the law `contensou`, hence its arguments.
+    """
     drilling = -(law.mu * law.patch**2 * drag.twist * omega.z)
     return rolling(omega, law)._replace(z=drilling)

@@ -59,6 +59,8 @@ def _product(a: Sequence, b: Sequence) -> list:
 def _solved(a: Sequence, made: list, b: Sequence, divisor: Any) -> list:
     """Return a factor and its derivatives, of which some are `made`: Leibniz's rule for a = made b,
     solved for the highest derivative, whose own factor is `divisor`.
+
+    It appends to `made`, which may be `b` itself, as of a root.
     """
     for n in range(len(made), max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
@@ -83,7 +85,8 @@ ARITHMETIC: dict[str, Callable] = {
     "negative": lambda a: [-one for one in a],
     "absolute": lambda a: [(1.0 * (a[0] > 0) - (a[0] < 0)) * one for one in a],
 }
-"""Functions of NumPy, of the parts of their operands; a constant has one part."""
+"""Functions of NumPy by their names there, of the parts of their operands; a constant has one part.
+"""
 
 
 def _power(a: Any, p: Any, r: Any, da: Any, dp: Any) -> Any:
@@ -105,7 +108,8 @@ RULES: dict[str, Callable] = {
     "hypot": lambda a, b, r, da, db: (a * da + b * db) / r,
     "power": _power,
 }
-"""The derivative of a function of NumPy, of its operands, its result and their derivatives."""
+"""The derivative of a function of NumPy, of its operands, its result, and the derivatives of the
+operands, in this order."""
 COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal"}
 
 
@@ -202,6 +206,7 @@ def parts_of(value: Any, order: int) -> tuple:
 def implicit(root: Any, residual: Callable, given: Any) -> Any:
     """Return a root with its derivatives, by the implicit function theorem.
 
-    `root` solves residual(root, given) = 0 for the values of `given`, which has derivatives.
+    `root` solves residual(root, given) = 0 for the values of `given`, which has derivatives. It is
+    one step of Newton, so only first derivatives are right.
     """
     return root - residual(root, given) / residual(Dual(root, 1.0), plain(given)).first

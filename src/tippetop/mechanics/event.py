@@ -133,7 +133,8 @@ def zero_of(function: Callable, low: Any, *points: Any) -> Any:
     """Return the first zero of a function that is positive at `low`, by bisection.
 
     It is sought before the first of `points`, ascending, at which the function is not positive;
-    None if it is positive at all of them.
+    None if it is positive at all of them. The result is the upper end of the last interval, where
+    the function is not positive.
     """
     for high in points:
         if not function(high) > 0:

@@ -244,7 +244,7 @@ ENDS = ("ended", "liftoff", "fallen", "stalled")
 """Statuses with which a jump may end a run."""
 
 KINDS = dict(ends=str, message=str, logged=tuple, zeros=dict, sides=dict, rows=dict)
-"""Types of fields of a Next."""
+"""Types of fields of a Next, for `Exit.fault`."""
 
 MOST_LOGGED = 1024
 """Events that a jump may log."""
@@ -282,8 +282,9 @@ class Exit(metaclass=Described):
 
         "" without one.
 
-        n is the result of the jump from the common state x; `known` contains the words that its
-        fields may have (of `rows`, tables with their columns).
+        n is the result of the jump from the common state x; `known`, which `engine.hybrid` makes
+        once for a run, contains the words that its fields may have (of `rows`, tables with their
+        columns).
         """
         if not isinstance(n, Next):
             return f"return a Next, but returns {n!r:.60}"

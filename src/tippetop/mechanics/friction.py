@@ -58,7 +58,10 @@ def drilling_part(omega, law):
 
 
 def torque_of_parts(drag, omega, law):
-    """Return the torque of rolling resistance and drilling per normal force, (3,) [m]."""
+    """Return the torque of rolling resistance and drilling per normal force, (3,) [m].
+
+    It is `FrictionLaw.torque` of `with_parts` of a law without regions; it ignores the drag.
+    """
     return rolling(omega, law)._replace(z=drilling_part(omega, law))
 
 
@@ -125,7 +128,11 @@ class FrictionLaw(Record, abstract=True):
     mu_d: Number = reuse(DRILLING, default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
-        """Derive a law's names, and `with_parts`, the class of its records with mu_r or mu_d."""
+        """Derive a law's names, and `with_parts`, the class of its records with mu_r or mu_d.
+
+        That class is made here too, so it has `with_parts` = None, and the face and the key of the
+        law. The numbers of PARTS come last in its records.
+        """
         super().__init_subclass__()
         body = vars(cls)
         doc = (cls.__doc__ or "").partition("\n\nParameters\n")[0]
@@ -363,7 +370,10 @@ REST2, FAST2 = np.float64(0), np.float64(1e6)
 
 
 def _coefficients(law: Any, *speeds2: Any) -> list[Any]:
-    """Return k [s/m] at these |v_A|^2 [m^2/s^2], at each for z = 1, 0 and -1."""
+    """Return k [s/m] at these |v_A|^2 [m^2/s^2], at each for z = 1, 0 and -1.
+
+    Whether k vanishes is judged by these three places.
+    """
     with np.errstate(all="ignore"):
         return [slip_coefficient(v2, z, law) for v2 in speeds2 for z in (1.0, 0.0, -1.0)]
 
@@ -420,7 +430,10 @@ def checked_name(name: Any, kind: str) -> str:
 
 
 def _faults(law: type[FrictionLaw]) -> list[str]:
-    """Return messages on a law that cannot be registered; [] if it can."""
+    """Return messages on a law that cannot be registered; [] if it can.
+
+    The attributes that are refused decide which phases a contact has, in `mechanics.contact`.
+    """
     name = law.key
     faults = []
     if not callable(law.coefficient):

@@ -27,7 +27,8 @@ OPERATIONS = (
     *("exp", "log", "arctan2", "sin", "cos"),
     *("less", "less_equal", "equal", "unit", "expect", "motion", "result"),
 )
-"""As in the loop; all but the last four are functions of NumPy."""
+"""In the order of the loop: a line contains the place of its operation here. All but the last four
+are functions of NumPy."""
 
 TURNED = {"greater": "less", "greater_equal": "less_equal"}
 """Functions of NumPy that are one of the operations on their operands in the other order."""
@@ -35,7 +36,7 @@ TURNED = {"greater": "less", "greater_equal": "less_equal"}
 
 @dataclass(eq=False)
 class Number(NDArrayOperatorsMixin):
-    """A number of a run, whose operations become lines of its program.
+    """A number of a run, whose operations become lines of its program; not a `number.Number`.
 
     Parameters
     ----------
@@ -74,9 +75,10 @@ class Number(NDArrayOperatorsMixin):
 
 
 class Program:
-    """A program: its lines are an operation and the places of two operands.
+    """A program for the loop: its lines are an operation and the places of two operands.
 
-    A place is that of an input, then those of lines; negative: -1 minus that of a constant.
+    `writing.Program` is another one, of text. A place is that of an input, then those of lines;
+    negative: -1 minus that of a constant.
 
     Parameters
     ----------
@@ -114,7 +116,10 @@ class Program:
         return Number(self, self.count + len(self.lines) - 1, value)
 
     def joined(self, values: Sequence) -> Number:
-        """Copy values to consecutive registers, for a MOTION; return the first one."""
+        """Copy values to consecutive registers, for a MOTION; return the first one.
+
+        A product with 1 is a new line always, and keeps all bits.
+        """
         first, *_ = [self.line("multiply", value, 1.0) for value in values]
         return first
 

@@ -179,10 +179,12 @@ def reuse(rule: Number, *, default: Any = None, **changes: Any) -> Any:
     return replace(rule, **changes | ({} if default is None else {"default": default}))
 
 
-def completed(given: Mapping[str, Any], rules: Mapping[str, Number]) -> dict[str, Any]:
-    """Return numbers by name, with the defaults of omitted ones.
+def with_defaults(given: Mapping[str, Any], rules: Mapping[str, Number]) -> dict[str, Any]:
+    """Return numbers by name, with the defaults of those that are omitted or None.
 
-    If one without a default is omitted too, nothing is filled in.
+    If one without a default is omitted too, nothing is filled in: defaults may be arithmetic of the
+    others, and the caller reports the missing one. The keys of `given` keep their order, because
+    `Record.__new__` makes the record by position.
     """
     omitted = {key: rule.default for key, rule in rules.items() if given.get(key) is None}
     return {**given} if None in omitted.values() else {**given, **omitted}
@@ -191,7 +193,10 @@ def completed(given: Mapping[str, Any], rules: Mapping[str, Number]) -> dict[str
 def omission_faults(
     given: Mapping[str, Any], numbers: Mapping[str, float], rules: Mapping[str, Number]
 ) -> list[str]:
-    """Return a sentence for each omitted number whose default does not apply to the others."""
+    """Return a sentence for each omitted number whose default does not apply to the others.
+
+    `given` are the user's values, `numbers` the floats with defaults.
+    """
     return [
         f"`parameters.{key}` must be given where {name} is not 0, but is missing: its default is "
         "that of a uniform body."
@@ -218,6 +223,7 @@ class RecordType(Described):
         """Make a class of records: fields, signature and docstring are those of its Numbers."""
         own = {key: value for key, value in body.items() if isinstance(value, Number)}
         parts = {key: rule for base in bases for key, rule in getattr(base, "parts", {}).items()}
+        # a number that the class does not repeat is not inherited
         before = [key for base in bases for key in getattr(base, "parameters", ())]
         body = {"__slots__": (), **dict.fromkeys(before), **body}
         if abstract:
@@ -228,7 +234,7 @@ class RecordType(Described):
             key: vars(record)[key]
             for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")
         }
-        taken = own | parts | own
+        taken = own | parts | own  # own numbers first, and by their own rules
         fields = [_field(key, rule, key in own) for key, rule in taken.items()]
         body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature(fields)}
         described = [f"{key} : {rule.described()}" for key, rule in taken.items()]
@@ -299,7 +305,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
                 found = f"lacks {missing}" if missing else "was given too many arguments"
                 raise TypeError(f"{cls.__name__}({', '.join(cls._fields)}) {found}.")
             in_order = {key: given.get(key) for key in rules}
-            numbers = completed(in_order, rules) if operands else kind.checked(in_order)
+            numbers = with_defaults(in_order, rules) if operands else kind.checked(in_order)
             return kind._make(numbers.values())
 
     @classmethod
@@ -320,15 +326,16 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     @classmethod
     def checked(cls, values: Mapping[str, Any]) -> dict[str, float]:
-        """Return the numbers by name as floats.
+        """Return the numbers by name as floats, in the order of `values`, which is that of fields.
 
-        Raises InputError with a sentence for each that is wrong.
+        Callers make a record of them by position. Raises InputError with a sentence for each that
+        is wrong.
         """
         rules = cls.parameters
         faults = []
         read = {}
         units = {cls.table: {key: rule.unit for key, rule in rules.items()}}
-        whole = completed(values, rules)
+        whole = with_defaults(values, rules)
         for key, value in worked_out({cls.table: whole}, units)[cls.table].items():
             try:
                 read[key] = rules[key].read(f"{cls.table}.{key}", value)

@@ -155,7 +155,7 @@ def minus(a: Vector, b: Vector) -> Vector:
 
 
 def leaves(record: Any) -> list:
-    """Return the numbers of a record of records, in order.
+    """Return the numbers of a record of records, in the order in which `refill` takes them.
 
     Parameters
     ----------

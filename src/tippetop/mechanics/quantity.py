@@ -137,7 +137,10 @@ class _Reading:
         return value, powers
 
     def computed(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
-        """Return the number of an expression, however long, and its powers; see `term`."""
+        """Return the number of an expression, however long, and its powers; see `term`.
+
+        Parts of it are taken by `term`, which limits their length.
+        """
         match node:
             case ast.Constant(value=number) if type(number) is int:
                 return Fraction(number), ()
@@ -175,7 +178,10 @@ class _Reading:
         return self.refuse(FORMS)
 
     def named(self, name: str) -> Fraction:
-        """Return the number of a name in an expression, exactly, in SI units. Raises InputError."""
+        """Return the number of a name in an expression, exactly, in SI units. Raises InputError.
+
+        A text is computed once, and replaced in `names`.
+        """
         if name in self.under and name in self.names:
             raise InputError(
                 [f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".']
@@ -286,7 +292,7 @@ def worked_out(
     Returns
     -------
     dict
-        The tables.
+        The tables, with their keys in the same order.
 
     Raises
     ------

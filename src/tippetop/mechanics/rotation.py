@@ -105,7 +105,7 @@ def between(p, wp, q, wq, h, s):
 
     The rotations p and q have the angular velocities wp and wq. Axis 3 is a cubic through both ends
     with their velocities; the turn about it is one too, with omega_3 as its slope, so that it may
-    be many times around.
+    be many times around. Pages have it as JavaScript: it may use functions of `writing` only.
     """
     u = axes(p)[2]
     v = axes(q)[2]

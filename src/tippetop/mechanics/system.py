@@ -181,7 +181,8 @@ class System(metaclass=Described):
     motion : callable
         motion(b, start) -> the name of the motion, if theory has one.
     borders : callable
-        borders(b) -> {label: |lambda|}, the limits of regimes in a map of many tops, SI.
+        borders(b) -> {label: |lambda|}, the limits of regimes in a map of many tops, SI: b has
+        arrays, (n,). A label is symbols, a colon and words: figures write the symbols as formulas.
     inverts : bool
         Whether friction can turn the body over; its inversion is then always reported.
     on_request : tuple of Quantity
@@ -260,7 +261,8 @@ class System(metaclass=Described):
     def _derive(self) -> None:
         """Fill the fields that are not given, in place, although the record is frozen.
 
-        They are derived from the parameters and the state of the first phase.
+        They are derived from the parameters and the state of the first phase. The places of phases
+        and of exits in `tables` are their numbers in stores.
         """
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and all_are(self.parameters, Mapping, Number):
@@ -376,7 +378,7 @@ class System(metaclass=Described):
         ]
 
     def rivals(self, name: str) -> set[str]:
-        """Return the initial numbers that cannot be given together with another."""
+        """Return the initial numbers that cannot be given together with the number `name`."""
         names: set[str] = set()
         for alternative in self.alternatives:
             if not alternative.flag and name == alternative.name:
@@ -471,7 +473,8 @@ class System(metaclass=Described):
     def with_records(self, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> System:
         """Return the system with more events and columns.
 
-        Cached, so that equal records give the same object: compiled equations are cached by it.
+        Cached, so that equal records give the same object: compiled equations are cached by it. The
+        records must be hashable, hence the tuples.
         """
         if not (events or quantities):
             return self

@@ -45,7 +45,7 @@ class Unit(metaclass=Described):
 
     @cached_property
     def powers(self) -> tuple[int, int, int]:
-        """Return the exponents of kg, m and s."""
+        """Return the exponents of kg, m and s. Raises InputError if the symbol is no unit."""
         matches = [FACTOR.fullmatch(part) for part in str(self.symbol).split()]
         factors = [(POWERS[m[1]], int(m[2] or 1)) for m in matches if m]
         if not matches or None in matches:

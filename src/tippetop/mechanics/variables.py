@@ -45,7 +45,10 @@ class Variables:
 
     @cached_property
     def integrals(self) -> tuple[Integral, ...]:
-        """Return the integrals that are integrated with the state."""
+        """Return the integrals that are integrated with the state, those of the orientation last.
+
+        Their order is that of stored states.
+        """
         turning = (
             self.form.orientation.integrals if self.orientation and self.form.orientation else ()
         )

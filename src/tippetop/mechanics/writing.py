@@ -47,7 +47,10 @@ SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/"}
 
 @dataclass
 class Program:
-    """A program without branches: lines in order, each sub-expression once."""
+    """A program without branches: lines of text in order, each sub-expression once.
+
+    `lines.Program` is another one, of numbers for the loop.
+    """
 
     language: Language
     # text -> name
@@ -140,7 +143,10 @@ class Symbol(NDArrayOperatorsMixin):
 
 
 def _power(base: Symbol, power: float) -> Any:
-    """Return a symbol to the power 1/2, or to a positive whole one as products; others fail."""
+    """Return a symbol to the power 1/2, or to a positive whole one as products; others fail.
+
+    Powers of the languages would round in another way.
+    """
     if power == 0.5:
         return np.sqrt(base)
     assert power == int(power) > 0, "the formulas' powers are whole"

@@ -16,7 +16,7 @@ from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.friction import LAWS, FrictionLaw
-from ..mechanics.number import completed, omission_faults
+from ..mechanics.number import omission_faults, with_defaults
 from ..mechanics.quantity import worked_out
 from ..mechanics.system import Form, System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
@@ -82,7 +82,7 @@ def problem(
         load_entry_points()
     body: Any = tables.get("parameters")
     if isinstance(body, Mapping):
-        tables = {**tables, "parameters": completed(body, system.parameters)}
+        tables = {**tables, "parameters": with_defaults(body, system.parameters)}
     tables = worked_out(tables, units_of(system, tables))
     try:
         model = scenario_model(system, system.laws.get(name))

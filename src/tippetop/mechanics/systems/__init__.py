@@ -115,12 +115,15 @@ def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
 
 
 def opening_systems() -> dict[str, System]:
-    """Return the systems whose contact may open, by name: those with an `Opening`."""
+    """Return the systems whose contact may open, by name: those with an `Opening`.
+
+    A scenario of one of them may have a table [contact].
+    """
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
 
 def surroundable_systems() -> dict[str, System]:
-    """Return the systems that may be in surroundings, by name."""
+    """Return the systems that may be in surroundings, by name: those that may fly, or that roll."""
     return {n: s for n, s in SYSTEMS.items() if s.opening is not None or rolls(s)}
 
 

@@ -1,6 +1,7 @@
 """Checks of a user-defined system: its records fit together, and its functions work.
 
-`systems.add` calls `check`: a `System` goes in; InputError has a sentence for each fault.
+`systems.add` calls `check` when a system is registered, and `library.scenarios` for each run that
+is given a `System`. A `System` goes in; InputError has a sentence for each fault.
 """
 
 import math
@@ -34,7 +35,9 @@ ONCE = {
 def check(system: System) -> None:
     """Raise InputError for a system whose records contradict one another, or that cannot be run.
 
-    It raises one error with all faults of the records; it calls functions only of faultless ones.
+    There are three stages: contradictions, unmet requirements, and functions that fail. The error
+    has the faults of the first stage with any, since later stages rely on the earlier ones; of
+    functions it has the first fault only.
     """
     try:
         if faults := inconsistencies(system) or unmet_requirements(system):
@@ -57,7 +60,10 @@ def named(faults: dict[str, Iterable[str]]) -> list[str]:
 
 
 def inconsistencies(system: System) -> list[str]:
-    """Return one message for each contradiction among the records of a system; calls no formula."""
+    """Return one message for each contradiction among the records of a system; calls no formula.
+
+    The events of a phase are compared with those of all phases before it.
+    """
     faults: list[str] = []
     directions: dict[str, int] = {}
     integrals = {integral.name for integral in system.phase.form.integrals}
@@ -129,7 +135,7 @@ def inconsistencies(system: System) -> list[str]:
 
 
 def unmet_requirements(system: System) -> list[str]:
-    """Return what a run needs and a consistent system lacks: one message each."""
+    """Return what a run needs and a consistent system lacks: one message each; calls no formula."""
     of = f"of `{system.name}`"
     phase = system.phase
     angles = system.angles._fields
@@ -180,7 +186,10 @@ def unmet_requirements(system: System) -> list[str]:
 
 
 def rivals(events: Sequence[Event]) -> list[str]:
-    """Return messages on events of one phase that exclude each other, or never happen."""
+    """Return messages on events of one phase that exclude each other, or never happen.
+
+    `library.extensions` calls it too, for the events of a system with those of a user.
+    """
     faults = []
     for field, what in ONCE.items():
         names = [f"`{event.name}`" for event in events if getattr(event, field)]

@@ -109,7 +109,10 @@ def kappa(v2, law):
 
 
 class Scalars(NamedTuple):
-    """Scalars of the quantities; names as in `gliding.Scalars`, with phi' = omega_3 = nu_y = 0."""
+    """Scalars of the quantities; names as in `gliding.Scalars`, with phi' = omega_3 = nu_y = 0.
+
+    The last field is that which `rolling_cylinder.rolling_scalars` replaces, by its place.
+    """
 
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2

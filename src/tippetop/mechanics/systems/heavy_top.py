@@ -81,7 +81,8 @@ def potential(z, Lz, L3, b):
 def coefficients(b) -> PotentialCoefficients:
     """Return V of both heavy tops, seen upside down, in q = cot(theta/2)^2.
 
-    The momenta are (L3, Lz); see `PotentialCoefficients`.
+    The momenta are (L3, Lz); see `PotentialCoefficients`. V of them must equal `potential`, which
+    takes (Lz, L3). Zeros and ones have the type of the numbers of b, such as Decimal.
     """
     zero = 0 * b.m
     one = 1 + 0 * b.m

@@ -120,7 +120,7 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
 def tippe_top_borders(b: Touch) -> dict[str, Any]:
     """Return each |lambda| at which the asymptotic states of a tippe top change [kg m^3/s].
 
-    NaN: no border.
+    By label, "symbols: words", for bodies b with arrays of numbers, (n,); NaN: no border.
     """
     low, high = spins_by_height(b)
     least = lambda_u(b)

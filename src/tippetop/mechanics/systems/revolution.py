@@ -2,7 +2,7 @@
 
 `Spheroid` and `Disc` take the numbers of the user. `systems` makes the gliding and the rolling
 `System` of such a body of those of a ball (`contact.gliding`, `contact.rolling`): its formulas get
-the ball by which the body touches (`contact.outlined`). `both` serves `ellipsoid` too.
+the ball by which the body touches (`contact.present_body`). `pair` serves `ellipsoid` too.
 """
 
 from collections.abc import Mapping
@@ -138,7 +138,8 @@ def pair(
 ) -> tuple[System, System]:
     """Return the gliding and the rolling system of a body, with fields of each and `more` of both.
 
-    The unit of length is the size of its outline. Formulas may be those of a ball.
+    The unit of length is the size of its outline. Formulas may be those of a ball: here they are
+    changed to take the ball by which the body touches. `ellipsoid` calls it too.
     """
 
     def system(phase: str, name: str, fields: Mapping[str, Any], words: str) -> System:

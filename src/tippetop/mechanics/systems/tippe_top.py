@@ -141,6 +141,7 @@ def potential(z, D, lam, b):
 def coefficients(b) -> PotentialCoefficients:
     """Return V in the variable of the landscape, q = tan(theta/2)^2: see `PotentialCoefficients`.
 
+    V of them must equal `potential` (the law of `Landscape`), and K fits d(z) of `spinning.d`.
     `landscape.landscape_body` calls it with a body of decimals, by which no digit is lost, although
     the marked lines cancel. The coefficients of a peg are those of the body with its axis reversed,
     where D is -D.

@@ -113,7 +113,10 @@ def contact_rates(q, b):
 
 @formula
 def vertical_force(q, carried, b):
-    """Return the normal force m (g - c z'') [N], z'' from (I1 + m |a|^2) z' = M_x u_y - M_y u_x."""
+    """Return the normal force m (g - c z'') [N], z'' from (I1 + m |a|^2) z' = M_x u_y - M_y u_x.
+
+    It is the rate of the integral `impulse`; `carried` is there for its signature.
+    """
     u_dot = axis_rate(q, b)
     rates = contact_rates(q, b)
     turn = rates.Mx * q.uy - rates.My * q.ux + q.Mx * u_dot.y - q.My * u_dot.x

@@ -27,9 +27,10 @@ SMOOTH = 1e-5  # of the greatest value: what a derivative may differ from the in
 
 @np.errstate(all="ignore")
 def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
-    """Return a sentence on an outline that is not smooth or not convex.
+    """Return a sentence on an outline that is not smooth or not convex; [] without one.
 
-    `lengths` are the powers of the metre in the units of its numbers.
+    `lengths` are the powers of the metre in the units of its numbers. Bodies are refused by it when
+    they are made.
     """
     s = np.sin(THETA)
     z = np.cos(THETA)
@@ -66,7 +67,11 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
 
 
 def body_by_height(numbers: Mapping[str, Number], height: Callable) -> type[Outlined]:
-    """Return the class of the bodies with these numbers and this height. Raises InputError."""
+    """Return the class of the bodies with these numbers and this height. Raises InputError.
+
+    Its numbers are m, I1, I3, those given, and g; numbers with a default come last, as a
+    signature requires.
+    """
     shape = answer(
         "`numbers` must be a dict of Number by their names",
         lambda: shape_by(height, numbers),
