@@ -40,7 +40,7 @@ COMMANDS = {
 }
 """The function of each command, of the same name, which cyclopts imports when it is needed."""
 WITHOUT_ENGINE = {"export", "systems", "presets", "new", "help", "completion"}
-"""Commands that do not integrate: they start without `host.prepare`, which loads heyoka."""
+"""Commands that never use the engine: they start without `host.prepare`, which loads heyoka."""
 
 
 def application() -> App:

@@ -107,7 +107,7 @@ SWEEP_KINDS = {
     "normal-force": "least normal force",
     "lyapunov": "finite-time Lyapunov exponent, of a plan that keeps it",
 }
-"""The figures of a sweep."""
+"""The figures of a sweep; `sweeps.maps.NEEDED` has their columns, `sweep_map` their labels."""
 ENDINGS = (".png", ".svg", ".pdf")
 MOST_PIXELS = 20_000  # along a side
 

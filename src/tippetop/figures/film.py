@@ -145,7 +145,7 @@ def pose(
     """Return the body on the screen, at one row of its trajectory.
 
     Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass. `row` is
-    a Dataset, or a dict, of an orientation and, if the body may leave the floor, z [m].
+    a Dataset, or a dict, of the orientation and, if it has it, the height z of the centre of mass.
     """
     axes = rotation(np.asarray(row["orientation"])) @ np.transpose(shape["axes"])
     unit = shape["unit"]

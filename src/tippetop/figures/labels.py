@@ -24,7 +24,7 @@ MEASURED = {
     "axis": ("axis", ""),  # its residual is an angle
     "orientation": ("inclination θ", "rad"),
 }
-"""Label and unit of each kind of measurement; others are angles."""
+"""Label and unit of each kind of measurement of `exchange.headers`; others are angles."""
 TABLES = ("parameters", "friction", "contact", "stem", "air", "plane", "initial", "run")
 RUN_KEYS = ("precision", "tolerance")
 MOST_NUMBERS = 2  # bodies that differ in more are named
@@ -91,7 +91,7 @@ def _differ(runs: list[Attributes], table: str, key: str) -> bool:
 
 
 def shared(runs: list[Attributes]) -> Attributes:
-    """Return the attributes of the first run, with the title and initial numbers that all share.
+    """Return the attributes of the first run, without what is not common to all in its title.
 
     `title` draws them. Further attributes, such as units and symbols, are those of the first run.
     """

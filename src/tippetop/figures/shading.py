@@ -34,7 +34,8 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
     panels
         Panels whose x axis is the time.
     phases, impacts
-        The groups of the run's store, as Datasets; without impacts None.
+        The groups of the run's store, as Datasets; without impacts None. Each phase must begin
+        where the one before ends.
     """
     begun = phases["start"].values
     ended = phases["end"].values

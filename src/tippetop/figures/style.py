@@ -213,7 +213,7 @@ def legend(
     if not is_ours:
         ax.legend(entries.values(), entries, **options)
         return
-    # about 17 letters are an inch wide; a line and 6 letters of space stand before each label
+    # about 17 letters of a legend are an inch wide; the line before a label takes the room of 6
     room = int(17 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
     labels = [broken(label, room * 4 // 5) for label in entries]
     # formulas are shorter than their TeX
@@ -233,10 +233,7 @@ def broken(words: str, letters: int) -> str:
 
 
 def _letters() -> int:
-    """Return the number of letters in a line of a title, for the requested size.
-
-    Nine letters an inch leave a margin: about eleven fit.
-    """
+    """Return the number of letters in a line of a title, for the requested size: nine an inch."""
     size = _setting.get().size
     if size is None:
         return WIDTH

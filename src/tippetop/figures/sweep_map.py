@@ -75,7 +75,7 @@ CURVES = {
     ),
     "lyapunov": (FIELDS["lyapunov"][1], {"lyapunov": ""}),
 }
-"""Curves over one axis: the label of the axis, and the words of each column."""
+"""Curves over one axis: the label of the axis, and the words of each column of `maps.NEEDED`."""
 # Fraction of m g: a top that was stopped at liftoff ends within rounding of zero force
 TOUCH = 1e-9
 

@@ -27,7 +27,6 @@ def in_window(
             "the part that is shown must begin before it ends, but goes from "
             f"{low:g} to {high:g} s."
         )
-    whole = groups["trajectory"]
     cut = dict(groups)
     for name in groups.keys() & {"trajectory", "events", "impacts"}:
         time = groups[name]["time"]
@@ -41,6 +40,6 @@ def in_window(
         begin, end = (groups["phases"][name].clip(times[0], times[-1]) for name in ("start", "end"))
         phases = groups["phases"].assign(start=begin, end=end)
         cut["phases"] = phases.isel({begin.dims[0]: (end > begin).values})
-    row = whole.isel(time=0)
+    row = groups["trajectory"].isel(time=0)
     first = {name: float(row[name]) for name in row.variables if row[name].shape == ()}
     return cut, attrs | {"first_row": first}

@@ -92,7 +92,7 @@ class Run:
 
     @property
     def trajectory(self) -> xr.Dataset:
-        """Return a copy of the rows along `time` [s], in SI units: users may assign columns."""
+        """Return a copy of the rows along `time` [s], in SI units."""
         return self._datasets["trajectory"].copy()
 
     @property

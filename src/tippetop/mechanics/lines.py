@@ -136,7 +136,10 @@ class Program:
         return results + [self.line("result", 0.0, value=value) for value in others]
 
     def code(self) -> np.ndarray:
-        """Return the lines (k, 3) with numbers of registers: of inputs, constants and lines."""
+        """Return the lines (k, 3) with numbers of registers, as the loop has them.
+
+        Registers are those of inputs, then of constants, then of lines.
+        """
         code = np.array(self.lines, np.int64)
         constants = len(self.constants)
         places = code[:, 1:]

@@ -162,6 +162,5 @@ class Page:
 
     def _repr_html_(self) -> str:
         """Return the page in a frame, for notebooks."""
-        style = "width:100%;height:720px;border:0"
-        frame = f'style="{style}" title="tippetop" allowfullscreen'
+        frame = 'style="width:100%;height:720px;border:0" title="tippetop" allowfullscreen'
         return f'<iframe loading="lazy" srcdoc="{html.escape(self.text)}" {frame}></iframe>'

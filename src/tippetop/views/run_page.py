@@ -71,7 +71,7 @@ def page(
     start: float | None,
     until: float | None,
 ) -> str:
-    """Return the text of the HTML file of a run.
+    """Return the text of the HTML file of a run; run.js reads the names of its data.
 
     Parameters
     ----------

@@ -43,7 +43,10 @@ LINE = (
 
 
 def page_of_sweep(path: Path) -> str:
-    """Return the text of the HTML file of a stored sweep. Raises InputError, StoreError."""
+    """Return the text of the HTML file of a stored sweep. Raises InputError, StoreError.
+
+    sweep.js reads the names of its data.
+    """
     table = open_sweep(path)
     plan = plan_of(table)
     if plan.n > MOST:

@@ -166,7 +166,9 @@ def by_name(name: str, contact: tuple = (), around: tuple[str, ...] = ()) -> Sys
 
 
 def place_of(system: System) -> tuple:
-    """Return the arguments of `by_name` for the registered system of which one is made."""
+    """Return the arguments of `by_name`, in their order, for the registered system of which one is
+    made. Pickles contain them.
+    """
     contact = system.contact or ()
     return system.name, contact, () if contact else groups_of(system.surroundings)
 

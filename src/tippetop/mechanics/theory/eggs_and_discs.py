@@ -26,7 +26,8 @@ def spins(b: Touch, *, rolls: bool = False) -> tuple[list[str], dict[str, Thresh
     """Return which spins at the poles are stable, in words, and the limits of their speed.
 
     The words are clauses of a sentence of `outlook.revolution`; the limits are `Threshold`s by
-    name, "spin_upright", "spin_inverted". A pole at which the body has an edge is left out.
+    name, "spin_upright", "spin_inverted". A pole at which no ball touches, as of a disc, is left
+    out.
     """
     words = []
     found = {}

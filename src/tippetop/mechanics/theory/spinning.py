@@ -48,7 +48,7 @@ def energy(z, lam, b):
 
 def lambda_pi(b):
     """Return |lambda| [kg m^3/s] from which on the spin with the centre of mass highest lies on the
-    minimal surface: it is stable in pure rolling. [T 4.28]
+    minimal surface: it is stable in pure rolling.
     """
     high = -sense(b)
     h = height(high, b)

@@ -175,16 +175,16 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
         """Return |omega_3| [rad/s] of the spinning state, a key of SPINS, that has this lambda."""
         return np.abs(spin(SPINS[state], lam, b))
 
-    at_low = f"spin_{low}"
-    at_high = f"spin_{high}"
     return {
         "lambda_u": Threshold(lambda_u(b), JELLETT, f"{low} spin stable below"),
         "lambda_s": Threshold(lambda_s(b), JELLETT, f"{high} spin stable above"),
         "lambda_de": Threshold(
             lambda_de(b), JELLETT, f"{high} spin has less energy than {low} spin above"
         ),
-        at_low: Threshold(spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin stable below"),
-        at_high: Threshold(
+        f"spin_{low}": Threshold(
+            spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin stable below"
+        ),
+        f"spin_{high}": Threshold(
             spin_at(high, lambda_s(b)), RADIAN_PER_SECOND, f"{high} spin stable above"
         ),
         "spin_full": Threshold(
