@@ -33,7 +33,11 @@ def weight(attrs: Attributes) -> float:
 
 
 def normal_force(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
-    """Draw g_n(t) in units of the weight m g."""
+    """Draw g_n(t) in units of the weight m g.
+
+    The least and the greatest value of the run's report, which are those between rows too, are
+    marked if they lie in the part that is drawn.
+    """
     ax = panel(10, 4.4)
     colours = ink()
     t = trajectory["time"].values

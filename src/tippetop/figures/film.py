@@ -109,7 +109,9 @@ def frames(
     rotation: Callable[[Array], Array],
     size: list[int],
 ) -> Iterator[bytes]:
-    """Draw frames of a film, RGBA: the body on a floor of dots that moves below it.
+    """Yield frames of a film, RGBA bytes row by row: the body on a floor of dots below it.
+
+    The centre of the ball, or the tip, stays in the middle; the dots move instead.
 
     Parameters
     ----------

@@ -63,7 +63,10 @@ def sphere(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
 
 
 def _view(axes: Axes, view: str, path: np.ndarray, t: np.ndarray) -> Any:
-    """Draw one view; return its lines, coloured by the time."""
+    """Draw one view, a key of VIEWS, of a path (n, 3) at the times t; return its lines.
+
+    They are coloured by the time; the caller sets the limits of the colours, for all views.
+    """
     colours, (frame, along, up) = ink(), VIEWS[view]
     seen = path @ frame.T
     plane = seen[:, :2]

@@ -113,7 +113,7 @@ class MomentumSlopes(NamedTuple):
 
 @formula
 def momentum_slopes(q, p, c):
-    """Return the derivatives of V by the momenta, in double-doubles.
+    """Return the derivatives of V by the momenta, times q gamma/2, as `MomentumSlopes`.
 
     Where X almost vanishes at the minimum, no q in doubles has the X of the minimum: `away` is the
     distance of the minimum from q, over which the derivatives are extrapolated.

@@ -304,6 +304,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
             if missing or len(given) < len(values) + len(named):
                 found = f"lacks {missing}" if missing else "was given too many arguments"
                 raise TypeError(f"{cls.__name__}({', '.join(cls._fields)}) {found}.")
+            # as `_make` takes them, by position
             in_order = {key: given.get(key) for key in rules}
             numbers = with_defaults(in_order, rules) if operands else kind.checked(in_order)
             return kind._make(numbers.values())

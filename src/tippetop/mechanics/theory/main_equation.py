@@ -157,7 +157,8 @@ class Equation:
     ):
         """Interpolate energy and momenta, which change slowly, by splines of degree 7 in time.
 
-        The arguments are those of `reconstruct`.
+        The arguments are those of `reconstruct`; the energy is the first column, as `square` takes
+        it.
         """
         from scipy.interpolate import make_interp_spline
 
