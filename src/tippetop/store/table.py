@@ -111,7 +111,10 @@ class Table:
             self._put()
 
     def tail(self) -> bytes:
-        """Return the rows that are not in chunks yet as bytes, column by column, for `restore`."""
+        """Return the rows that are not in chunks yet as bytes, column by column, for `restore`.
+
+        Columns are in the order of the header, which the store keeps.
+        """
         return b"".join(self._joined(column).tobytes() for column in self.documents)
 
     def restore(self, written: int, rows: int, data: bytes) -> bytes:
