@@ -154,6 +154,7 @@ def _fill(
                 rows = {}
                 if not isinstance(result, str):
                     store.put(key, {**plan.design.numbers(tops), **task.columns, **result})
+                    # acknowledged with their tops, by one commit
                     rows = put_events(store, task.chunk, int(tops[0]), result)
                 store.commit(failed=failed, rows=rows)
                 if rows:  # readers must know the shape
