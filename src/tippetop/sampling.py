@@ -19,7 +19,8 @@ class EvenTimes:
     start: float = 0.0
 
     def __len__(self) -> int:
-        # with another tolerance, a stored run that is resumed would get other rows
+        # `until` is the last multiple of a step, but for rounding, or one row more; with another
+        # tolerance, a stored run that is resumed would get other rows
         steps = int((self.until - self.start) / self.step * (1 + 1e-12))
         rest = self.until - (self.start + steps * self.step)
         least = 1e-9 * min(self.step, self.until - self.start)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
-    """Return the groups of the store of a run in memory, without derivatives."""
+    """Return the tables of a run in memory, by the names of their groups in a store."""
     others = phases.joined(run.problem.system, run.others)
     return {"trajectory": run.columns(), "events": run.events, **others}
 

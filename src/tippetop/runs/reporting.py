@@ -248,7 +248,7 @@ def _lost(progress: RunProgress) -> str:
     domains = progress.view.domains(progress.last)
     system = problem.system
     cause = min(domains, key=lambda name: domains[name]) if domains else ""
-    if not cause or not domains[cause] < 1e-3:
+    if not cause or not domains[cause] < 1e-3:  # coordinates are regular where domains are > 0
         law = "the friction law is singular or too stiff (large mu, small eps)"
         if not system.frictional or problem.law.set_valued or problem.law.regions:
             law = "the equations of the system are singular or too stiff"

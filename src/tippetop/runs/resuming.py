@@ -114,7 +114,8 @@ def resume(
 def opened(target: Path) -> Ledger:
     """Open the store of a run to continue it, reading all that it acknowledges.
 
-    Of a finished one, files that its last writer left are removed; an unfinished one is unchanged.
+    Of a finished one, files that its last writer left are removed, as `sweeps` needs; an unfinished
+    one is unchanged, until `Ledger.recover`.
 
     Raises StoreError.
     """

@@ -153,7 +153,7 @@ def _counted(kind: str, events: Info) -> str:
 
 
 def _force(force: Info) -> str:
-    """Return the extremes of the normal force, in words."""
+    """Return the extremes of the normal force, in words; those that are rounding errors as 0."""
     weight = force["weight"]
     low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
     in_weights = f"{low / weight:.4f} to {high / weight:.4f} m g"

@@ -71,8 +71,8 @@ def thin(
     rows = np.arange(first, last)
     if rows.size > most:
         keys = [piece[key].values for piece in blocks(table[[key]], path, first, last)]
-        per_bin = -(-rows.size // (most // 2))  # two rows of each bin are kept
-        rows = first + extremes(np.concatenate(keys), per_bin)
+        # of each bin two rows are kept
+        rows = first + extremes(np.concatenate(keys), -(-rows.size // (most // 2)))
     return loaded(table.isel({dim: np.append(np.arange(min(first, 1)), rows)}), path)
 
 

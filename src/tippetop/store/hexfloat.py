@@ -22,7 +22,7 @@ def encode(value: Any) -> Any:
         return {key: encode(v) for key, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
         return [encode(v) for v in value]
-    if value is None or isinstance(value, bool | int | str | np.integer):
+    if value is None or isinstance(value, int | str | np.integer):
         return int(value) if isinstance(value, np.integer) else value
     return to_hex(value)
 

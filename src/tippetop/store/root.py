@@ -182,7 +182,8 @@ def new_store(
 ) -> Iterator[Path]:
     """Yield a scratch folder, which becomes `target` when the block ends well.
 
-    A store that is replaced is locked first, moved aside whole, and removed last.
+    A store that is replaced is locked first, moved aside whole, and removed last. Only with
+    `in_sweep` may the target lie inside another store, that of its sweep.
 
     Raises StoreError immediately if `target` exists (and may not be overwritten, or is being
     written) or cannot be written; at the end if something else was made there.

@@ -32,7 +32,7 @@ class Table:
             for path in ledger.state.header["tables"][name]
         }
         self.chunk = zarr3.chunk_shape(next(iter(self.documents.values())))[0]
-        self.written, self.rows = 0, 0  # rows in chunks, and of all
+        self.written = self.rows = 0  # rows in chunks, and of all
         self.waiting: dict[str, list[np.ndarray]] = {
             column: [np.empty((0, *document["shape"][1:]), document["data_type"])]
             for column, document in self.documents.items()

@@ -91,7 +91,10 @@ def chunk_shape(document: Mapping[str, Any]) -> list[int]:
 
 
 def chunk_name(document: Mapping[str, Any], *index: int) -> str:
-    """Return the path of a chunk in the folder of its array; indices that are left out are 0."""
+    """Return the path of a chunk in the folder of its array; indices that are left out are 0.
+
+    The name is that of zarr for the separator in `array`; `Ledger._tidy` knows chunks by "c.".
+    """
     return ".".join(["c", *map(str, index), *["0"] * (len(document["shape"]) - len(index))])
 
 

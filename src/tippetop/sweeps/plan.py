@@ -206,7 +206,10 @@ class Plan:
 
     @cached_property
     def seconds_per_top(self) -> float:
-        """Estimated seconds of one core for a top: the same on every computer."""
+        """Estimated seconds of one core for a top: the same on every computer.
+
+        From at most 48 tops, as each is checked, which takes a millisecond or so.
+        """
         from ..runs import cost
 
         steps = []
