@@ -102,7 +102,8 @@ class Problems:
     def _wide(self, value: Any) -> Any:
         """Return a number as a column, (n,), in the type in which units are converted.
 
-        It stays a number if nothing varies, which is faster.
+        It stays a number if nothing varies, which is faster. `engine.derivatives.through` overrides
+        this and `_rounded`, so that all numbers of `pars` and `start` may be duals.
         """
         if isinstance(value, bool):
             return value
@@ -206,7 +207,7 @@ class Problems:
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
-        # 0 * theta: a constant gets the shape, and the derivatives, of the start
+        # 0 * theta: a constant gets the type of the start, perhaps a dual
         return self._rounded([(v + 0 * theta) / weight for v, weight in values])
 
     def _rounded(self, rows: list) -> np.ndarray:

@@ -163,8 +163,8 @@ class Problem(RunOptions):
     def alone(self) -> Problems:
         """This run as the only one of its `Problems`, which compute its numbers.
 
-        If it starts from the end of another run (`origin`) in the same form and variables, it has
-        the exact state; otherwise its state is computed of the initial data.
+        If it starts from the end of another run (`origin`) in the same form, which had all its
+        variables, it has the exact state; otherwise its state is computed of the initial data.
         """
         origin = self.origin
         names = self.variables.names

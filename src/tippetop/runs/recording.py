@@ -118,7 +118,8 @@ class Recorder(Writer, Sink):
     def commit(self, progress: RunProgress, snapshot: PlainData) -> None:
         """Acknowledge all rows so far, and the state from which the run can be continued.
 
-        The work is queued; `snapshot` must belong to exactly these rows, as after a slice.
+        Returns once they are on the disk. `snapshot` must belong to exactly these rows, as after a
+        slice. Report and reason are for readers of an unfinished store, whose `status` is running.
         """
         changed = {
             "report": finite(reporting.report(progress)),

@@ -39,7 +39,10 @@ class Table:
         }
 
     def append(self, values: Mapping[str, np.ndarray]) -> None:
-        """Append rows, (k, ...) by the names of their columns; write every chunk that they fill."""
+        """Append rows, (k, ...) by the names of their columns; write every chunk that they fill.
+
+        Other names are ignored: a table and its late one get the same rows.
+        """
         for column, waiting in self.waiting.items():
             # a copy: the caller uses its memory again
             waiting.append(np.array(values[column], order="C"))

@@ -95,7 +95,10 @@ def put_events(store: Ledger, part: int, first: int, result: Rows) -> dict[str, 
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
-    """Return columns without rows for the varied keys: axes, and the keys that derived axes set."""
+    """Return columns without rows for the varied keys: axes, and the keys that derived axes set.
+
+    `sweep` writes chunks with the same keys, those of `Design.numbers` and `Plan.columns`.
+    """
     rules = plan.base.rules
     first = np.zeros(1, int)
     about = {
