@@ -16,6 +16,7 @@ mechanics; `extending` adds systems, laws, events and columns. `help(tt.run)` ex
 from typing import Any as _Any
 
 
+# public names by their module; `python .ci/stub.py` writes their stubs
 _NAMES = {
     "columns": "dataframe",
     "errors": "InputError StoreError Interrupted",
@@ -40,7 +41,11 @@ __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 
 def __getattr__(name: str) -> _Any:
-    """Import public names when first used: `tippetop --help` must not wait for LLVM."""
+    """Import public names when first used: `tippetop --help` must not wait for LLVM.
+
+    The message on an unknown name imports all public modules to find it there; a name that begins
+    with `_`, such as the probe `_repr_html_` of IPython, imports nothing.
+    """
     from importlib import import_module
 
     if name == "__version__":

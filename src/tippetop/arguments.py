@@ -89,7 +89,7 @@ def choice(name: str, value: Any, known: Collection[str]) -> None:
 
 
 def not_among(name: str, value: Any, known: Collection[str]) -> str:
-    """Return the sentence on a value that is none of these words."""
+    """Return the sentence on a value that is none of these words; None: it is missing."""
     near = suggestion(value, known) if isinstance(value, str) else ""
     given = "missing" if value is None else f"{value!r:.60}"
     return f"`{name}` must be one of {', '.join(known)}, but is {given}.{near}"
@@ -227,7 +227,8 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
             return function(*arguments, **named)
 
         called.__signature__ = signature  # type: ignore[attr-defined]
-        text = inspect.cleandoc(function.__doc__ or "")  # as Python 3.13 has it already
+        # `{options}` is replaced by unindented lines; Python 3.13 removes the indent itself
+        text = inspect.cleandoc(function.__doc__ or "")
         text = text.replace("{names}", ", ".join(p.name for p in added))
         called.__doc__ = text.replace("{options}", options())
         return called  # type: ignore[return-value]
@@ -243,7 +244,7 @@ OF_COMMANDS = (
     (r"--overwrite", "overwrite=True"),
     (r"--group", "`group`"),
 )
-"""Words for the command line, and those for callers."""
+"""Patterns of words for the command line, and those for callers, which replace them in order."""
 
 
 @contextlib.contextmanager

@@ -76,5 +76,8 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
 
 
 def abandoned() -> bool:
-    """Return whether abandoned work is still running: only `os._exit` ends the process then."""
+    """Return whether abandoned work is still running: only `os._exit` ends the process then.
+
+    `cli` calls it at the end.
+    """
     return not all(result.done() for result in _abandoned)

@@ -84,7 +84,7 @@ class Column(NamedTuple):
 def column(
     values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",), **extra: str
 ) -> Column:
-    """Return values as a column of doubles with its unit and meaning."""
+    """Return values as a column of doubles with its unit and meaning; `extra` are attributes."""
     return Column(
         dims,
         np.asarray(values, dtype=np.float64),
@@ -203,7 +203,8 @@ def with_coordinates(table: xr.Dataset) -> xr.Dataset:
 def plain_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes as any file can contain them: numbers, texts, and others as JSON texts.
 
-    True and False are JSON texts too; attributes that are None are left out.
+    True and False are JSON texts too; attributes that are None are left out. Readers of a Dataset,
+    such as `sweeps.sweep_summary.plan_of`, parse the JSON again.
     """
     return {
         name: value
@@ -215,7 +216,11 @@ def plain_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:
-    """Return the attributes of a column of codes: the name of each code, and the meaning."""
+    """Return the attributes of a column of codes: the name of each code, and the meaning.
+
+    By the CF conventions names are one text, separated by spaces: a name has none. Stores contain
+    codes, so a new name goes to the end.
+    """
     return {
         "flag_values": list(range(len(names))),
         "flag_meanings": " ".join(names),

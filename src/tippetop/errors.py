@@ -106,7 +106,7 @@ EXTRAS = {
     **dict.fromkeys(("distributed", "dask"), "cluster"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
-"""Optional imports, and the extra of this package that provides each."""
+"""Optional imports, and the extra of this package that provides each, as in pyproject.toml."""
 
 
 def refuse_without(name: str) -> None:
@@ -182,7 +182,10 @@ class TippetopWarning(UserWarning):
 
 
 def warn(sentences: Iterable[str], level: int) -> None:
-    """Issue a warning for each sentence; `level` counts the calls from here up to the user's."""
+    """Issue a warning for each sentence; `level` counts the calls from here up to the user's.
+
+    Wrappers count too: 4 in `sweeps.sweep` are itself, `tippetop.sweep`, `takes` and the user.
+    """
     for sentence in sentences:
         warnings.warn(sentence, TippetopWarning, stacklevel=level + 1)
 
@@ -217,7 +220,10 @@ def _is_complex(value: Any) -> bool:
 
 
 class NamedFormula:
-    """A formula of the user whose faults become an InputError that contains its name, `of`."""
+    """A formula of the user whose faults become an InputError that contains its name, `of`.
+
+    `names_its_faults` makes it. `owner` recognises it by `of`, which no other formula may have.
+    """
 
     def __init__(self, formula: Callable, of: str):
         functools.update_wrapper(self, formula)

@@ -100,7 +100,10 @@ def _notebook() -> Any:
 
 @contextlib.contextmanager
 def reporting(progress: Report | bool, things: str) -> Iterator[Report]:
-    """Provide a progress callback: the given one, that of a bar (True), or none (False)."""
+    """Provide a progress callback: the given one, that of a bar (True), or none (False).
+
+    `things` are counted in the bar. Raises InputError for any other `progress`.
+    """
     instance("progress", progress, bool | Callable, "a function or a bool")
     if progress is True:
         with Bar(things) as bar:

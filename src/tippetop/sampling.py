@@ -19,6 +19,8 @@ class EvenTimes:
     start: float = 0.0
 
     def __len__(self) -> int:
+        # `until` is the last multiple of a step, but for rounding, or one row more; with another
+        # tolerance, a stored run that is resumed would get other rows
         steps = int((self.until - self.start) / self.step * (1 + 1e-12))
         rest = self.until - (self.start + steps * self.step)
         least = 1e-9 * min(self.step, self.until - self.start)
@@ -32,7 +34,8 @@ class EvenTimes:
         return times
 
     def count(self, t: float) -> int:
-        """Return the number of times up to t."""
+        """Return the number of times up to t, as `__getitem__` rounds them."""
+        # the quotient is rounded: the times around it are compared
         near = min(max(0, int((t - self.start) / self.step) - 1), len(self))
         return near + int(np.searchsorted(self[near : near + 4], t, side="right"))
 

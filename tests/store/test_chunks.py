@@ -120,7 +120,7 @@ def test_a_thin_reading_keeps_the_extremes_of_every_bin(
         for n, v in (("time", np.arange(float(count))), ("value", values))
     }
     whole(tmp_path / "a", of, 64)
-    found = chunks.digest(tmp_path / "a", "trajectory", "value", most)
+    found = chunks.thin(tmp_path / "a", "trajectory", "value", most)
     rows = found["time"].values.astype(int)
     assert np.all(np.diff(rows) > 0)
     assert rows[-1] == count - 1

@@ -15,12 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import path_of
+from ..arguments import PlainData, path_of
 from ..columns import flag_words
 from ..exchange.fit_result import toml_of
 from ..exchange.simulators import DIGITS, formats_of, gravity, rounded_to_digits, text_of
 from ..mechanics.contact.outline import Ball
-from ..problem import Problem
 from ..runs import phases
 from ..runs.run import Solution
 from ..runs.shape import moments, surface_of
@@ -206,17 +205,18 @@ def export(
 
 
 def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
-    """Return the text files of a case by name; write the Parquet file."""
+    """Return the text files of a case by name, and write the Parquet file into `folder`.
+
+    All but `case.json` are in `CONTENT`: checksums are made of those, and `score` skips them.
+    """
     problem = given.problem
-    body = problem.body()
     tables = build.resolved(problem)
     tables["run"] = {key: tables["run"][key] for key in ("until", "output_step")}
     motion, run = truth(problem, sample_times(problem), "longdouble")
     columns = _columns(motion, given.certificate.get("rounding", {}))
+    columns["phase"] = np.full(len(motion.t), "joint")
     if problem.contact is not None:
         columns["phase"] = flag_words(run.columns()["phase"])
-    else:
-        columns["phase"] = np.full(len(motion.t), "joint")
     texts = {
         "scenario.toml": toml_of(tables).strip() + "\n",
         **{MODELS[to]: text_of(problem, to) for to in formats_of(problem)},
@@ -224,9 +224,22 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         **{f"{name}.csv": _csv(table) for name, table in _tables(run).items()},
     }
     _parquet(columns, folder / "reference.parquet", overwrite)
-    content = {name: CONTENT[name] for name in CONTENT if name in {*texts, "reference.parquet"}}
-    start = ("position", "quaternion", "velocity", "omega")
-    description = {
+    description = _description(given, motion, columns, [*texts, "reference.parquet"])
+    return texts | {"case.json": json.dumps(description, indent=2) + "\n"}
+
+
+def _description(
+    given: Case, motion: Truth, columns: Mapping[str, np.ndarray], made: list[str]
+) -> PlainData:
+    """Return the content of `case.json`; `made` are the names of the other files.
+
+    `case.schema.json` lists the keys, and allows no others. The start is the first row of the
+    rounded `columns` by header. As in `_columns`, bytes must be equal on every processor.
+    """
+    problem = given.problem
+    body = problem.body()
+    tables = build.resolved(problem)
+    return {
         "name": given.name,
         "version": VERSION,
         "title": given.title,
@@ -250,39 +263,49 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
                 for name, ball in problem.balls.items()
                 if isinstance(ball.outline, Ball) and ball.R
             },
-            "outline": _outline(problem),
+            "outline": _outline(body),
             "fixed_point": body.c if problem.contact is None else None,
         },
         "friction_law": given.law["words"],
         "law": {name: tables[name] for name in ("friction", "contact") if name in tables},
-        "start": {name: [float(columns[h][0]) for h in VECTORS[name]] for name in start},
+        "start": {
+            name: [float(columns[header][0]) for header in headers]
+            for name, headers in VECTORS.items()
+            if name != "force"
+        },
         "settings": given.settings,
         "frames": FRAMES,
         "units": UNITS,
         "outcome": outcome(problem, motion),
-        "files": content,
+        "files": {name: words for name, words in CONTENT.items() if name in made},
     }
-    return texts | {"case.json": json.dumps(description, indent=2) + "\n"}
 
 
-def _outline(problem: Problem) -> dict[str, Any] | None:
-    """Return the surface of a body without balls: an ellipsoid, or its name and numbers."""
-    outline = problem.body().outline
-    surface = surface_of(problem.body())
+def _outline(body: Any) -> PlainData | None:
+    """Return the surface of a body without balls: an ellipsoid, or its name and numbers.
+
+    It is `outline` of the body in `case.json`, None where balls describe the surface.
+    """
+    outline = body.outline
+    surface = surface_of(body)
     if isinstance(outline, Ball):
         return None
     if len(surface.meridian):
         return {"kind": type(outline).__name__.lower(), **outline._asdict()}
-    half = surface.half.tolist()
-    centre = surface.centre.tolist()
-    return {"kind": "ellipsoid", "half_axes": half, "centre": centre, "turn": surface.turn}
+    return {
+        "kind": "ellipsoid",
+        "half_axes": surface.half.tolist(),
+        "centre": surface.centre.tolist(),
+        "turn": surface.turn,
+    }
 
 
 def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.ndarray]:
     """Return the columns of a reference by header, rounded.
 
-    A number is rounded up if the fraction of its last digit exceeds the threshold of its column.
-    No number is near the threshold, so last bits, which differ between processors, do not matter.
+    A number is rounded up if the fraction of its last digit exceeds the threshold of its column, by
+    default 0.5. `bench.certificates` finds those of named cases: no number is near one, so that
+    last bits, which differ between processors, change no byte.
     """
     columns = {"t [s]": rounded_to_digits(motion.t)}
     for header, (values, power) in scaled(motion).items():
@@ -302,7 +325,10 @@ def scaled(motion: Truth) -> dict[str, tuple[np.ndarray, float]]:
 
 
 def _tables(run: Solution) -> dict[str, dict[str, Any]]:
-    """Return phases and impacts by column; without tables that have no rows."""
+    """Return phases and impacts by column; without tables that have no rows.
+
+    Exported headers have m/s, as those of `VECTORS`, where stores have m s-1.
+    """
     result: dict[str, dict[str, Any]] = {}
     for name, table in phases.joined(run.problem.system, run.others).items():
         columns: dict[str, Any] = {}

@@ -106,7 +106,11 @@ def case(name: str | Path) -> Case:
 
 
 def _own(path: Path) -> Case:
-    """Return a scenario, a TOML file or a preset, as a case; it is run. Raises InputError."""
+    """Return a scenario, a TOML file or a preset, as a case; it is run. Raises InputError.
+
+    Its certificate has the entries that `Case` and `case_files` read, without the `rounding` that
+    `bench.certificates` finds for named cases.
+    """
     problem = replace(starting.load(path), orientation=True)
     require_still(problem.tables, f"`{path}`", tilted=True)
     if path.stem in names():

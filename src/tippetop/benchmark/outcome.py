@@ -28,7 +28,10 @@ STICKS = 0.02
 
 
 def rise(problem: Problem, motion: Truth) -> float:
-    """Return the largest rise [m] of the lowest ball after it was on the plane."""
+    """Return the largest rise [m] of the lowest ball after it was on the plane.
+
+    It was there from a gap below ten times TOUCH on: rows may miss the moment of a contact.
+    """
     gap = _gaps(motion, _arms(problem, motion)).min(axis=0)
     least = np.minimum.accumulate(gap)
     near = least < 10 * TOUCH * size(problem.body())
@@ -55,7 +58,8 @@ def _gaps(motion: Truth, arms: np.ndarray) -> np.ndarray:
 def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     """Return whether a motion turns over, lifts off, sticks at its end and stands on its stem.
 
-    What its columns do not contain is left out.
+    Outcomes that need columns which it lacks are left out. The keys are those of `case.json` and of
+    its README; `score` compares them with those of the reference.
     """
     theta = theta_of(motion.quaternion)
     result = {"turns over": bool(theta[0] < math.pi / 2 - ROUNDED < math.pi / 2 < theta.max())}

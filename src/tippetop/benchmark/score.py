@@ -25,7 +25,7 @@ from ..runs.shape import moments, surface_of
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
-from .truth import VECTORS, Truth, differences, truth
+from .truth import OF_EXCHANGE, VECTORS, Truth, differences, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
@@ -46,7 +46,7 @@ BETTER = 10.0
 TURNED = 0.5
 """Angle [rad] after which the sense of rotation of a file is compared."""
 
-WORDS = {"largest": "max", "at": "at", "rms": "rms", "mean": "mean"}
+WORDS = {"largest": "max", "at": "at", "rms": "rms", "mean": "mean"}  # of `comparison.size_of`
 """Plain data of each quantity -> the number of the comparison."""
 
 SATURATED = 1.0
@@ -136,7 +136,11 @@ class Score:
         self.results = sorted(results, key=lambda r: (*r[:3], -(r.compared.step or 0.0)))
 
     def to_dict(self) -> list[dict[str, Any]]:
-        """Return everything as plain data, a mapping for each result."""
+        """Return everything as plain data, a mapping for each result.
+
+        The order of convergence compares a result with the one before, which has the next larger
+        step if it is of the same case, engine and setting: `results` are sorted.
+        """
         return [
             {
                 "case": r.case,
@@ -197,7 +201,7 @@ class Score:
         return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
     def _rows(self) -> list[tuple[str, ...]]:
-        """Return a row of text for each result; `-` for what its file lacks."""
+        """Return a row of text under HEAD for each result; `-` for what its file lacks."""
         rows = []
         for r, plain in zip(self.results, self.to_dict(), strict=True):
             row = (
@@ -305,7 +309,8 @@ def _case_of(path: Path, chosen: Case | None) -> Case:
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
     """Return the `Result` of the file at a path, compared with its case `each`.
 
-    `known` are references by case and times, which are computed once.
+    `known` are references by case and times, which are computed once; new ones are added. They
+    begin at 0 even if the result begins later, as the motion does.
     """
     table = _checked(path, each)
     t = table.t
@@ -317,7 +322,7 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     exact = known[key]
     there = _motion(table)
     _check_start(path, there, exact, each.problem)
-    within = t <= each.horizon * (1 + 1e-12)
+    within = t <= each.horizon * (1 + 1e-12)  # the horizon is rounded
     curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
     thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
     numbers = {name: size_of(t[within], curve) for name, curve in curves.items()}
@@ -337,7 +342,10 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
 
 
 def _unseen(t: np.ndarray, until: float) -> tuple[float, float] | None:
-    """Return the longest time without a row [s], or None if it is short enough."""
+    """Return the longest time without a row [s], or None if it is short enough, but for rounding.
+
+    Times before the first row and after the last one count.
+    """
     times = np.array([0.0, *t, until])
     gaps = np.diff(times)
     longest = int(gaps.argmax())
@@ -367,16 +375,14 @@ def _motion(table: Table) -> Truth:
     """Return the motion of a result; NaN for missing columns."""
     given = motion(table)
     none = np.full((len(table.t), 3), np.nan)
-    place, velocity, omega, force = (
-        given.get(name, none) for name in ("place", "velocity", "omega", "force")
-    )
-    return Truth(table.t, place, given["orientation"], velocity, omega, force)
+    return Truth(table.t, *(given.get(name, none) for name in OF_EXCHANGE))
 
 
 def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> None:
     """Raise InputError if a result starts elsewhere, or if another reading of it fits better.
 
-    The first row is compared, and one where the body has turned, so that frames differ.
+    The first row is compared, and one where the body has turned, so that frames differ. A reading
+    is what the numbers would mean by another convention; the hint of one that fits is the message.
     """
     q = there.quaternion
     body = problem.body()
@@ -418,7 +424,7 @@ def _check_start(path: Path, there: Truth, exact: Truth, problem: Problem) -> No
 
 
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
-    """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing.
+    """Return the errors of a motion by QUANTITIES, (rows,) each; NaN where columns are missing.
 
     `there` is the result and `exact` its reference at the same times. Energies are relative to the
     first one of the reference, forces to the weight; attitude and theta are in rad, position in m,

@@ -13,6 +13,7 @@ from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 
 
+# fields of `Truth` and their headers, which results of engines have too; columns are in this order
 VECTORS = {
     "position": [f"{c} [m]" for c in "xyz"],
     "quaternion": [f"q_{c}" for c in "wxyz"],
@@ -20,6 +21,10 @@ VECTORS = {
     "omega": [f"omega_{c} [rad/s]" for c in "xyz"],
     "force": [f"force_{c} [N]" for c in "xyz"],
 }
+
+
+OF_EXCHANGE = ("place", "orientation", "velocity", "omega", "force")
+"""Names in `exchange` of the fields of `Truth` after `t`, in their order."""
 
 
 class Truth(NamedTuple):
@@ -44,12 +49,12 @@ def sample_times(problem: Problem) -> np.ndarray:
 def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tuple[Truth, Solution]:
     """Return the motion of a problem at ascending times [s], and its run.
 
-    The sign of the quaternion is continuous.
+    A run that ends early has fewer rows. The sign of the quaternion is continuous, so that engines
+    can interpolate its rows.
     """
     run = solve(with_rows_at(problem, times, precision=precision))
     columns = columns_of(run.problem, run.times, run.rows)
-    names = ("place", "orientation", "velocity", "omega", "force")
-    motion = Truth(run.times, *(columns[name] for name in names))
+    motion = Truth(run.times, *(columns[name] for name in OF_EXCHANGE))
     flips = (motion.quaternion[1:] * motion.quaternion[:-1]).sum(axis=1) < 0
     signs = np.cumprod(np.where(flips, -1.0, 1.0))
     motion.quaternion[1:] *= signs[:, None]
@@ -57,7 +62,10 @@ def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tup
 
 
 def differences(a: Truth, b: Truth) -> dict[str, np.ndarray]:
-    """Return the differences of two motions, (rows,) each; NaN where one lacks columns."""
+    """Return the differences of two motions, (rows,) each; NaN where one lacks columns.
+
+    Certificates, `named_cases` and `score` take them by these names.
+    """
     result = {
         "attitude [rad]": angle_between(a.quaternion, b.quaternion),
         "theta [rad]": np.abs(theta_of(a.quaternion) - theta_of(b.quaternion)),

@@ -102,7 +102,8 @@ class Problems:
     def _wide(self, value: Any) -> Any:
         """Return a number as a column, (n,), in the type in which units are converted.
 
-        It stays a number if nothing varies, which is faster.
+        It stays a number if nothing varies, which is faster. `engine.derivatives.through` overrides
+        this and `_rounded`, so that all numbers of `pars` and `start` may be duals.
         """
         if isinstance(value, bool):
             return value
@@ -135,7 +136,7 @@ class Problems:
         """
         mass, length = map(self._wide, self.base.system.scales(self._body))
         length = length * self._wide(self.base.form.length_unit)
-        # without gravity the unit is a second; it may be a constant
+        # without `g` the ratio is 1 and the unit a second; `g` may be a constant of the system
         gravity = self._wide(getattr(self._body, "g", length))
         ratio = np.sqrt(np.asarray(plain(length), float) / np.asarray(plain(gravity), float))
         return Scales(mass, length, self._wide(2.0 ** np.round(np.log2(ratio))))
@@ -156,7 +157,10 @@ class Problems:
 
     @cached_property
     def pars(self) -> np.ndarray:
-        """The leaves of the bodies in internal units, (leaves, n), in the working precision."""
+        """The leaves of the bodies in internal units, (leaves, n), in the working precision.
+
+        In the order of `operand.leaves`: the k-th is the parameter k of compiled equations.
+        """
         system = self.base.system
         units = leaves(system.body_units(self.base.law.units()))
         values = zip(leaves(self._body), map(self.scales.of, units), strict=True)
@@ -203,6 +207,7 @@ class Problems:
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
+        # 0 * theta: a constant gets the type of the start, perhaps a dual
         return self._rounded([(v + 0 * theta) / weight for v, weight in values])
 
     def _rounded(self, rows: list) -> np.ndarray:
@@ -233,7 +238,8 @@ class Problems:
         """Which runs are valid, (n,), and pairs of the number of a run and a fault, ascending.
 
         Checks every number that varies, contradictions between parameters, and the start: all that
-        is computed of it must be finite, and there must be a motion.
+        is computed of it must be finite, and there must be a motion. A run whose number is at fault
+        is not checked further: later faults would follow from that.
         """
         valid = np.ones(self.n, bool)
         faults = []

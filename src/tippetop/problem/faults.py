@@ -68,7 +68,10 @@ def key_faults(base: "Problem", keys: Collection[str], known: Collection[str]) -
 
 
 def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
-    """Raise InputError for a run that has no derivatives, and for wrong names."""
+    """Raise InputError for a run that has no derivatives, and for wrong names.
+
+    `wrt` are dotted keys of the numbers by which a run is differentiated.
+    """
     if problem.precision != "double":
         raise InputError(
             f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".'
@@ -122,7 +125,10 @@ def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, s
 
 
 def start_faults(problems: "Problems") -> list[Fault]:
-    """Return sentences on the starts: numbers that overflow together, or no motion from there."""
+    """Return sentences on the starts: numbers that overflow together, or no motion from there.
+
+    `Problems.checked` reports the first one on each run, so causes come before consequences.
+    """
     base = problems.base
     n = problems.n
     variables = problems.variables

@@ -76,7 +76,11 @@ def option(
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """The end of a run, its accuracy, and the rows and columns that are kept."""
+    """The end of a run, its accuracy, and the rows and columns that are kept.
+
+    Names and order of the fields are those of [run] in scenarios and stores, of help and of the
+    signatures of `run` and `load`; `metadata` is made by `option`.
+    """
 
     until: float = option(
         "end of the run",

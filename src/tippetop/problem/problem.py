@@ -58,7 +58,8 @@ class Problem(RunOptions):
     surroundings
         Numbers of the air and of the plane by dotted key, such as `air.c1`; see `System`.
     origin
-        The end of another run, where this one starts exactly; `initial` contains it rounded.
+        The end of another run, where this one starts exactly, as `starting.problem_from_tables`
+        makes it and stores keep it (`start`); `initial` contains it rounded.
     """
 
     system: System
@@ -120,7 +121,7 @@ class Problem(RunOptions):
 
     @cached_property
     def tables(self) -> dict[str, dict[str, Any]]:
-        """The numbers that are given, by table and name."""
+        """The numbers that are given, by table and name; `build.resolved` makes scenarios of it."""
         tables = {"parameters": dict(self.parameters), "friction": self.friction._asdict()}
         contact = self.contact
         if contact is not None:
@@ -152,7 +153,7 @@ class Problem(RunOptions):
 
     @property
     def joint(self) -> Mapping[str, Any]:
-        """Return the phase and the signs of events with which another run ended.
+        """Return the phase and the signs of events with which another run ended: `Driver.joint`.
 
         It is empty unless the run starts there.
         """
@@ -162,8 +163,8 @@ class Problem(RunOptions):
     def alone(self) -> Problems:
         """This run as the only one of its `Problems`, which compute its numbers.
 
-        If it starts from the end of another run (`origin`) in the same form and variables, it has
-        the exact state; otherwise its state is computed of the initial data.
+        If it starts from the end of another run (`origin`) in the same form, which had all its
+        variables, it has the exact state; otherwise its state is computed of the initial data.
         """
         origin = self.origin
         names = self.variables.names

@@ -48,7 +48,8 @@ def component(variable: str) -> str:
     """Return the name of a component of a vector among the values of a row.
 
     It differs from that of the variable, because a quantity may have the same name: L_z of a heavy
-    top is about the tip, that of the column L about the centre of mass.
+    top is about the tip, that of the column L about the centre of mass. `engine.expressions`
+    computes values of these names.
     """
     return f"vector_{variable}"
 

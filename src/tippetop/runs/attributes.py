@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
-    """Return the groups of the store of a run in memory, without derivatives."""
+    """Return the tables of a run in memory, by the names of their groups in a store."""
     others = phases.joined(run.problem.system, run.others)
     return {"trajectory": run.columns(), "events": run.events, **others}
 
@@ -42,7 +42,11 @@ def dataset(columns: dict[str, Column], attrs: PlainData) -> Any:
 
 
 def attributes(progress: RunProgress) -> PlainData:
-    """Return the root attributes of a store: scenario, measurements, provenance; no clock times."""
+    """Return the root attributes of a store: scenario, measurements, provenance; no clock times.
+
+    Their names are a stored format, in the order in which `info --json` shows them. Equal runs must
+    have equal attributes, whenever they were made.
+    """
     problem = progress.problem
     last = zip(problem.variables.names, progress.last[0], problem.weights(), strict=True)
     numbers = {**problem.law.parameters, **problem.system.parameters, **problem.system.initial}
@@ -91,10 +95,14 @@ def info(attrs: PlainData) -> PlainData:
 
 
 def headline_of(attrs: PlainData) -> str:
-    """Return the title, form, precision and law of a run in one line."""
+    """Return the title, form, precision and law of a run in one line.
+
+    `views.run_page` takes what follows the first separator. Numbers of rolling resistance and
+    drilling (`PARTS`) are left out where they are 0.
+    """
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:
-        law, *numbers = attrs["friction"].items()
+        law, *numbers = attrs["friction"].items()  # `build.resolved` puts the law first
         shown = [
             f"{name} = {value:g} {attrs['units'][name]}".removesuffix(" 1")
             for name, value in numbers

@@ -68,9 +68,9 @@ def contract_violations(report: PlainData, tolerance: float) -> list[str]:
 
 def broken_by_tops(table: Any, tolerance: float) -> list[str]:
     """Return a message if tops of a table, (top,), drift beyond the contract; else nothing."""
-    t_end = table.get("t_end", math.inf)  # which a plan may leave out
+    t_end = table.get("t_end", math.inf)  # a plan may leave it out: no bound is exceeded then
     beyond = [
-        table[column] > _bound(column[6:], t_end)
+        table[column] > _bound(column.removeprefix("drift_"), t_end)
         for column in table
         if column.startswith("drift_") and tolerance <= MAX_TOLERANCE
     ]
@@ -108,7 +108,8 @@ def certificate(
         significant turnings and of each column of phases and impacts, in SI units; if the two runs
         have different numbers of them, only these `counts`. `theta` [rad] is that of theta again,
         if the system has it. `against` is None if there is no wider precision. `thresholds` of
-        contact have an effect that no wider precision shows.
+        contact have an effect that no wider precision shows. Stores keep it as an attribute, of
+        which `certificate_violations` and `summary.certificate_sentence` are made.
     """
     if problem.precision not in NEXT_PRECISION:
         return {"against": None, "reason": "no wider precision than quad"}
@@ -162,7 +163,10 @@ def _thresholds(problem: Problem, tables: Mapping[str, Any]) -> list[str]:
 
 
 def certificate_violations(result: PlainData) -> list[str]:
-    """Return one message for each way in which the wider run contradicts the run."""
+    """Return one message for each way in which the wider run contradicts the run.
+
+    `result` is what `certificate` returns, perhaps read from a store.
+    """
     if result["against"] is None:
         return []
     messages = []

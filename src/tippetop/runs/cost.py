@@ -37,7 +37,8 @@ def estimate(problem: Problem) -> dict[str, float]:
     """Return the order of magnitude of steps, seconds and megabytes of a run.
 
     Under friction with a torque there may be many more steps: a spin that it stops becomes stiff,
-    which neither the start nor the first steps show.
+    which neither the start nor the first steps show. Nothing is measured: `Plan.chunk` takes the
+    steps, and must be the same on every computer.
     """
     initial = problem.initial
     second = problem.unit(SECOND)
@@ -47,7 +48,7 @@ def estimate(problem: Problem) -> dict[str, float]:
     return {
         "steps": round(steps),
         "seconds": round(steps * MICROSECONDS_PER_STEP[problem.precision] * 1e-6, 4),
-        "megabytes": round(len(problem.times) * 8 * 24 / 1e6, 3),
+        "megabytes": round(len(problem.times) * 8 * 24 / 1e6, 3),  # some 24 columns of doubles
     }
 
 

@@ -46,7 +46,8 @@ def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | No
 class EventLog:
     """Convert the zeros of slices to rows of the event table.
 
-    `Integration` makes it, and calls `add_zeros` after each slice and `finish` at the end.
+    `Integration` makes it, and calls `add_zeros` after each slice and `finish` at the end;
+    `ensembles.top_events` does so for each top, with tallies that keep no numbers.
 
     The log covers 0 < t <= t_end, and what jumps log at t = 0: a run that starts on the zero of an
     event function does not find it, but one that starts where another run has ended does, if that
@@ -71,6 +72,7 @@ class EventLog:
         self.events = tuple(problem.system.events)
         self.tallies = tallies
         self.kinds = problem.system.kinds
+        # in the order of the rows of `tallies.kept`: see `engine.tallies.event_rows`
         self.kept = [kept for event in self.events for kept in event.kept]
         logged = (event for event in self.events if event.name in problem.events)
         self.keeps_states = any(owner(event.formula) for event in logged)
@@ -118,7 +120,7 @@ class EventLog:
             self.counts[name] += count
         state = self._states(seconds, zeros.states)
         is_known = ~(turning | lasts)  # the others may become significant later
-        rows = seconds, kind, theta, rising, swing, is_known
+        rows = seconds, kind, theta, rising, swing, is_known  # in the order of `event_table`
         table = event_table(self.kinds, state, rows)
         lasting = np.flatnonzero(lasts)
         if len(lasting):
@@ -142,10 +144,13 @@ class EventLog:
         """Count turnings in the tally, and return the rows of those that are now confirmed.
 
         A turning is confirmed by a later one, so each call has an effect on those that follow.
+
         Parameters
         ----------
         rows, signs, theta
             (k,) Rows in the log, +1 for a minimum of theta and -1 for a maximum, and theta [rad].
+            Sign 0, of a passage of a pole and of the end of a run (row -1), may confirm the turning
+            that waits, and never waits itself; see `count_turnings`.
         """
         confirmed, waits = count_turnings(self.tallies.lane, signs, theta)
         waiting = np.maximum.accumulate(np.append(self.waiting, np.where(waits, rows, -1)))
@@ -155,7 +160,11 @@ class EventLog:
     # --- the end ---------------------------------------------------------------------------------
 
     def finish(self, last: np.ndarray) -> list[int]:
-        """Return the rows that the end of the run, in the state `last`, shows to be significant."""
+        """Return the rows that the end of the run, in the state `last`, shows to be significant.
+
+        It also counts the turning that waits, in the tally. A longer run may decide otherwise:
+        `resume` unmarks exactly `open_rows`, so no other row may be returned.
+        """
         marks = []
         if self.tallies.lane["waiting"][0]:
             marks = self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)]))
@@ -165,7 +174,10 @@ class EventLog:
         return marks
 
     def open_rows(self) -> list[int]:
-        """Return rows of the log that are not significant yet, and may be so in the end."""
+        """Return rows of the log that are not significant yet, and may be so in the end.
+
+        `resume` removes their marks, which the end of a shorter run set: see `finish`.
+        """
         waiting = self.waiting if self.tallies.lane["waiting"][0] else -1
         return [row for row in (waiting, self.lasting) if row >= 0]
 
@@ -179,7 +191,7 @@ class EventLog:
         return list(zip(self.kept, self.tallies.kept[:, 0].tolist(), strict=True))
 
     def snapshot(self) -> PlainData:
-        """Return the data of a checkpoint, apart from the tallies."""
+        """Return the data of a checkpoint, apart from the tallies; its keys are a stored format."""
         names = ("rows", "before", "waiting", "lasting")
         return {"counts": dict(self.counts), **{name: getattr(self, name) for name in names}}
 

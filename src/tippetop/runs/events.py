@@ -68,7 +68,7 @@ def event_table(
     state
         Columns of the trajectory at the events, in runs with user-defined events.
     rows
-        Values of the other columns, in their order; by default none.
+        Values of the other columns, in the order of `about` below; by default none.
     """
     swing = "swing of theta since the turning before (or the start); NaN unless a turning"
     sign = "sign of theta' just after: +1 at a minimum of theta, -1 at a maximum"

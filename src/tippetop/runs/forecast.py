@@ -40,13 +40,16 @@ def assessment(problem: Problem) -> PlainData:
 
 
 def at_start(problem: Problem) -> dict[str, float]:
-    """Return the quantities at the start by name, SI; 0 where rounding of the state hides them."""
+    """Return the quantities at the start by name, SI; 0 where rounding of the state hides them.
+
+    A quantity is hidden if it is smaller than its range over the start and 15 neighbours of it.
+    """
     first = problem.start()[None, :]
     if problem.contact is not None:  # its phase decides the reaction
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
     signs = np.random.default_rng(0).choice([-1, 1], (16, first.size))
-    signs[0] = 0
+    signs[0] = 0  # the start itself
     values = Observables(problem).evaluate(first * (1 + ROUNDING * signs))
     start = {}
     for q in problem.system.quantities:

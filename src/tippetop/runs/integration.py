@@ -116,6 +116,7 @@ class Integration:
         """
         problem = self.problem
         self.begin(sink)
+        # rows at events and at steps include the start; times contain it if it is wanted
         if self.fresh and not self.filled and problem.output in ("events", "steps"):
             self._write(np.array([0.0]), self.first)
         while self.status is None:
@@ -149,7 +150,7 @@ class Integration:
     def part(self, sink: Sink, steps: int, more: Callable[[], bool]) -> None:
         """Integrate a part of a run, in slices of `steps` steps, as long as `more()` is true.
 
-        Nothing is committed, and no progress reported: `run` does both.
+        Nothing is committed, and no progress reported: `run` does both. Replays and `cost` call it.
         """
         self.begin(sink)
         while self.status is None and more():
@@ -312,6 +313,7 @@ class Integration:
 
         The end has shortened the last step, so a longer run repeats the last slice from its start.
         Another run may start from the last state, with the `joint`, unless an event ended this one.
+        The keys are a stored format: `resume` reads `slice`, `starting` reads `end`.
         """
         end = {"state": self.last[0], "t_end": self.t_end}
         if self.status in (Status.FINISHED, Status.SETTLED):
@@ -319,13 +321,20 @@ class Integration:
         return {"slice": self.last_slice, "end": end}
 
     def encoded(self, ending: dict[str, Any]) -> PlainData:
-        """Return an ending, as `ending` returns it, as plain JSON data with exact numbers."""
+        """Return an ending, as `ending` returns it, as plain JSON data with exact numbers.
+
+        `slice` is empty in a run without a slice, which ended at its start.
+        """
         start = ending["slice"]
         end = hexfloat.encode(ending["end"])
         return {"slice": self._encoded(start) if start else {}, "end": end}
 
     def _state(self) -> dict[str, Any]:
-        """Return what decides how the run continues: of the driver, the monitors and the log."""
+        """Return what decides how the run continues: of the driver, the monitors and the log.
+
+        The keys are a stored format, which `restore` reads; `log` and `story` have those of
+        `EventLog.snapshot` and `PhaseHistory.report`.
+        """
         return {
             "driver": self.driver.snapshot(),
             "filled": self.filled,

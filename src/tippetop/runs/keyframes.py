@@ -28,6 +28,7 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
     """Return the present state, after `steps` steps at `t_end` [s], as a row of `keyframes`.
 
     Values have the shape (1, ...); numbers wider than doubles are split, so that none is rounded.
+    `state` has all numbers of `_snapshot` in its order, by which `restore` reads stored keyframes.
     """
     exact = np.concatenate(
         [np.ravel(np.array(value, problem.number)) for value in _snapshot(driver).values()]
@@ -60,7 +61,10 @@ def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
 
 
 def _snapshot(driver: Driver) -> dict[str, Any]:
-    """Return the snapshot of a driver, with a state of the same length in every phase."""
+    """Return the snapshot of a driver, with a state of the same length in every phase.
+
+    So all keyframes of a run have the same length, as rows of one array.
+    """
     kept = driver.snapshot()
     return kept | {"state": [*kept["state"], *[0.0] * (driver.width - len(kept["state"]))]}
 

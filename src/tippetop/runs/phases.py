@@ -45,7 +45,10 @@ FIRST = 6
 
 
 def tables_of(attributes: PlainData) -> tuple[str, ...]:
-    """Return the names of the tables of a run with these root attributes."""
+    """Return the names of the further tables of a run with these root attributes.
+
+    They are groups of its store, not tables of its scenario as in `build.tables_of`.
+    """
     if "contact" in attributes:
         return tuple(DIMENSIONS)
     return ("phases",) if "contact_phases" in attributes["report"] else ()
@@ -82,12 +85,15 @@ class PhaseHistory:
                 self.first.append(self.last)
 
     def rows(self) -> dict[str, int]:
-        """Return the number of rows of each table."""
+        """Return the number of rows of each table; only contacts that open record impacts."""
         phases = {"phases": sum(self.counts.values())}
         return phases | ({"impacts": self.impacts} if "ball" in self.words else {})
 
     def report(self) -> PlainData:
-        """Return plain data for the report of the run and for `PhaseHistory(words, **data)`."""
+        """Return plain data for the report of the run and for `PhaseHistory(words, **data)`.
+
+        So its keys are the names of the fields; reports and snapshots in stores contain them.
+        """
         return {
             "counts": dict(self.counts),
             "impacts": self.impacts,

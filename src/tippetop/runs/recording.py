@@ -54,7 +54,7 @@ class Recorder(Writer, Sink):
     keeps_rows = True
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
-        """Make an empty table for each of the store, which rows are added to."""
+        """Make an empty table for each of the ledger's header, in its order: that of a tail."""
         super().__init__(store)
         self.problem = problem
         self.view = Observables(problem)
@@ -118,7 +118,8 @@ class Recorder(Writer, Sink):
     def commit(self, progress: RunProgress, snapshot: PlainData) -> None:
         """Acknowledge all rows so far, and the state from which the run can be continued.
 
-        The work is queued; `snapshot` must belong to exactly these rows, as after a slice.
+        Returns once they are on the disk. `snapshot` must belong to exactly these rows, as after a
+        slice. Report and reason are for readers of an unfinished store, whose `status` is running.
         """
         changed = {
             "report": finite(reporting.report(progress)),
@@ -136,7 +137,8 @@ class Recorder(Writer, Sink):
     def tail(self, snapshot: PlainData) -> bytes:
         """Return the tail of a commit: a line of JSON with the state of the run, then rows.
 
-        The rows are those that no chunk contains, and `restore` reads them.
+        The rows are those that no chunk contains, and `restore` reads them. The keys are a stored
+        format: `resume` reads all but `tables`.
         """
         state = {
             **here(),
@@ -148,7 +150,10 @@ class Recorder(Writer, Sink):
         return head + b"".join(table.tail() for table in self.growing.values())
 
     def restore(self, tail: bytes) -> None:
-        """Load the rows of a tail, as `tail` returned it, into the tables, which must be empty."""
+        """Load the rows of a tail, as `tail` returned it, into the tables, which must be empty.
+
+        Tables follow one another in the order in which the line of JSON lists them.
+        """
         head, _, data = tail.partition(b"\n")
         for name, (written, rows) in json.loads(head)["tables"].items():
             data = self.growing[name].restore(written, rows, data)
@@ -164,7 +169,12 @@ class Recorder(Writer, Sink):
         return {name: table.rows for name, table in self.growing.items()}
 
     def finish(self, attrs: PlainData, ending: PlainData | None) -> PlainData:
-        """Write waiting rows, and close the store with its last root attributes; return them."""
+        """Write waiting rows, and close the store with its last root attributes; return them.
+
+        `ending` is what `Integration.encoded` returns: `resume` extends the run from it; None, of a
+        replay: it cannot be extended. `attrs` must be all attributes that differ from the header,
+        as the seal drops those of earlier commits; a replay, whose header has them, passes none.
+        """
         attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
         def work() -> None:
@@ -221,7 +231,7 @@ def record(
     """
     begun: list[Integration] = []
 
-    def head() -> PlainData:  # called once the folder can be written: compiling takes seconds
+    def head() -> PlainData:
         """Return the header of the store.
 
         Called once its folder can be written, as compiling takes seconds.
@@ -242,8 +252,8 @@ def run_into(
 ) -> tuple[Integration, PlainData]:
     """Integrate into an open store; return the integration and the last root attributes.
 
-    `take_up` is called with the Recorder first: it sets the state from which the run continues, if
-    it does. `stop` and `progress` are as for `record`.
+    `take_up` is called with the Recorder first, before a stop is obeyed: in `resume` it sets the
+    state from which the run continues. `stop` and `progress` are as for `record`.
     """
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
@@ -260,7 +270,8 @@ def save(
 ) -> None:
     """Write a run in memory as the store that `record` makes, whole or not at all.
 
-    `attrs` are its root attributes. Raises StoreError.
+    `attrs` are its root attributes, of `attributes.attributes` and perhaps a certificate. Nothing
+    is integrated again: the `Integration` makes the header. Raises StoreError.
     """
     integration = Integration(solution.problem)
     head = header(integration)
@@ -281,7 +292,8 @@ def save(
 def header(integration: Integration, attrs: PlainData | None = None) -> PlainData:
     """Return the header of the ledger of a run, from an integration at its start.
 
-    `attrs` are root attributes other than its own.
+    `attrs` are root attributes other than its own, in a replay those of its run. `resume` makes the
+    header again and requires equal documents, so old stores need the same.
     """
     tables: dict[str, PlainData] = {}
     for name, columns, chunk in _tables_of(integration):
@@ -296,7 +308,7 @@ def header(integration: Integration, attrs: PlainData | None = None) -> PlainDat
 def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
     """Yield the tables of a run's store: name, columns without rows, rows per chunk.
 
-    A group has a second table, its name + LATE, for columns whose values change later.
+    `header` moves columns whose values change later to a second table of the group, name + LATE.
     """
     problem = integration.problem
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
@@ -310,5 +322,8 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
 
 
 def here() -> PlainData:
-    """Return the versions and settings that determine the bits of a run with its scenario."""
+    """Return the versions and the processor, which determine the bits of a run with its scenario.
+
+    `resuming.same_here` compares these keys with those of root attributes and of tails.
+    """
     return {"versions": provenance.versions(), "cpu": provenance.cpu()}

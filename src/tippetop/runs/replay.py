@@ -59,7 +59,7 @@ def columns(
     StoreError
         The run is unfinished, damaged, has no keyframe near, or was made by other versions.
     """
-    integration = _taken_up(path, times, accept_other_version, known)
+    integration = _integration_for(path, times, accept_other_version, known)
     rows = Memory()
     refuse_more_than_memory(integration.problem)
     _make(integration, rows)
@@ -85,7 +85,7 @@ def into_store(
         raise StoreError(
             f"`{out}` must not be the store that is replayed, because it contains the keyframes."
         )
-    integration = _taken_up(path, times, accept_other_version)
+    integration = _integration_for(path, times, accept_other_version)
     began = integration.t_end
     steps = integration.steps_made
     clock = time.perf_counter() - compiling.seconds
@@ -106,7 +106,7 @@ def into_store(
                 after = times.start or -1.0  # with those at 0
                 within = (piece[last] > after) & (piece[first] <= times.until)
                 table.append({key: values[within] for key, values in piece.items()})
-        recorder.finish({}, None)
+        recorder.finish({}, None)  # the header has all attributes, and no run continues from it
     return {
         "rows": len(times),
         "began": began,
@@ -121,7 +121,7 @@ def _make(integration: Integration, sink: Sink) -> None:
     integration.part(sink, STEPS, lambda: integration.filled < len(integration.problem.times))
 
 
-def _taken_up(
+def _integration_for(
     path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None
 ) -> Integration:
     """Return a stored run at the keyframe, or the start, from which it reaches these times.
@@ -137,11 +137,12 @@ def _taken_up(
         )
     resuming.same_here(path, attrs, accept_other_version, "replayed")
     problem = build.stored(attrs, known=known)
+    # the time that a finished run reports may be less than `until` by rounding
     end = problem.until if attrs["status"] == Status.FINISHED.value else 0.0
     _refuse(times, max(attrs["report"]["t_end"], end))
     integration = Integration(replace(problem, output="times", times=times))
     if root.has_keyframes(attrs):
-        _take_up(path, integration, times.start)
+        _go_to_keyframe(path, integration, times.start)
     return integration
 
 
@@ -165,7 +166,7 @@ def _refuse(times: EvenTimes, end: float) -> None:
         raise InputError(f"`step` must give at most {MOST_ROWS:.0e} rows, but is {step:g} s.")
 
 
-def _take_up(path: Path, integration: Integration, start: float) -> None:
+def _go_to_keyframe(path: Path, integration: Integration, start: float) -> None:
     """Put a run at its last keyframe before `start` [s], or leave it at its start.
 
     `path` is the store of the run; only the tables of its keyframes are read.

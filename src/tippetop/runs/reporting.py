@@ -110,9 +110,12 @@ Progress = Callable[[RunProgress], None]
 
 
 def report(progress: RunProgress) -> PlainData:
-    """Return the measured part of `info --json`, as far as the run has come."""
+    """Return the measured part of `info --json`, as far as the run has come.
+
+    Stores contain it as the attribute `report`, whose keys figures, pages and summaries read.
+    """
     events = _events(progress)
-    if is_peg(progress.problem.parameters):
+    if is_peg(progress.problem.parameters):  # it is lowest near theta = pi
         events["inversion"]["inverted_at"] = None
     return {
         "t_end": progress.t_end,
@@ -199,7 +202,7 @@ def reason(progress: RunProgress) -> str:
         return f"settled: {died}, stopped at t = {t:.6g} s{_beyond(progress)}"
     if status is Status.LIFTOFF and progress.problem.contact is not None:
         return f'the body lifted off {at}, where `run.on_liftoff = "stop"` ends the run'
-    last = _ending(progress)
+    last = _last_event(progress)
     if status is Status.ENDED:
         return f"an event of the system ended the run {at}: {last.long_name}"
     if hasattr(last.formula, "of"):  # it was given with the run, not with its system
@@ -220,7 +223,7 @@ def _beyond(progress: RunProgress) -> str:
     return f", but outside the model since the liftoff at t = {lifted:.9g} s"
 
 
-def _ending(progress: RunProgress) -> Event:
+def _last_event(progress: RunProgress) -> Event:
     """Return the event that ended the run.
 
     Of several with its status, that whose function is nearest 0.
@@ -245,7 +248,7 @@ def _lost(progress: RunProgress) -> str:
     domains = progress.view.domains(progress.last)
     system = problem.system
     cause = min(domains, key=lambda name: domains[name]) if domains else ""
-    if not cause or not domains[cause] < 1e-3:
+    if not cause or not domains[cause] < 1e-3:  # coordinates are regular where domains are > 0
         law = "the friction law is singular or too stiff (large mu, small eps)"
         if not system.frictional or problem.law.set_valued or problem.law.regions:
             law = "the equations of the system are singular or too stiff"

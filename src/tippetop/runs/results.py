@@ -11,7 +11,7 @@ from ..problem import Problem
 from ..scenario import build
 from ..store.root import finite
 from . import attributes, forecast
-from .summary import certificate
+from .summary import certificate_sentence
 
 
 class Record(dict[str, Any]):
@@ -104,11 +104,14 @@ class Certificate(Record):
     """
 
     def __repr__(self) -> str:
-        return f"<Certificate {certificate(self)}; {', '.join(self)}>"
+        return f"<Certificate {certificate_sentence(self)}; {', '.join(self)}>"
 
 
 def summary_of(attrs: dict[str, Any], problem: Callable[[], Problem] | None = None) -> Summary:
-    """Return the summary of a run, from root attributes and the function of its problem."""
+    """Return the summary of a run, from root attributes.
+
+    `problem` returns its problem, if the caller has it; by default it is built of the attributes.
+    """
     try:
         comments = forecast.comments(problem() if problem else build.stored(attrs))
     except InputError:  # of a system, law or event that this process does not know

@@ -78,7 +78,7 @@ def resume(
         kept = same_here(target, kept, accept_other_version, verb)
         integration = Integration(build.stored(attrs, until, known), stop)
         header = recording.header(integration)
-        _compare(store, header)
+        _refuse_other_columns(store, header)
         state = kept["integration"] if tail else (store.state.end or {}).get("slice")
 
         def take_up(recorder: Recorder) -> None:
@@ -114,7 +114,8 @@ def resume(
 def opened(target: Path) -> Ledger:
     """Open the store of a run to continue it, reading all that it acknowledges.
 
-    Of a finished one, files that its last writer left are removed; an unfinished one is unchanged.
+    Of a finished one, files that its last writer left are removed, as `sweeps` needs; an unfinished
+    one is unchanged, until `Ledger.recover`.
 
     Raises StoreError.
     """
@@ -141,7 +142,8 @@ def same_here(
 ) -> PlainData:
     """Compare the versions and the processor of a store with those here.
 
-    Return its record, in which `begun_with` also lists the former ones if they differ. Raises
+    Return its record `kept`, in which `begun_with` also lists the former ones if they differ: root
+    attributes, or the first line of a tail, which both have the keys of `recording.here`. Raises
     StoreError if they differ and this is not accepted.
     """
     before = {key: kept[key] for key in here()}
@@ -159,7 +161,7 @@ def same_here(
     return kept | {"begun_with": [*kept.get("begun_with", []), before]}
 
 
-def _compare(store: Ledger, wanted: PlainData) -> None:
+def _refuse_other_columns(store: Ledger, wanted: PlainData) -> None:
     """Raise StoreError if a store has other columns than its scenario makes here.
 
     `wanted` is the header that `recording.header` makes of the scenario.
@@ -189,7 +191,10 @@ def _restore(target: Path, integration: Integration, kept: PlainData) -> None:
 
 
 def _rows(integration: Integration) -> dict[str, int]:
-    """Return the number of rows of each table at the moment where an integration is."""
+    """Return the number of rows of each table at the moment where an integration is.
+
+    `Integration.run` writes a keyframe after each multiple of `keyframe_steps`, except at the end.
+    """
     return {
         "trajectory": integration.filled,
         "events": integration.log.rows,

@@ -37,7 +37,7 @@ class Solution:
     rows: np.ndarray  # (n, variables), internal
     events: EventTable
     seconds: dict[str, float]  # times of compiling and of integrating
-    ending: dict[str, Any]  # states from which other runs continue
+    ending: dict[str, Any]  # states from which other runs continue: see `Integration.ending`
     others: dict[str, list[Rows]] = field(default_factory=dict)
     """Rows of additional tables."""
 

@@ -38,7 +38,7 @@ LEAST_TIP = 1e-6
 def body_of(attrs: dict[str, Any]) -> Any:
     """Return the body of a store, SI; without a friction law where its contact changes its phase.
 
-    Raises InputError for what cannot be drawn.
+    It is a `Touch`, or a body with an `outline`. Raises InputError for one that cannot be drawn.
     """
     system = find(attrs["system"])
     if system is None:
@@ -91,7 +91,11 @@ class Surface(NamedTuple):
 
 
 def surface_of(b: Any) -> Surface:
-    """Return the surface of a body."""
+    """Return the surface of a body; a body that touches at its tip has half axes 0.
+
+    Rows of a meridian are equal steps of the normal: `lowest` in `views/page/motion.js` finds a row
+    by its number, without the points of the axis before and after.
+    """
     outline = shape_of(b)
     if isinstance(outline, Ball):
         return Surface(np.array([0.0, 0.0, b.c]), np.full(3, b.R))
@@ -99,7 +103,7 @@ def surface_of(b: Any) -> Surface:
         half = np.array([outline.b, outline.b, outline.a])
         return Surface(np.array([0.0, 0.0, outline.c]), half)
     if hasattr(b, "I2"):
-        half, centre = np.array([outline[:3], outline[5:8]])
+        half, centre = np.array([outline[:3], outline[5:8]])  # a, b, c and x, y, z of `Ellipsoid`
         return Surface(centre, half, float(np.arctan2(outline.sin, outline.cos)))
     normal = np.linspace(0, np.pi, POINTS)
     theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
@@ -146,6 +150,8 @@ def angular_velocity(attitude: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:
     """Return the body as pages and films draw it, from root attributes; lengths in metres.
 
+    The keys are also those of `Body` in `views/page/scene.js`.
+
     Returns
     -------
     dict
@@ -182,6 +188,8 @@ def inertial_ellipsoid(b: Touch) -> list[float]:
     """Return the half axes [m] of the uniform ellipsoid with the moments of inertia of a heavy top.
 
     They are those across the axis, twice, and along it. It shrinks until it ends before the tip.
+    Half axes a, a, c have I3 = 2 m a^2/5 and I1 = m (a^2 + c^2)/5; c is 0.14 a at least, so that a
+    flat body can be seen.
     """
     across2 = 2.5 * b.I3 / b.m
     along = np.sqrt(max(5 * b.I1 / b.m - across2, 0.02 * across2))

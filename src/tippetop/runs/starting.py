@@ -78,7 +78,9 @@ def load_any(source: str | os.PathLike, assignments: list[str] | None = None) ->
 def problem_from_tables(tables: PlainData, source: Any, known: System | None = None) -> Problem:
     """Return the checked Problem of a scenario's tables, read from `source`.
 
-    Their `initial.from` may name the store of a run, from the folder of the source.
+    Their `initial.from` may name the store of a run, from the folder of the source. The new run
+    keeps its exact end as `Problem.origin`, the stored attribute `start`. `known` is the system, if
+    it has user-defined events or columns.
 
     Raises
     ------

@@ -76,7 +76,7 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
     rows = {
         "status": status,
         **_axis(info, system, events, peg),
-        "phases": contact(info["contact_phases"])
+        "phases": _contact(info["contact_phases"])
         if info.get("contact_phases", {}).get("last")
         else "",
         "outcome": WORDS.get(info.get("outcome", ""), ""),
@@ -95,7 +95,7 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
         "motion": info.get("motion", ""),
         "start": START.format(**info["start"]) if "start" in info else "",
         "replay": REPLAY.format(**info["replay"]) if "replay" in info else "",
-        "certificate": certificate(info["certificate"]) if "certificate" in info else "",
+        "certificate": certificate_sentence(info["certificate"]) if "certificate" in info else "",
     }
     return [(name, text) for name, text in rows.items() if text]
 
@@ -153,15 +153,18 @@ def _counted(kind: str, events: Info) -> str:
 
 
 def _force(force: Info) -> str:
-    """Return the extremes of the normal force, in words."""
+    """Return the extremes of the normal force, in words; those that are rounding errors as 0."""
     weight = force["weight"]
     low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
     in_weights = f"{low / weight:.4f} to {high / weight:.4f} m g"
     return f"{low:.5g} to {high:.5g} N, that is {in_weights}"
 
 
-def contact(phases: Info) -> str:
-    """Return the phases of a contact: all if they are few, else counts, the first and the last."""
+def _contact(phases: Info) -> str:
+    """Return the phases of a contact: all if they are few, else counts, the first and the last.
+
+    `phases` is what `PhaseHistory.report` returns.
+    """
     counts = phases["counts"]
     first = phases["first"]
     last = phases["last"]
@@ -197,8 +200,8 @@ def _until(phase: Info) -> str:
     return f"{_does(phase)} until {phase['end']:.6g} s"
 
 
-def certificate(result: Info) -> str:
-    """Return a certificate in one sentence."""
+def certificate_sentence(result: Info) -> str:
+    """Return a certificate, as `certificate.certificate` returns it, in one sentence."""
     if result["against"] is None:
         return result["reason"]
     if "theta" in result:

@@ -97,7 +97,8 @@ def problem(
     form = system.forms.get(scenario.form) or next(iter(system.forms.values()))
     known_columns = column_names(system, form, run.orientation is not False, run.precision)
     columns = run.columns
-    if columns is not None or known not in (None, find(system.name)):  # the store names them
+    # with records of the user, columns are named, also in the store: the system alone has others
+    if columns is not None or known not in (None, find(system.name)):
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules = rules_of(scenario, system)
     kinds = tuple(event.name for event in system.events)
@@ -172,6 +173,7 @@ def checked(given: Problem) -> Problem:
     ]
     if faults:
         raise InputError(faults)
+    # `system_with_contact` opens the contact of the registered system again
     opened = given.system.contact is not None and not any(user_records(given.system))
     return problem(plain(resolved(given)), None if opened else given.system, given.origin)
 
@@ -196,7 +198,10 @@ def system_of(tables: PlainData) -> System:
 
 
 def ending(tables: PlainData, until: Any) -> PlainData:
-    """Return the tables with another `run.until`, a number or a text; None keeps it."""
+    """Return the tables with another `run.until`, a number or a text; None keeps it.
+
+    Raises InputError.
+    """
     if until is None:
         return tables
     return override(tables, [f"run.until={measured('until', until, SECOND)!r}"])
@@ -238,7 +243,11 @@ def stored(attrs: PlainData, until: float | None = None, known: System | None = 
 
 
 def resolved(problem: Problem) -> PlainData:
-    """Return the scenario with all defaults as plain data, which a store keeps too."""
+    """Return the scenario with all defaults as plain data, which a store keeps too.
+
+    `stored` makes an equal problem of it. The law comes first in `friction`, where
+    `runs.attributes.headline_of` takes it.
+    """
     tables: PlainData = {name: dict(table) for name, table in problem.tables.items()}
     tables["run"] = problem.table()
     if problem.system.frictional:

@@ -34,8 +34,8 @@ UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is not ther
 def system_with_contact(system: System, tables: PlainData) -> System:
     """Return the system of a scenario, with a contact that may open if the scenario requires it.
 
-    `[contact]`, `[stem]`, a Coulomb law without `eps`, and `on_liftoff = "fly"` require it.
-    Raises InputError if it cannot open.
+    `[contact]`, `[stem]`, a Coulomb law without `eps`, and `on_liftoff = "fly"` require it; the
+    tables are not checked yet. Raises InputError, which names the first of these, if it cannot.
     """
     friction, run, initial = (
         table if isinstance(table := tables.get(name), dict) else {}
@@ -208,7 +208,10 @@ def on_stem(
 
 
 def touches(problem: Problem) -> bool:
-    """Return whether a body starts on the plane, on its sphere or its stem: no gap was given."""
+    """Return whether a body starts on the plane, on its sphere or its stem: no gap was given.
+
+    A gap that `on_stem` added equals that of `_least_gap` to the bit, which computed it.
+    """
     rules = problem.contact
     gap = problem.initial.get("gap")
     if rules is None or gap is None:

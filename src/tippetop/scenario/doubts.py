@@ -82,7 +82,10 @@ def starts_at_pole(problem: Problem) -> bool:
 
 
 def contact_start(problem: Problem) -> str:
-    """Return how the contact point starts where the scenario leaves that out, or an empty text."""
+    """Return how the contact point starts where the scenario leaves that out, or an empty text.
+
+    The clause continues "the contact point starts" in `doubts`; `forecast` shows it alone.
+    """
     given = {"nu_x", "nu_y", "nu_z", "centre_at_rest", "spin"} & set(problem.initial)
     stands = problem.contact is None or touches(problem)
     if given or not stands or is_frictionless(problem.friction) or starts_at_pole(problem):

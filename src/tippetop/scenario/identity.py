@@ -25,7 +25,10 @@ Records = tuple[tuple[Event, ...], tuple[Quantity, ...]]
 
 
 def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
-    """Return digests of user-defined events and columns by kind and name."""
+    """Return digests of user-defined events and columns by kind and name.
+
+    It is the root attribute DIGESTS; kinds are also words in the sentences of `changed_records`.
+    """
     kinds: dict[str, Any] = {"event": problem.system.events, "column": problem.system.quantities}
     digests = {
         kind: {r.name: _digest(r, problem) for r in records if owner(r.formula)}

@@ -120,7 +120,8 @@ def merged(table: str, old: PlainData, given: Mapping[str, Any]) -> PlainData:
     """Return a table of a scenario with other values, without those that they replace.
 
     `initial.from` replaces the start, another law replaces the numbers of the law, and a key that
-    decides when there are rows replaces the other such keys.
+    decides when there are rows replaces the other such keys, except that `output = "times"` keeps
+    given times. `--set` and the `set` of a plan use it.
     """
     replaced: Collection[str] = ()
     law = old.get("law")

@@ -20,7 +20,7 @@ from ..mechanics.systems import (
     systems_of_laws,
 )
 from ..problem.row_columns import every_source
-from .schema import ContactTable, RunTable, StemTable, number_table, tables_of
+from .schema import ContactTable, RunTable, StemTable, number_table, table_models
 
 
 class Section(NamedTuple):
@@ -42,7 +42,10 @@ KINDS = {
 
 
 def allowed(schema: Mapping[str, Any]) -> str:
-    """Return the values that a schema allows in words, such as "a number greater than 0"."""
+    """Return the values that a JSON schema allows in words, such as "a number greater than 0".
+
+    `must` is not of JSON schema: `schema._number` adds it to numbers.
+    """
     if "must" in schema:
         return schema["must"]
     if "anyOf" in schema:
@@ -95,7 +98,7 @@ def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
 
 def scenario() -> list[Section]:
     """Return sections on the keys of a scenario: an overview, then each table."""
-    tables = {name: tables_of(system) for name, system in SYSTEMS.items()}
+    tables = {name: table_models(system) for name, system in SYSTEMS.items()}
     gliding = [s.name for s in SYSTEMS.values() if s.frictional]
     rows = [
         ("system", f"one of {', '.join(SYSTEMS)}"),
@@ -228,20 +231,22 @@ COLUMNS = ("column", "unit", "meaning")
 def columns() -> list[Section]:
     """Return a section on the columns of a run for each system, and one on contacts that open."""
     sections = [
-        Section(f"Columns of {name}", "", COLUMNS, _columns(system))
+        Section(f"Columns of {name}", "", COLUMNS, _column_rows(system))
         for name, system in SYSTEMS.items()
     ]
-    known = {row for name in opening_systems() for row in _columns(SYSTEMS[name])}
-    rows = dict.fromkeys(row for system in _with_contact() for row in _columns(system))
+    known = {row for name in opening_systems() for row in _column_rows(SYSTEMS[name])}
+    rows = dict.fromkeys(row for system in _with_contact() for row in _column_rows(system))
     new = [row for row in rows if row not in known]
     text = "In addition to the others, or instead."
     return [*sections, Section("Columns of a contact that may open", text, COLUMNS, new)]
 
 
-def _columns(system: System) -> list[tuple[str, str, str]]:
-    """Return a row (column, unit, meaning) for each column of a system.
+def _column_rows(system: System) -> list[tuple[str, str, str]]:
+    """Return a row (column, unit, meaning) for each column of a system, under COLUMNS.
 
-    Systems that share a column have equal rows, so that a set of them has each once.
+    They are those of runs with orientation in the vector form, which has every column, then those
+    that only `run.columns` adds. `columns` finds the new ones of a contact by comparing whole rows,
+    so a column must have the same unit and meaning in all of them.
     """
     form = "vector" if system.vectors else next(iter(system.forms))
     rows = []

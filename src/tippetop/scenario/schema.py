@@ -37,6 +37,7 @@ def _number(rule: Number, kind: Any = float) -> Any:
             raise PydanticCustomError("interval", "{must}", {"must": rule.must(value)})
         return value
 
+    # `scenario_reference.keys_of` reads these from the JSON schema of a table
     must = rule.must().removeprefix("must be ")
     if kind is int:
         must = must.replace("finite", "a whole number")
@@ -91,10 +92,10 @@ ContactTable: Any = number_table(
 
 
 @lru_cache(maxsize=64)
-def tables_of(system: System, law: Any = None) -> dict[str, Any]:
+def table_models(system: System, law: Any = None) -> dict[str, Any]:
     """Return the models of the tables that a scenario of a system and a law may have, by name.
 
-    The dict is cached: not to be changed.
+    In the order of a template. The dict is cached: not to be changed.
     """
     words = "the centre of mass does not move sideways"
     flags: Any = {
@@ -120,7 +121,7 @@ def scenario_model(system: System, law: Any = None) -> type[BaseModel]:
 
     Without a law it reports that one is missing or unknown.
     """
-    models = tables_of(system, law)
+    models = table_models(system, law)
     fields: dict[str, Any] = {
         "system": (Literal[system.name], ...),
         "form": (Literal[(AUTO, *system.forms)], AUTO),

@@ -15,11 +15,14 @@ from ..mechanics.friction import LAWS, PARTS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of, surroundable_systems
 from .reading import law_name
-from .schema import scenario_model, tables_of
+from .schema import scenario_model, table_models
 
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str:
-    """Return the sentence on one pydantic error of a scenario."""
+    """Return the sentence on one pydantic error of a scenario.
+
+    `error` is an item of `ValidationError.errors`, with `loc`, `type`, `input`, `ctx` and `msg`.
+    """
     law = system.laws.get(law_name(tables))
     place = error["loc"]
     key = ".".join(map(str, place))
@@ -39,7 +42,7 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
         if place[0] == "friction" and place[-1] in other.parameters
     ]
     belongs = f"it belongs to law = {' or '.join(map(repr, others))}" if others else ""
-    models = tables_of(system, law)
+    models = table_models(system, law)
     around = RULES if system.name in surroundable_systems() else {}  # of every group
     known = {name: [*rules] for name, rules in around.items()}
     known |= {name: [*its.model_fields] for name, its in models.items() if name not in known}
@@ -52,7 +55,10 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
 
 
 def error_sentence(error: Any, key: str, known: list[str]) -> str:
-    """Return the sentence on one pydantic error at `key`, whose table may have `known` keys."""
+    """Return the sentence on one pydantic error at `key`, whose table may have `known` keys.
+
+    Plans are worded by it too. Without words for its type, the message of pydantic is rephrased.
+    """
     context = error.get("ctx", {})
     kind = error["type"]
     if kind == "missing":

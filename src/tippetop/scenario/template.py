@@ -15,7 +15,7 @@ from .build import system_of
 from .contact import system_with_contact
 from .reading import law_name
 from .scenario_reference import keys_of
-from .schema import tables_of
+from .schema import table_models
 
 
 WIDTH = 32  # columns of a key and its value
@@ -71,7 +71,7 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
         _line("system", tables["system"], system.title),
         _line("form", tables.get("form", AUTO), forms),
     ]
-    for table, model in tables_of(system, law).items():
+    for table, model in table_models(system, law).items():
         given = tables.get(table, {})
         if not given and (table == "stem" or (table == "contact" and not system.contact)):
             continue
@@ -79,6 +79,7 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
         for key, unit, must, words in keys_of(model):
             must = must.removesuffix("; must be given")
             text = f"{words}{f' [{unit}]' if unit not in ('', '1') else ''}; {must}"
+            # a required key has a default too, PydanticUndefined, but every preset gives it
             values = (examples.get(key), model.model_fields[key].default, 0.0)
             example = next(value for value in values if value is not None)
             lines.append(

@@ -18,7 +18,10 @@ Window = tuple[float | None, float | None]
 
 
 def pieces(path: str | Path, group: str, names: list[str]) -> Iterator[dict[str, np.ndarray]]:
-    """Yield those columns of a group that exist, a block of rows at a time. Raises StoreError."""
+    """Yield those columns of a group that exist, a block of rows at a time. Raises StoreError.
+
+    Other names are left out: `samples.needed` of views lists columns that a run may lack.
+    """
     table = open_group(path, group)
     names = [name for name in names if name in table]
     for piece in blocks(table[names], path):
@@ -28,8 +31,9 @@ def pieces(path: str | Path, group: str, names: list[str]) -> Iterator[dict[str,
 def blocks(table: Any, path: str | Path, first: int = 0, last: int | None = None) -> Iterator[Any]:
     """Yield rows of a lazy Dataset of a store as Datasets in memory, a block at a time.
 
-    `first` and `last` are numbers of rows, by default all; there is at least one block, perhaps
-    without rows. `path` is for messages. Raises StoreError.
+    `first` and `last` are numbers of rows, by default all. There is at least one block, perhaps
+    without rows: `export` takes the names of columns from the first. `path` is for messages. Raises
+    StoreError.
     """
     dim = row_dimension(table)
     last = table.sizes[dim] if last is None else last
@@ -38,11 +42,11 @@ def blocks(table: Any, path: str | Path, first: int = 0, last: int | None = None
 
 
 def row_dimension(table: Any) -> str:
-    """Return the name of the dimension of the rows of a group, a Dataset."""
+    """Return the name of the dimension of the rows of a group: the first of each of its arrays."""
     return next(iter(table.variables.values())).dims[0]
 
 
-def digest(
+def thin(
     path: str | Path,
     group: str,
     key: str = "theta",
@@ -53,7 +57,7 @@ def digest(
 
     Of more rows, the one with the least and the one with the largest `key` (a column) of each bin
     are kept, so that no peak is lost. With a window (start, until) [s], the rows of these times and
-    the first row of all are kept.
+    the first row of all are kept: `figures.window.in_window` takes the start of the run from it.
     """
     table = open_group(path, group)
     dim = row_dimension(table)
@@ -67,12 +71,13 @@ def digest(
     rows = np.arange(first, last)
     if rows.size > most:
         keys = [piece[key].values for piece in blocks(table[[key]], path, first, last)]
+        # of each bin two rows are kept
         rows = first + extremes(np.concatenate(keys), -(-rows.size // (most // 2)))
     return loaded(table.isel({dim: np.append(np.arange(min(first, 1)), rows)}), path)
 
 
 def for_figures(path: str | Path, window: Window = (None, None)) -> dict[str, Any]:
     """Return the groups of a run for figures: rows and events thinned, phases and impacts whole."""
-    groups = {name: digest(path, name, window=window) for name in ("trajectory", "events")}
+    groups = {name: thin(path, name, window=window) for name in ("trajectory", "events")}
     whole = [name for name in ("phases", "impacts") if name in groups_of(path)]
-    return groups | {name: digest(path, name, most=2**62) for name in whole}
+    return groups | {name: thin(path, name, most=2**62) for name in whole}

@@ -136,6 +136,7 @@ def _parquet(table: Any, path: Path, of: str, attrs: PlainData) -> None:
 def _frames(table: Any, of: str) -> Iterator[Any]:
     """Yield the rows of a Dataset as pandas tables, a block at a time; times come first.
 
+    Then columns are sorted by name, as a run in memory has them in another order than its store.
     `of` names the source in messages. Raises StoreError.
     """
     first = [name for name in ("top", "time", "start", "end") if name in table.variables]

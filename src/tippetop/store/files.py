@@ -19,7 +19,7 @@ from .folder import Folder, NoLocks
 from .ledger import Ledger, has_ledger
 
 
-SCRATCH = "[0-9a-f]" * 32  # ends the name of a scratch folder
+SCRATCH = "[0-9a-f]" * 32  # ends the name of a scratch folder: `uuid4().hex`
 
 
 @contextlib.contextmanager
@@ -53,7 +53,7 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
             scratch.touch()
             yield scratch
             synced(folder, path.name)
-            refuse_existing(path, overwrite)
+            refuse_existing(path, overwrite)  # another process may have made it meanwhile
             os.replace(scratch, path)
             synced(path.parent)
 
@@ -70,7 +70,10 @@ def refuse_inside(path: Path) -> None:
 
 @contextlib.contextmanager
 def scratch_folder(path: Path) -> Iterator[Path]:
-    """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
+    """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError.
+
+    `remove_stale` finds those of killed writers by this name, and by their lock, which is free.
+    """
     scratch = path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")  # cannot be guessed
     scratch.mkdir()
     with contextlib.ExitStack() as stack:
@@ -111,7 +114,10 @@ def remove_stale(path: Path) -> None:
 
 
 def _removed(old: Path) -> bool:
-    """Remove a folder, unless a process has locked it; return whether it was removed."""
+    """Remove a folder, unless a process has locked it; return whether it was removed.
+
+    It stays where there are no locks (`NoLocks`), as its writer may be at work.
+    """
     try:
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, Folder(old).lock())
@@ -153,6 +159,7 @@ def name_aside(path: Path) -> Path:
 
 def synced(folder: Path, name: str = "") -> None:
     """Wait until a file in a folder, or the list of its files, is on the disk."""
+    # resolved, as `Folder` opens no link
     Folder(folder.resolve()).sync_one(name)
 
 

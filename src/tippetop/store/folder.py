@@ -106,7 +106,7 @@ class Folder:
     def lock(self, name: str = "") -> int:
         """Lock a file, or the folder, until the descriptor that is returned is closed.
 
-        Raises BlockingIOError.
+        Raises BlockingIOError if another process has the lock, and `NoLocks`.
         """
         how = os.O_RDWR if name else os.O_DIRECTORY
         descriptor = os.open(name or ".", READ | how, dir_fd=self.descriptor)

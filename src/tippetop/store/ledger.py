@@ -58,6 +58,7 @@ class Acknowledged:
     """The content of a store according to its ledger: the sum of all records.
 
     `acknowledged` makes it from the bytes of a ledger; `Ledger` keeps one up to date as `state`.
+    The names of all fields but `header` are the keys of the records, a stored format.
     """
 
     header: PlainData
@@ -105,7 +106,10 @@ class Acknowledged:
         return {name: value for name in names if (value := getattr(self, name))}
 
     def documents(self) -> dict[str, PlainData]:
-        """Return the document of every array and group by its path; last that of the root, ""."""
+        """Return the document of every array and group by its path; last that of the root, "".
+
+        `_describe` writes them in this order. Growing arrays get the acknowledged number of rows.
+        """
         members = {path: dict(document) for path, document in self.header["members"].items()}
         for table, rows in self.rows.items():
             for path in self.header["tables"][table]:
@@ -134,7 +138,8 @@ def digest(data: bytes) -> str:
 def mark(tips: Mapping[str, tuple[int, bytes]]) -> str:
     """Return the digest of a chunk that records contain, from the tips of its files by name.
 
-    A tip is the size and the last bytes, which are the checksum of the file.
+    A tip is the size and the last bytes, which are the checksum of the file. Stored ledgers contain
+    the result: a digest of another text would make all old stores seem damaged.
     """
     return digest(repr(sorted(tips.items())).encode())
 
@@ -148,6 +153,7 @@ def lines(records: list[PlainData], before: str = "") -> tuple[str, bytes]:
     """Return the digest of the last record, and the records as lines of a ledger.
 
     `before` is the digest of the record before them, "" for the header: each digest includes it.
+    `has_ledger` compares the first bytes: a digest, a space and `{"format":` without spaces.
     """
     written = b""
     for record in records:
@@ -182,7 +188,10 @@ def records_of(raw: bytes) -> list[PlainData]:
 
 
 def has_ledger(path: Path) -> bool:
-    """Return whether a folder contains a ledger of ours, damaged or not."""
+    """Return whether a folder contains a ledger of ours, damaged or not: only then is it replaced.
+
+    `header` puts `format` first, and `lines` writes it without spaces.
+    """
     with contextlib.suppress(OSError):
         return Folder(path).read(LEDGER)[DIGITS:].startswith(b' {"format":')
     return False
@@ -203,7 +212,7 @@ def acknowledged(raw: bytes) -> Acknowledged:
 
 
 def header(attributes: PlainData, tables: Mapping[str, Mapping[str, PlainData]]) -> PlainData:
-    """Return the header of a new store.
+    """Return the header of a new store. Its first key is `format`, by which `has_ledger` finds it.
 
     Parameters
     ----------
@@ -211,7 +220,7 @@ def header(attributes: PlainData, tables: Mapping[str, Mapping[str, PlainData]])
         Of the root group.
     tables
         Table -> path -> document of the arrays whose chunks are written together; arrays that grow
-        have no rows.
+        have no rows. The order of paths is that of the columns in a tail (`Table.tail`).
     """
     members: PlainData = {}
     for arrays in tables.values():
@@ -222,7 +231,7 @@ def header(attributes: PlainData, tables: Mapping[str, Mapping[str, PlainData]])
         "members": members,
         "tables": {table: list(arrays) for table, arrays in tables.items()},
     }
-    return json.loads(json.dumps(head))
+    return json.loads(json.dumps(head))  # as it will be read: lists, no tuples
 
 
 class Ledger:
@@ -272,6 +281,8 @@ class Ledger:
     def opened(cls, path: Path) -> "Ledger":
         """Lock a store and read its ledger, to continue it; nothing is changed yet.
 
+        Call `recover` or `restart` before `commit`: they make the ledger to which it appends.
+
         Raises
         ------
         StoreError
@@ -291,6 +302,7 @@ class Ledger:
         Call it only when it is certain that the store will be continued.
         """
         self._make_folders()
+        # `_compact` drops an append that was cut off: it is kept aside
         if torn := self.folder.read(LEDGER).rpartition(b"\n")[2]:
             self.folder.write("torn" + NEW, torn)
         self._describe()
@@ -337,7 +349,7 @@ class Ledger:
         """Release the lock, so that other processes can write."""
         if self.held is not None:
             try:
-                with contextlib.suppress(OSError):
+                with contextlib.suppress(OSError):  # while locked: then it is not that of another
                     self.folder.remove(WRITER)
             finally:
                 os.close(self.held)
@@ -381,14 +393,15 @@ class Ledger:
             data = zarr3.dump(document)
             if _found(self.folder.read, name) != data:
                 self.folder.write(name, data, derived=derived)
-            elif not derived:
+            elif not derived:  # it may be written, but not synced
                 self.folder.unsynced |= {name, path}
 
     def _compact(self) -> None:
         """Replace the ledger by two records: the header, and the sum of all others.
 
         The disk may lack what another process appended, so all is written again. The new file is
-        locked before it is renamed, so that the store is never without a lock.
+        locked before it is renamed, so that the store is never without a lock. Failures are
+        dropped: a sweep that is continued tries these chunks again.
         """
         state = self.state
         state.failed = {}
@@ -415,6 +428,7 @@ class Ledger:
         kept = {name for key in self.state.chunks for name in self.state.files(key)}
         kept |= {self.state.tail, WRITER}
         for place in ["", *members]:
+            # chunks of an array, tails in the root; a group contains neither: () matches no name
             ours = "c." if "shape" in members.get(place, {}) else () if place else TAIL
             for name in self.folder.names(place):
                 path = f"{place}/{name}".lstrip("/")
@@ -443,7 +457,7 @@ class Ledger:
         """Acknowledge the chunks since the last commit, and a tail.
 
         When it returns, they are on the disk: data are synced first, then the record. `tail` is the
-        content of the tail, which replaces the one before; None: there is no tail any more.
+        content of the tail, which replaces the one before; None, in sweeps: none is written.
         `record` are further fields of `Acknowledged`, such as `rows`.
         """
         with self._unless_broken():
@@ -578,7 +592,12 @@ def sound(path: Path) -> Iterator[None]:
 
 
 def _compare(folder: Folder, state: Acknowledged) -> None:
-    """Compare a store with its ledger. Raises Damaged."""
+    """Compare a store with its ledger. Raises Damaged, on which `read` tries again.
+
+    Another process may commit meanwhile. It writes documents last, after the chunks derived from
+    the tail, so only the rows that a stored document counts are sure to be in chunks: `rows` is the
+    stored number, at most that of the ledger.
+    """
     members = state.header["members"]
     remedy = "" if state.seal else f": {WHOLE}"
     rows: dict[str, int] = {}
@@ -602,7 +621,7 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         The latter are derived for readers, and have no mark; sweeps write none.
         """
         yield from state.chunks
-        for table in state.rows:  # further chunks are derived from the tail
+        for table in state.rows:  # the tables that grow; their arrays have equal numbers of rows
             path = state.header["tables"][table][0]
             rows_per_chunk, *parts = zarr3.chunk_shape(members[path])
             if parts:  # the events of a sweep

@@ -35,7 +35,10 @@ def cpu() -> str:
 
 
 def provenance() -> dict[str, Any]:
-    """Return the attributes of every store: format, versions, processor."""
+    """Return the attributes of every store: format, versions, processor.
+
+    `runs.resuming.same_here` compares `versions` and `cpu`, sweeps too; the others are for people.
+    """
     return {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,

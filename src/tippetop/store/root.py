@@ -29,7 +29,10 @@ RUNS = "runs"  # the group of a sweep whose members are stores of runs
 
 
 def finite(value: Any) -> Any:
-    """Return a value as JSON can contain it: numbers that are not finite become None."""
+    """Return a value as JSON can contain it: numbers that are not finite become None.
+
+    Tuples become lists, so that attributes compare equal with those that were read.
+    """
 
     def of_numpy(number: Any) -> Any:
         """Return a scalar of NumPy as a number of Python, for `json.dumps`."""
@@ -73,7 +76,11 @@ def _no_store(place: Path) -> str:
 
 
 def has_keyframes(attrs: Mapping[str, Any]) -> bool:
-    """Return whether a store with these root attributes is that of a run with keyframes."""
+    """Return whether a store with these root attributes is that of a run with keyframes.
+
+    These attributes are a stored format. Only stores of other kinds than runs have `content`; a
+    `replay` copies all attributes of its run, and thus `run.output`, but contains no keyframes.
+    """
     run = "content" not in attrs and "replay" not in attrs
     return run and attrs["run"].get("output") == "keyframes"
 
@@ -85,7 +92,10 @@ def groups_of(path: str | Path) -> list[str]:
 
 
 def annotate(path: str | Path, more: PlainData) -> None:
-    """Add or replace root attributes of a finished store, which stays sealed. Raises StoreError."""
+    """Add or replace root attributes of a finished store, which stays sealed. Raises StoreError.
+
+    `Ledger.finish` replaces all changed attributes, so the former ones are passed again.
+    """
     place = Path(path)
     with files.writing(place), Ledger.opened(place) as store:
         store.finish(store.state.changed | finite(more))
@@ -172,7 +182,8 @@ def new_store(
 ) -> Iterator[Path]:
     """Yield a scratch folder, which becomes `target` when the block ends well.
 
-    A store that is replaced is locked first, moved aside whole, and removed last.
+    A store that is replaced is locked first, moved aside whole, and removed last. Only with
+    `in_sweep` may the target lie inside another store, that of its sweep.
 
     Raises StoreError immediately if `target` exists (and may not be overwritten, or is being
     written) or cannot be written; at the end if something else was made there.

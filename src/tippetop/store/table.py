@@ -32,14 +32,17 @@ class Table:
             for path in ledger.state.header["tables"][name]
         }
         self.chunk = zarr3.chunk_shape(next(iter(self.documents.values())))[0]
-        self.written, self.rows = 0, 0  # rows in chunks, and of all
+        self.written = self.rows = 0  # rows in chunks, and of all
         self.waiting: dict[str, list[np.ndarray]] = {
             column: [np.empty((0, *document["shape"][1:]), document["data_type"])]
             for column, document in self.documents.items()
         }
 
     def append(self, values: Mapping[str, np.ndarray]) -> None:
-        """Append rows, (k, ...) by the names of their columns; write every chunk that they fill."""
+        """Append rows, (k, ...) by the names of their columns; write every chunk that they fill.
+
+        Other names are ignored: a table and its late one get the same rows.
+        """
         for column, waiting in self.waiting.items():
             # a copy: the caller uses its memory again
             waiting.append(np.array(values[column], order="C"))
@@ -111,7 +114,10 @@ class Table:
             self._put()
 
     def tail(self) -> bytes:
-        """Return the rows that are not in chunks yet as bytes, column by column, for `restore`."""
+        """Return the rows that are not in chunks yet as bytes, column by column, for `restore`.
+
+        Columns are in the order of the header, which the store keeps.
+        """
         return b"".join(self._joined(column).tobytes() for column in self.documents)
 
     def restore(self, written: int, rows: int, data: bytes) -> bytes:

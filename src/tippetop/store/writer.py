@@ -59,12 +59,15 @@ class Writer:
 
 
 def begin(target: str | Path, head: Callable[[], PlainData], **how: bool) -> Ledger:
-    """Create a store with the header `head()`, locked. Raises StoreError; see `root.new_store`."""
+    """Create a store with the header `head()`, locked; `how` are arguments of `root.new_store`.
+
+    `head` is called only once its folder exists, as it may compile for seconds. Raises StoreError.
+    """
     with contextlib.ExitStack() as held:
         with root.new_store(target, **how) as scratch:
             store = held.enter_context(Ledger.created(scratch, head()))
         held.pop_all()
-    store.path = Path(target)
+    store.path = Path(target)  # the scratch folder was renamed; the open folder is the same
     return store
 
 
@@ -76,8 +79,9 @@ def begin_or_continue(
 ) -> Ledger:
     """Create a store with the header `head()`, or continue it without its damaged chunks; lock it.
 
-    With `overwrite` it is always created. Raises StoreError if an existing store differs in one of
-    the attributes `same`, or has another writer.
+    `sweeps.store` calls it; `runs.resuming` continues runs. With `overwrite` the store is always
+    created. Raises StoreError if an existing one differs in one of the attributes `same`, or has
+    another writer.
     """
     path = files.own_folder(path)
     if overwrite or not path.exists():

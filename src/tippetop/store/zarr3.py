@@ -31,6 +31,8 @@ def group(attributes: PlainData, members: Mapping[str, Any] | None = None) -> Pl
 def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None) -> PlainData:
     """Return the document of an array.
 
+    The ledger of a store contains it, and a run can be resumed only if it is still made the same.
+
     Parameters
     ----------
     column
@@ -76,7 +78,10 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
 
 
 def dump(document: PlainData) -> bytes:
-    """Return a document as bytes. The order of its keys is kept: reports show attributes in it."""
+    """Return a document as bytes. The order of its keys is kept: reports show attributes in it.
+
+    `ledger` compares the bytes of a sealed store with those made here.
+    """
     return json.dumps(document, allow_nan=False).encode()
 
 
@@ -86,7 +91,10 @@ def chunk_shape(document: Mapping[str, Any]) -> list[int]:
 
 
 def chunk_name(document: Mapping[str, Any], *index: int) -> str:
-    """Return the path of a chunk in the folder of its array; indices that are left out are 0."""
+    """Return the path of a chunk in the folder of its array; indices that are left out are 0.
+
+    The name is that of zarr for the separator in `array`; `Ledger._tidy` knows chunks by "c.".
+    """
     return ".".join(["c", *map(str, index), *["0"] * (len(document["shape"]) - len(index))])
 
 

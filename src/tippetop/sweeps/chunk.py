@@ -81,7 +81,7 @@ def measure(
     return ensemble.measure(
         tops,
         threads=threads,
-        wanted=[*names, *base.events] if events else keep,
+        wanted=[*names, *base.events] if events else keep,  # all events are logged
         lyapunov=outcomes.LYAPUNOV in names,
         events=events,
     )
@@ -90,7 +90,8 @@ def measure(
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
     """Return the columns of tops that are kept, by name; `status` always is.
 
-    Those of events have other rows: they are a part of a table.
+    Those of events have other rows: they are a part of a table, and are named `events/NAME`, by
+    which `store` recognises them.
     """
     with np.errstate(all="ignore"):  # of invalid tops
         table = {**outcomes.table(measured), **_final_states(measured)}
@@ -119,12 +120,15 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
 
 def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
     """Return the columns that a sweep keeps, labelled, without a row, for the header of a store."""
-    invalid = {"run.until": np.array([np.nan])}  # which is not run
+    invalid = {"run.until": np.array([np.nan])}  # an invalid top is not run
     return without_rows(columns(measure(base, invalid, keep), keep))
 
 
-def column_names(base: Problem) -> list[str]:
-    """Return the valid names of `keep`: columns, groups of columns, and `lyapunov`."""
+def keep_choices(base: Problem) -> list[str]:
+    """Return the valid names of `keep`: columns, groups of columns, and `lyapunov`.
+
+    Columns have one row a top, and differ from those of a single run (`problem.column_names`).
+    """
     oriented = [ORIENTATION, *outcomes.ORIENTATION] if base.form.orientation else []
     return [*column_schema(base, None), FINAL, DRIFT, EVENTS, *oriented, outcomes.LYAPUNOV]
 

@@ -30,7 +30,10 @@ class Derived(NamedTuple):
 
 
 def body(base: Problem, columns: Numbers) -> Any:
-    """Return the body `b` of tops with other numbers than the base, each field (n,), SI."""
+    """Return the body `b` of tops with other numbers than the base, SI.
+
+    Fields that vary are (n,), the others may be numbers.
+    """
     return Problems(base, columns).body(lambda value: value)
 
 

@@ -120,7 +120,10 @@ class Design:
 
     @cached_property
     def _drawn(self) -> Arrays:
-        """Return the numbers of drawn axes, (sample.n,) by key, SI."""
+        """Return the numbers of drawn axes, (sample.n,) by key, SI.
+
+        The order of the axes decides which coordinate of the points each takes, hence the tops.
+        """
         axes = [axis for axis in self.axes if axis.sampled]
         points = self.sample.unit(len(axes)) if self.sample else np.zeros((0, 0))
         return {axis.of: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}

@@ -32,7 +32,7 @@ NEEDED = {
     "normal-force": ("normal_force_min", "normal_force_max"),
     "lyapunov": ("lyapunov",),
 }
-# the classes of a map: those of the tops under way that are still upright are apart
+# the classes of a map, after the stored ones: tops under way that are still upright are apart
 SHOWN = (*CLASSES, "near-upright")
 
 
@@ -107,7 +107,7 @@ def make_map(path: Path, kind: str) -> Map:
             notes.append(f"all {greek(axis.of)}")
             continue
         chosen &= numbers[axis.of] == _middle(axis)
-        units = units_text(table[axis.of].attrs["units"]).replace("1", "")
+        units = units_text(table[axis.of].attrs["units"]).replace("1", "")  # a pure number
         number = f"{_middle(axis):.4g} {units}".rstrip()
         notes.append(f"{greek(axis.of)} = {number} (one of {len(axis.numbers)})")
     for axis in varying[:2]:
@@ -147,7 +147,8 @@ def borders_of(
 ) -> Arrays:
     """Return log(|lambda|/threshold) over the spans of axes, by the label of the threshold.
 
-    A threshold that is on one side of all points is left out.
+    It is 0 at the border; a threshold that is on one side of all points is left out. `make_map`
+    calls it for a figure, `views.borders` for a page.
 
     Parameters
     ----------
@@ -187,7 +188,8 @@ def values_of(path: Path, table: Any, name: str) -> np.ndarray:
 def map_axis(plan: Plan, axis: Axis, attrs: PlainData) -> MapAxis:
     """Return the cells of an axis: one for each number, or bins of drawn numbers.
 
-    `attrs` are the attributes of its column, with its name in words and its unit.
+    `attrs` are the attributes of its column, with its name in words and its unit. Edges ascend, as
+    `make_map` searches numbers in them. Raises InputError.
     """
     given = axis.numbers or axis.between or ()
     values = np.unique([v for v in given if np.isfinite(v)])

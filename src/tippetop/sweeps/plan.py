@@ -30,7 +30,7 @@ from ..scenario.identity import Records, user_records
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived_axes
-from .chunk import base_of, column_names
+from .chunk import base_of, keep_choices
 from .design import MOST_TOPS, Axis, Design, Sample
 
 
@@ -74,7 +74,8 @@ orientation are groups of columns; events is a table of the events of every top"
 class Plan:
     """A checked sweep.
 
-    `document` is the plan in plain data: `from_tables(document)` is the same plan.
+    `document` is the plan in plain data: `from_tables(document)` is the same plan. Stores contain
+    it, and are continued only by an equal one.
     """
 
     base: Problem
@@ -102,7 +103,7 @@ class Plan:
         try:
             shape = PlanTable.model_validate(document)
         except ValidationError as error:
-            raise InputError(error.errors(include_url=False), scenario_sentence) from None
+            raise InputError(error.errors(include_url=False), plan_sentence) from None
         base = made(_base(shape, folder))
         sentences = []
         keys = [axis.of for axis in shape.axis]
@@ -123,6 +124,7 @@ class Plan:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
         tables = build.resolved(base)
         own = user_records(base.system)
+        # the document cannot contain the user's records: workers get them as `Task.own`
         for key in tables["run"].keys() & {"events", "columns"}:
             names = {record.name for records in own for record in records}
             tables["run"][key] = [name for name in tables["run"][key] if name not in names]
@@ -154,7 +156,10 @@ class Plan:
 
     @cached_property
     def chunk(self) -> int:
-        """Tops that are computed and stored together; the same for any number of workers."""
+        """Tops that are computed and stored together: the rows of each file of a column.
+
+        It is estimated, not measured, so that it is the same for any workers on any computer.
+        """
         given = self.document["chunk"]
         if given is not None:
             return min(given, self.n)
@@ -201,7 +206,10 @@ class Plan:
 
     @cached_property
     def seconds_per_top(self) -> float:
-        """Estimated seconds of one core for a top: the same on every computer."""
+        """Estimated seconds of one core for a top: the same on every computer.
+
+        From at most 48 tops, as each is checked, which takes a millisecond or so.
+        """
         from ..runs import cost
 
         steps = []
@@ -258,6 +266,7 @@ def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
     """Return the faults of one axis, whose number must keep its sign where it is `nonzero`."""
     given = [way for way in WAYS if getattr(axis, way) is not None]
     spaced = bool({"linspace", "geomspace"} & {*given})
+    # a way that is not given is replaced by numbers without a fault
     first, last = axis.between or (1.0, 2.0)
     low, high = axis.geomspace or (1.0, 1.0)
     numbers = axis.values or axis.linspace or axis.between or axis.geomspace or [1.0]
@@ -330,15 +339,15 @@ def _run_faults(plan: Plan) -> list[str]:
 
 
 def _keep_faults(plan: Plan) -> list[str]:
-    """Return the faults of `keep`."""
+    """Return the faults of `keep`: `chunk.columns` would ignore an unknown name."""
     if plan.keep is None:
         return []
-    known = column_names(plan.base)
+    known = keep_choices(plan.base)
     unknown = [name for name in plan.keep if name not in known]
     return [f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in unknown]
 
 
-def scenario_sentence(error: Any) -> str:
+def plan_sentence(error: Any) -> str:
     """Return one pydantic error of a plan as a sentence; axes are counted from 1."""
     place = list(error["loc"])
     if place[0] == "axis" and len(place) > 1:

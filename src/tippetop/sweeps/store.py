@@ -36,7 +36,10 @@ def chunk_counts(path: Path, attrs: PlainData) -> tuple[dict[str, int], dict[str
 
 
 def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
-    """Open the store of a sweep to write it, new or continued. Raises StoreError."""
+    """Open the store of a sweep to write it, new or continued. Raises StoreError.
+
+    A store that differs in an attribute of `same` is refused: its chunks may have other bits.
+    """
     same = ("plan", DIGESTS, "versions", "cpu", "chunk")
     return begin_or_continue(path, lambda: _header(plan), same, overwrite)
 
@@ -44,7 +47,8 @@ def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
 def _header(plan: Plan) -> PlainData:
     """Return the header of the store of a sweep, for `Ledger.created`: attributes and arrays.
 
-    It does not depend on who computes, or when.
+    It does not depend on who computes, or when. `root.open_group` takes `coordinates`, `columns`,
+    `dimensions` and `shape` from the attributes; names with "/" are columns of another table.
     """
     coordinates = _coordinates(plan)
     columns = chunk.column_schema(plan.base, plan.keep)
@@ -76,7 +80,8 @@ def _header(plan: Plan) -> PlainData:
 def put_events(store: Ledger, part: int, first: int, result: Rows) -> dict[str, int]:
     """Write the events of a chunk of tops, of which `first` is the first.
 
-    Return the rows of the longest part by table, for a commit; empty without events.
+    Return the rows of the longest part by table, for a commit; empty without events. `part` is the
+    number of the chunk: by it `writer.begin_or_continue` drops events of tops that are damaged.
     """
     rows = {name.partition("/")[2]: values for name, values in result.items() if "/" in name}
     if not rows:
@@ -90,7 +95,10 @@ def put_events(store: Ledger, part: int, first: int, result: Rows) -> dict[str, 
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
-    """Return columns without rows for the varied keys: axes, and the keys that derived axes set."""
+    """Return columns without rows for the varied keys: axes, and the keys that derived axes set.
+
+    `sweep` writes chunks with the same keys, those of `Design.numbers` and `Plan.columns`.
+    """
     rules = plan.base.rules
     first = np.zeros(1, int)
     about = {

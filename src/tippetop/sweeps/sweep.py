@@ -80,7 +80,8 @@ def sweep(
 def _unknown_to_others(base: Problem) -> str:
     """Return why worker processes cannot make the problem `base`, a clause, or an empty text.
 
-    Formulas are pickled by name, and systems and laws are looked up in registries.
+    Formulas are pickled by name, and systems and laws are looked up in registries. `sweep` adds the
+    remedy to the clause.
     """
     try:
         is_named = b"__main__" not in pickle.dumps(user_records(base.system))
@@ -154,6 +155,7 @@ def _fill(
                 rows = {}
                 if not isinstance(result, str):
                     store.put(key, {**plan.design.numbers(tops), **task.columns, **result})
+                    # acknowledged with their tops, by one commit
                     rows = put_events(store, task.chunk, int(tops[0]), result)
                 store.commit(failed=failed, rows=rows)
                 if rows:  # readers must know the shape

@@ -33,7 +33,10 @@ def open_sweep(path: str | Path) -> Any:
 
 
 def plan_of(table: Any) -> Plan:
-    """Return the plan of a table of a sweep, without `keep` and `runs`."""
+    """Return the plan of a table of a sweep, without `keep` and `runs`.
+
+    They were checked when the sweep began; `keep` may name columns of the user, unknown here.
+    """
     return Plan.from_tables(json.loads(table.attrs["plan"]) | {"keep": None, "runs": []})
 
 
@@ -146,6 +149,6 @@ def faults_of(plan: Plan, invalid: np.ndarray) -> list[str]:
     tops = ensemble.vary(plan.base, plan.columns(some))
     outcomes = Outcomes(tops)
     if plan.base.system.is_hybrid:
-        checked_tops(outcomes, lambda: None)
+        checked_tops(outcomes, lambda: None)  # adds the faults of the contact to the outcomes
     faults = *tops.checked[1], *outcomes.faults
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]
