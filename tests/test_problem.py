@@ -66,7 +66,7 @@ def test_one_run_is_the_case_n_1_of_many(
         base = dataclasses.replace(preset, form=form, precision=precision)
         numbers = columns(base, rng)
         many = Problems(base, numbers, orientation=True)
-        for i in range(N):
+        for i in range(0, N, 3):
             one = alone(base, numbers, i)
             same = Problems(
                 base, {key: column[[i]] for key, column in numbers.items()}, orientation=True

@@ -53,14 +53,6 @@ def test_the_reference_has_no_error(tmp_path, name):
     assert not only.wrong
 
 
-def test_the_exported_reference_has_the_error_of_its_digits(tmp_path):
-    benchmark.export(tmp_path, ["bounce", "joint"])
-    for name, digits in (("bounce", 1e-12), ("joint", 1e-10)):
-        [only] = benchmark.score(tmp_path / name / "reference.csv").results
-        assert only.compared.numbers["position"]["max"] < digits
-        assert not only.wrong
-
-
 def test_times_may_have_single_precision(tmp_path):
     table = result("torque-free")
     table["t [s]"] = table["t [s]"].astype(np.float32)

@@ -2,7 +2,7 @@
 that gives one.
 """
 
-from collections.abc import Iterator
+import functools
 
 import llvmlite.binding as llvm
 import numpy as np
@@ -16,12 +16,11 @@ from tippetop.runs.run import solve
 
 
 @pytest.fixture(params=["0", "3"])
-def fuses(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[bool]:
+def fuses(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
     """As tests are compiled; as users have it, with fused products where the processor has them."""
     monkeypatch.setenv(OPT_LEVEL, request.param)
-    compiled_from.cache_clear()
-    yield request.param == "3" and llvm.get_host_cpu_features().get("fma", False)
-    compiled_from.cache_clear()
+    monkeypatch.setattr(taylor, "compiled_from", functools.cache(compiled_from.__wrapped__))
+    return request.param == "3" and llvm.get_host_cpu_features().get("fma", False)
 
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling-cylinder"])

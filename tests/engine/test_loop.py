@@ -9,6 +9,7 @@ import pytest
 from typed import typed
 
 import tippetop_kernels
+from tippetop.engine import taylor
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.loop import Loop, Motion, _Loop, library, new_motion, structure
 from tippetop.engine.status import Status
@@ -40,7 +41,7 @@ def test_a_loop_that_is_no_library_is_one_message_of_the_command_line(
 ) -> None:
     (folder / "loop.so").write_text("text")
     monkeypatch.setattr("tippetop.engine.loop.library", library.__wrapped__)
-    compiled_from.cache_clear()  # and with it the loops of earlier runs
+    monkeypatch.setattr(taylor, "compiled_from", compiled_from.__wrapped__)
     assert typed("run heavy-top --until 0.0123") == 2
     assert capsys.readouterr().err.count("install tippetop again") == 1
 

@@ -84,9 +84,8 @@ def test_exact_data_give_the_numbers_to_rounding(columns: list[str], tmp_path: P
 
 
 def test_one_search_does_not_establish_a_minimum(film: Path, fit: Fitted) -> None:
-    found, other = (fitted(film, noise=noise) for noise in ("0.3 deg", np.deg2rad(0.15)))
-    told = ["larger than the stated noise" in each.reason for each in (found, other)]
-    assert told == [False, True]
+    found = fitted(film, noise="0.3 deg")
+    assert "larger than the stated noise" not in found.reason
     assert (found.converged, found.trustworthy) == (False, False)
     assert (
         "the minimum is not trustworthy: 1 of 1 independent searches ended there (3 are needed)"
@@ -119,7 +118,7 @@ def test_searches_with_the_same_end_are_counted_together() -> None:
 
 def test_three_rows_of_noise_do_not_end_a_search(tmp_path: Path) -> None:
     """Two of the first three residuals are larger than twice the stated noise."""
-    t = np.arange(0, 1, 1 / 60)
+    t = np.arange(0, 0.4, 1 / 60)
     seen = tt.run("inverting", start={"theta": 0.5}, until=t[-1], output_times=t).trajectory
     noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal((len(t), 3))
     noise[:3] = np.deg2rad(1.0)

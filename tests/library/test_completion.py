@@ -9,9 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jedi
 import pytest
-from mypy import api
 from typed import refused, typed
 
 import tippetop as tt
@@ -58,6 +56,8 @@ def test_signatures_and_help_have_every_option() -> None:
 
 @pytest.mark.slow
 def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
+    from mypy import api
+
     (tmp_path / "calls.py").write_text(CALLS)
     found, *_ = api.run(
         [str(tmp_path / "calls.py"), "--ignore-missing-imports", "--follow-imports=silent"]
@@ -92,6 +92,8 @@ def test_so_does_pyright(tmp_path: Path) -> None:
 )
 def test_jedi_completes(typed: str, known: str) -> None:
     """As Jupyter does while nothing has been run yet."""
+    import jedi
+
     script = jedi.Script(f"import tippetop as tt\n{typed}")
     assert known in [completion.name for completion in script.complete(2, len(typed))]
 

@@ -80,8 +80,8 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("until", "sets", "kills"),
     [
         (0.0, [], 2),
-        (20.0, [], 2),
         (0.0, KEYFRAMES, 2),
+        at_night(20.0, [], 2),
         at_night(5.0, KEYFRAMES, 5),
         at_night(0.0, ["run.output_step=0.001"], 50),
         at_night(0.0, ["run.precision=longdouble"], 2),

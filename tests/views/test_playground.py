@@ -25,19 +25,24 @@ pytest.importorskip("playwright.sync_api", reason="no playwright: pip install pl
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_playground_of_the_docs_is_the_one_of_the_formulas() -> None:
+@pytest.fixture(scope="module")
+def written() -> str:
+    return playground()
+
+
+def test_the_playground_of_the_docs_is_the_one_of_the_formulas(written: str) -> None:
     """Else: tippetop view --playground --out docs/playground.html --overwrite."""
-    assert (ROOT / "docs" / "playground.html").read_text(encoding="utf-8") == playground()
+    assert (ROOT / "docs" / "playground.html").read_text(encoding="utf-8") == written
 
 
-def test_the_command_writes_the_playground(tmp_path: Path) -> None:
+def test_the_command_writes_the_playground(written: str, tmp_path: Path) -> None:
     assert typed(f"view --playground --out {tmp_path}/x.html") == 0
-    assert (tmp_path / "x.html").read_text(encoding="utf-8") == playground()
+    assert (tmp_path / "x.html").read_text(encoding="utf-8") == written
 
 
 @pytest.fixture(scope="module")
-def tab(open_page: Any) -> Any:
-    return open_page(playground())
+def tab(open_page: Any, written: str) -> Any:
+    return open_page(written)
 
 
 def in_page(tab: Any, problem: tt.Problem, times: np.ndarray) -> dict[str, Any]:

@@ -167,7 +167,7 @@ SURROUNDINGS: dict[str, dict[str, dict[str, float]]] = {
     [
         *(("cohen-coulomb", name) for name in SURROUNDINGS),
         at_night("inverting", "vibrates"),
-        ("rolling", "vibrates"),
+        at_night("rolling", "vibrates"),
         at_night("flying", "vibrates"),
     ],
 )
