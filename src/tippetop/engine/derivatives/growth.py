@@ -5,7 +5,7 @@ A problem and times go in, a `Growth` comes out.
 
 import dataclasses
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -67,20 +67,10 @@ class Growth(NamedTuple):
         return f"an error of 1e-16 at the start grows to at most {size:.2g} ({exponent})"
 
 
-def growth(problem: Problem, times: np.ndarray) -> Growth:
-    """Return the growth of errors of the start, by the variational equations.
+def by_its_start(problem: Problem) -> tuple[Problem, list[str]]:
+    """Return a run whose start is given by angles, and the numbers of its start with errors.
 
-    Parameters
-    ----------
-    problem
-        The run, in doubles; in vector form where its system has one.
-    times
-        Of the rows [s], (n,), ascending, the first 0.
-
-    Raises
-    ------
-    InputError
-        If the run has no derivatives.
+    It is without orientation, and in vector form where its system has one.
     """
     system = problem.system
     data = dict(problem.initial)
@@ -92,14 +82,34 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
         angles = {n: np.nan_to_num(found[n][0]) * problem.scales.of(units[n]) for n in units}
     start = {name: float(value) for name, value in angles.items() if name in system.initial}
     form = system.forms.get("vector", problem.form)
-    given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
     left_out = {"x", "y"}
     if system.is_hybrid and not start.get("gap", 0.0) > 0:
         left_out |= LOWEST.keys()  # errors of a body on the plane leave it there
     wrt = [f"initial.{name}" for name in start if name not in left_out]
-    rows = followed(given, wrt, times).rows()
+    form = system.forms.get("vector", problem.form)
+    return dataclasses.replace(problem, initial=start, form=form, orientation=False), wrt
+
+
+def growth(problem: Problem, wrt: list[str], times: np.ndarray, driver: Any) -> Growth:
+    """Return the growth of errors of the start, by the variational equations.
+
+    Parameters
+    ----------
+    problem, wrt
+        The run, and the numbers that have errors, by `by_its_start`.
+    times
+        Of the rows [s], (n,), ascending, the first 0.
+    driver
+        That of the run, as for `through.Pass`.
+
+    Raises
+    ------
+    InputError
+        If the run has no derivatives.
+    """
+    rows = followed(problem, wrt, times, driver).rows()
     without = {"L3", *NUMBERS}  # L3 is L.3hat
-    counted = [i for i, name in enumerate(form.units._fields) if name not in without]
+    counted = [i for i, name in enumerate(problem.form.units._fields) if name not in without]
     moves = rows[counted, 1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]

@@ -72,7 +72,7 @@ def differentiate(
     own = i == j
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     ways = (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2
-    passed = followed(problem, wrt, every, ways, order, driver)
+    passed = followed(problem, wrt, every, driver, ways, order)
     sizes = passed.sizes[:, None]
     values = passed.read()
 
@@ -104,7 +104,7 @@ def differentiate(
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
-    pace = values["theta_dot"].value[at] / unit
+    pace = values["theta_dot"].value[0, at] / unit
     by_theta = values["theta"].first[own][:, at] / sizes + pace * by_time
     by = "event", PARAMETER
     tables = {
