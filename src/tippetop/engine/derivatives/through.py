@@ -27,7 +27,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import lru_cache, partial, reduce
+from functools import lru_cache, partial
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -49,7 +49,7 @@ from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, Moving, compiled_flow, in_motion
+from ..variational import Moving, compiled_flow, in_motion
 
 
 MOST_LANES = 8
@@ -94,7 +94,6 @@ class Motion(NamedTuple):
     formulas: Formulas
     variables: Variables
     pars: np.ndarray  # as rows
-    tolerance: float = EXACT
 
     @property
     def body(self) -> Any:
@@ -109,7 +108,7 @@ class Motion(NamedTuple):
         size = len(self.variables.names)
         _, parts, directions = state.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes, parts - 1, self.tolerance
+        key = self.formulas, self.variables, lanes, parts - 1
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         # the largest decide the errors
         sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
@@ -382,7 +381,7 @@ class Pass:
         _, changes = noted(self._numbers_of, wrt, body, ways)
         self.notes = [Note(0.0, "the law of friction", least_of(changes, self.directions))]
         formulas = formulas_of(problem.system, problem.form.name, problem.law)
-        self.whole = Motion(formulas, problem.variables, self.first, problem.tolerance)
+        self.whole = Motion(formulas, problem.variables, self.first)
         if problem.system.is_hybrid:
             self._follow()
         else:
@@ -534,17 +533,15 @@ class Pass:
             if stop < end:
                 state, _ = motion.happens(event, state)
         state[:, 0] = np.append(last, end)[:, None]
-        known = None
-        if not event:  # by the clock
-            known = state[-1, 1] - start[-1, 1] - lasts
-        elif event.name in zeros and end - interval.began < BRIEF_PHASE:
-            three = start, inside[..., PER_INTERVAL // 2], state
-            paces = [motion.slopes(event, one)[1][1, 1] for one in three]
-            known = (end - interval.began) * (SIMPSON @ paces)
         if exit:
+            known = None if event else -lasts
+            if exit.event in zeros and end - interval.began < BRIEF_PHASE:
+                three = start, inside[..., PER_INTERVAL // 2], state
+                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
+                known = (end - interval.began) * (SIMPSON @ paces)
             state, least = motion.happens(event, state, known)
-            if event and not exit.smooth:
-                self.notes.append(Note(end, f"`{event.name}`", least))
+            if not exit.smooth:
+                self.notes.append(Note(end, f"`{exit.event}`", least))
         self.between[phase].append((np.array([number]), state[..., None]))
         return state
 
@@ -564,14 +561,14 @@ class Pass:
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
         results = rows_of(made, self.directions)
+        after = slice(3, 3 + size)
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
         state = motion.flow(np.array([float(driver.reached()[0])]), state[:size])[..., 0]
-        after = results[3 : 3 + size]
-        state[:, 0] = after[:, 0]
+        state[:, 0] = results[after, 0]
         if made[2] >= 0:
             state, _ = motion.happens(formulas.events[made[2]], state)
-        after[:] = state
+        results[after] = state
         return results
 
     # --- what was found ---------------------------------------------------------------------------
@@ -679,8 +676,8 @@ def _quaternion(products: Sequence) -> list[Dual]:
     number.
     """
     near = quaternion([[plain(one) for one in row] for row in products])
-    along = [reduce(operator.add, map(operator.mul, row, near)) for row in products]
-    size = sqrt(reduce(operator.add, (one * one for one in along)))
+    along = [sum(map(operator.mul, row, near)) for row in products]
+    size = sqrt(sum(one * one for one in along))
     return [one / size for one in along]
 
 
