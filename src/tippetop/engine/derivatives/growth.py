@@ -107,10 +107,10 @@ def growth(problem: Problem, wrt: list[str], times: np.ndarray, driver: Any) -> 
     InputError
         If the run has no derivatives.
     """
-    rows = followed(problem, wrt, times, driver).rows()
+    rows = followed(problem, wrt, times, driver).rows
     without = {"L3", *NUMBERS}  # L3 is L.3hat
     counted = [i for i, name in enumerate(problem.form.units._fields) if name not in without]
-    moves = rows[counted, 1].transpose(2, 0, 1)  # (rows, variables, directions)
+    moves = rows[counted, 1, :-1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1

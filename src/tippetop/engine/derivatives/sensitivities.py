@@ -85,7 +85,7 @@ def differentiate(
             continue
         scale = passed.scales.of(source.unit)
         each = [(values[part] * scale).parts for part in source.parts]
-        _, first, *others = (np.array(parts)[..., rows] for parts in zip(*each, strict=True))
+        _, first, *others = (np.array(parts)[:, :-1, rows] for parts in zip(*each, strict=True))
         symbol = source.unit.symbol
         by = "time", PARAMETER
         trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)
@@ -104,8 +104,8 @@ def differentiate(
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
-    pace = values["theta_dot"].value[0, at] / unit
-    by_theta = values["theta"].first[own][:, at] / sizes + pace * by_time
+    *by_number, pace = values["theta"].first[:, at]
+    by_theta = np.array(by_number)[own] / sizes + pace / unit * by_time
     by = "event", PARAMETER
     tables = {
         "trajectory": trajectory,

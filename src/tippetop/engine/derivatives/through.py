@@ -88,6 +88,11 @@ def duals_of(rows: np.ndarray) -> list[Dual]:
     return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
+def constants_of(rows: np.ndarray) -> list[Dual]:
+    """Return rows of constants as dual numbers, for states `Motion.in_time`."""
+    return duals_of(np.pad(rows, [(0, 0), (0, 0), (0, 1)])[..., None])
+
+
 class Motion(NamedTuple):
     """The equations of a phase or of an impact, and the numbers of the body in them."""
 
@@ -97,8 +102,8 @@ class Motion(NamedTuple):
 
     @property
     def body(self) -> Any:
-        """Return the body with derivatives, for states of several times."""
-        return self.formulas.body(iter(duals_of(self.pars[..., None])))
+        """Return the body with derivatives, for states `in_time`."""
+        return self.formulas.body(iter(constants_of(self.pars)))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
@@ -130,13 +135,20 @@ class Motion(NamedTuple):
         after[:, 0] = after[:, 0, :1]  # lanes take their own steps
         return after[..., back[1:]]
 
-    def rates(self, values: np.ndarray) -> list:
-        """Return the rates of the variables of states (n, times), without derivatives."""
-        return self.variables.rates(*self.variables.split(values), plain(self.body))
+    def in_time(self, state: np.ndarray) -> np.ndarray:
+        """Return states (n, ..., times) at fixed times, with time as one more direction."""
+        q, carried = self.variables.split(state[:, 0, 0])
+        rates = *self.variables.rates(q, carried, plain(self.body)), 1.0
+        moved = np.concatenate([state, state[:, :, :1]], axis=2)
+        for row, rate in zip(moved, rates, strict=True):
+            row[1, :-1] -= rate * state[-1, 1]
+            row[1, -1] = rate
+        return moved
 
-    def functions(self, state: Sequence, b: Any) -> dict[str, Dual]:
-        """Return the event functions of numbers with derivatives, by the name of the event."""
-        values = self.formulas.functions(*self.variables.split(state), b)
+    def functions(self, state: np.ndarray) -> dict[str, Dual]:
+        """Return the event functions of states `in_time`, by the name of the event."""
+        q, carried = self.variables.split(duals_of(state))
+        values = self.formulas.functions(q, carried, self.body)
         events = self.formulas.events
         return {e.name: Dual(*parts_of(h, 1)) for e, h in zip(events, values, strict=True)}
 
@@ -349,8 +361,9 @@ class Pass:
     ----------
     shifts
         The derivatives of the times at which the run starts, and at which phases end.
-    samples
-        By phase, None in a smooth run: numbers of the times at which it is, and its states there.
+    rows
+        The variables of the run at the times, in internal units, as rows (variables, ..., times);
+        their last direction is time.
     between
         By phase: numbers of its intervals, and states in them.
     notes
@@ -367,7 +380,7 @@ class Pass:
         ways: np.ndarray | None = None,
         order: int = 1,
     ):
-        """Follow the run with derivatives; `samples` then has the states."""
+        """Follow the run with derivatives; `rows` then has the states."""
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
@@ -375,6 +388,7 @@ class Pass:
         self.directions = ways.shape[1]
         self.order = order
         self.motions = dict[Any, Motion]()  # by phase
+        # by phase: numbers of the times at which it is, and its states there
         self.samples, self.between = defaultdict[Any, Any](list), defaultdict[Any, Any](list)
         self.shifts = {0.0: np.zeros(self.directions)}
         body = driver.world.body if problem.system.is_hybrid else problem.internal_body
@@ -384,8 +398,9 @@ class Pass:
         self.whole = Motion(formulas, problem.variables, self.first)
         if problem.system.is_hybrid:
             self._follow()
+            self.rows = self._read_phases()
         else:
-            self.samples[None] = np.arange(len(times)), self.whole.flow(times, self.start)
+            self.rows = self.whole.in_time(self.whole.flow(times, self.start))[:-1]
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
         """Set start, body and scales of the run, in internal units, with derivatives.
@@ -407,7 +422,7 @@ class Pass:
         }
         tops = DualProblems(problem, numbers, problem.orientation)
         scales = rows_of(tops.scales, self.directions, self.order)
-        self.scales = Scales(*duals_of(scales[..., None]))
+        self.scales = Scales(*constants_of(scales))
         body, _ = assembled(problem.system, tops, lambda value: value)
         self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
@@ -449,10 +464,22 @@ class Pass:
         for found in (self.samples, self.between):
             for phase, parts in found.items():
                 found[phase] = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
-        for phase, (_, state) in self.samples.items():  # where phases began moves; rows do not
-            rates = self.motions[phase].rates(state[:, 0, 0])
-            for row, rate in zip(state, rates, strict=False):
-                row[1] -= rate * state[-1, 1]
+
+    def _read_phases(self) -> np.ndarray:
+        """Return `rows` of the samples in all phases."""
+        variables = self.problem.variables
+        shape = len(variables.names), 2, self.directions + 1, len(self.times)
+        rows = np.full(shape, np.nan)
+        if self.times[0] == 0:  # a phase may begin later
+            rows[:, :, :-1, 0] = self.start[:-1]
+        for phase, (which, state) in self.samples.items():
+            motion = self.motions[phase]
+            q, carried = motion.variables.split(duals_of(motion.in_time(state)))
+            read, _ = self.problem.system.read(phase, q, carried, motion.body)
+            every = variables.join(read[: variables.moving], carried)
+            for row, one in zip(rows, every, strict=True):
+                row[0][:, which], row[1][:, which] = parts_of(one, 1)
+        return rows
 
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
@@ -574,40 +601,20 @@ class Pass:
     # --- what was found ---------------------------------------------------------------------------
 
     @QUIET
-    def rows(self) -> np.ndarray:
-        """Return the variables of the run at all times with derivatives, in internal units, as
-        rows (variables, ..., times).
-        """
-        system = self.problem.system
-        if not system.is_hybrid:
-            return self.samples[None][1][:-1]
-        variables = self.problem.variables
-        rows = np.full((len(variables.names), 2, self.directions, len(self.times)), np.nan)
-        if self.times[0] == 0:  # a phase may begin later
-            rows[..., 0] = self.start[:-1]
-        for phase, (which, state) in self.samples.items():
-            motion = self.motions[phase]
-            q, carried = motion.variables.split(duals_of(state))
-            read, _ = system.read(phase, q, carried, motion.body)
-            every = variables.join(read[: variables.moving], carried)
-            for row, one in zip(rows, every, strict=True):
-                row[0][:, which], row[1][:, which] = parts_of(one, 1)
-        return rows
-
-    @QUIET
     def read(self) -> dict[str, Dual]:
-        """Return the columns at all times, by name; values and derivatives are (directions, times).
+        """Return the columns at all times, by name; values and derivatives are (directions, times),
+        the last direction is time.
         """
         problem = self.problem
         form = problem.form
-        q, carried = problem.variables.split(duals_of(self.rows()))
+        q, carried = problem.variables.split(duals_of(self.rows))
         given = problem.system, form, q, carried, self.whole.body
         values = observed(*given)
         if problem.orientation and form.orientation:
             values |= orientation_of(*given)
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
-        shape = self.directions, len(self.times)
+        shape = self.rows.shape[2:]
         return {
             name: Dual(*(np.broadcast_to(part, shape) for part in parts_of(one, self.order)))
             for name, one in values.items()
@@ -621,17 +628,10 @@ class Pass:
         There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
-        at = np.searchsorted(self.times, times)
-        for phase, (which, states) in self.samples.items():
-            motion = self.motions.get(phase, self.whole)
-            mine = np.flatnonzero(np.isin(at, which))
-            some = states[:, :2, :, np.searchsorted(which, at[mine])]
-            values = some[:, 0, 0]
-            moving = [*map(Dual, values, motion.rates(values))]
-            paces = motion.functions(moving, plain(motion.body))
-            for name, h in motion.functions(duals_of(some), motion.body).items():
-                happens = np.array(names)[mine] == name
-                shifts[:, mine[happens]] = -(h.first / paces[name].first)[:, happens]
+        rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
+        for name, h in self.whole.functions(rows).items():
+            happens = np.array(names) == name
+            shifts[:, happens] = -(h.first[:-1] / h.first[-1])[:, happens]
         for k, time in enumerate(times):
             shifts[:, k] = self.shifts.get(time, shifts[:, k])
         return shifts
@@ -643,11 +643,11 @@ class Pass:
         for phase, (which, state) in self.between.items():
             motion = self.motions[phase]
             exits = {one.event for one in phase.exits if not one.smooth}
-            for name, h in motion.functions(duals_of(state), motion.body).items():
+            for name, h in motion.functions(motion.in_time(state)).items():
                 if name not in exits:
                     continue
                 size = np.abs(h.value)
-                least = size / np.abs(h.first)
+                least = size / np.abs(h.first[:-1] + h.first[-1] * state[-1, 1])
                 for k in _lows(size, which):
                     interval = self.driver.intervals[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
