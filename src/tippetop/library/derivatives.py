@@ -113,6 +113,7 @@ def sensitivities(
     """
     from ..engine.derivatives.sensitivities import differentiate
     from ..problem import refuse
+    from ..runs.run import with_phases
 
     wrt = names_of("wrt", wrt)
     if positive_integer("order", order) > 2:
@@ -124,7 +125,7 @@ def sensitivities(
     refuse(problem, wrt)
     if order == 2 and problem.system.is_hybrid:
         raise InputError("`order` must be 1 where the contact may change, but is 2.")
-    solution, driver = _solved(problem)
+    solution, driver = with_phases(problem)
     run = Run(solution)
     moments = {}
     if problem.system.tables:
@@ -137,16 +138,6 @@ def sensitivities(
     names = "trajectory", "events", "second", "phases", "impacts"
     tables = {name: _table(problem, wrt, derived.get(name, {}), run) for name in names}
     return Sensitivities(run, **tables, sentences=tuple(sentences))
-
-
-def _solved(problem: Any) -> tuple[Any, Any]:
-    """Return the solution of a problem, and its driver, which has kept the phases."""
-    from ..engine.taylor import driver_of
-    from ..runs.run import solve
-
-    driver: Any = driver_of(problem)
-    driver.intervals = []
-    return solve(problem, driver=driver), driver
 
 
 def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
@@ -194,16 +185,15 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     >>> import tippetop as tt
     >>> print(tt.derivatives.lyapunov("inverting").sentence)
     """
-    from ..engine.derivatives.growth import by_its_start, growth
     from ..problem import refuse
+    from ..runs.growth import growth
+    from ..runs.run import solve
 
     if positive_integer("rows", rows) < 2:
         raise InputError(f"`rows` must be at least 2, but is {rows!r:.60}.")
     problem = problem_of(source, friction, **arguments)
     refuse(problem, ())
-    problem, wrt = by_its_start(problem)
-    solution, driver = _solved(problem)
-    result = growth(problem, wrt, np.linspace(0.0, solution.times[-1], rows), driver)
+    result = growth(problem, np.linspace(0.0, float(solve(problem).times[-1]), rows))
     columns = {
         "time": column(result.times, SECOND, "time"),
         "factor": column(result.factor, ONE, "largest growth of a small error of the start"),

@@ -85,7 +85,8 @@ def differentiate(
             continue
         scale = passed.scales.of(source.unit)
         each = [(values[part] * scale).parts for part in source.parts]
-        _, first, *others = (np.array(parts)[:, :-1, rows] for parts in zip(*each, strict=True))
+        _, *derivatives = zip(*each, strict=True)
+        first, *others = (np.array(parts)[:, :-1, rows] for parts in derivatives)
         symbol = source.unit.symbol
         by = "time", PARAMETER
         trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)

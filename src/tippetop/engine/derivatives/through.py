@@ -43,7 +43,14 @@ from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
-from ..expressions import AXES, Formulas, formulas_of, observed, orientation_of
+from ..expressions import (
+    AXES,
+    Formulas,
+    compile_observables,
+    formulas_of,
+    observed,
+    orientation_of,
+)
 from ..hybrid import QUIET, Jump, PhaseInterval, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
@@ -88,9 +95,9 @@ def duals_of(rows: np.ndarray) -> list[Dual]:
     return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
-def constants_of(rows: np.ndarray) -> list[Dual]:
-    """Return rows of constants as dual numbers, for states `Motion.in_time`."""
-    return duals_of(np.pad(rows, [(0, 0), (0, 0), (0, 1)])[..., None])
+def padded(rows: np.ndarray) -> np.ndarray:
+    """Return rows of constants with time as one more direction, as `Motion.in_time`."""
+    return np.pad(rows, [(0, 0), (0, 0), (0, 1)])
 
 
 class Motion(NamedTuple):
@@ -103,7 +110,7 @@ class Motion(NamedTuple):
     @property
     def body(self) -> Any:
         """Return the body with derivatives, for states `in_time`."""
-        return self.formulas.body(iter(constants_of(self.pars)))
+        return self.formulas.body(iter(duals_of(padded(self.pars)[..., None])))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
@@ -422,7 +429,7 @@ class Pass:
         }
         tops = DualProblems(problem, numbers, problem.orientation)
         scales = rows_of(tops.scales, self.directions, self.order)
-        self.scales = Scales(*constants_of(scales))
+        self.scales = Scales(*duals_of(padded(scales)[..., None]))
         body, _ = assembled(problem.system, tops, lambda value: value)
         self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
@@ -602,23 +609,24 @@ class Pass:
 
     @QUIET
     def read(self) -> dict[str, Dual]:
-        """Return the columns at all times, by name; values and derivatives are (directions, times),
-        the last direction is time.
-        """
+        """Return the columns at all times, by name; their derivatives are (directions, times)."""
         problem = self.problem
-        form = problem.form
-        q, carried = problem.variables.split(duals_of(self.rows))
-        given = problem.system, form, q, carried, self.whole.body
-        values = observed(*given)
-        if problem.orientation and form.orientation:
-            values |= orientation_of(*given)
+        variables = problem.variables
+        key = problem.system, variables, problem.law, self.order
+        wait = "the derivatives of columns are being compiled"
+        shape = self.rows.shape[1:]
+        pars = np.repeat(padded(self.whole.pars).reshape(-1, shape[1]), shape[2], axis=1)
+        inputs = self.rows.reshape(-1, pars.shape[1])
+        values = dict[str, Any]()
+        for formulas in (observed, orientation_of):
+            if formulas is observed or (variables.orientation and variables.form.orientation):
+                names, function = awaited_once(compile_observables, (formulas, *key), wait)
+                columns = function(inputs, pars=pars[: function.nparams])
+                values |= zip(names, duals_of(columns.reshape(-1, *shape)), strict=True)
+        if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
-        shape = self.rows.shape[2:]
-        return {
-            name: Dual(*(np.broadcast_to(part, shape) for part in parts_of(one, self.order)))
-            for name, one in values.items()
-        }
+        return values
 
     @QUIET
     def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:

@@ -5,14 +5,15 @@ A problem and times go in, a `Growth` comes out.
 
 import dataclasses
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...mechanics.contact.rows import LOWEST, NUMBERS
-from ...problem import Problem
-from ..observables import ALONE, values_of
-from .through import followed
+from ..engine.derivatives.through import followed
+from ..engine.observables import ALONE, values_of
+from ..mechanics.contact.rows import LOWEST, NUMBERS
+from ..problem import Problem
+from .run import with_phases
 
 
 ROUNDING = 1e-16  # the error of the start
@@ -67,10 +68,20 @@ class Growth(NamedTuple):
         return f"an error of 1e-16 at the start grows to at most {size:.2g} ({exponent})"
 
 
-def by_its_start(problem: Problem) -> tuple[Problem, list[str]]:
-    """Return a run whose start is given by angles, and the numbers of its start with errors.
+def growth(problem: Problem, times: np.ndarray) -> Growth:
+    """Return the growth of errors of the start, by the variational equations.
 
-    It is without orientation, and in vector form where its system has one.
+    Parameters
+    ----------
+    problem
+        The run, in doubles; it is repeated in vector form where its system has one.
+    times
+        Of the rows [s], (n,), ascending within the run, the first 0.
+
+    Raises
+    ------
+    InputError
+        If the run has no derivatives.
     """
     system = problem.system
     data = dict(problem.initial)
@@ -81,36 +92,17 @@ def by_its_start(problem: Problem) -> tuple[Problem, list[str]]:
         units = system.angles._asdict()
         angles = {n: np.nan_to_num(found[n][0]) * problem.scales.of(units[n]) for n in units}
     start = {name: float(value) for name, value in angles.items() if name in system.initial}
-    form = system.forms.get("vector", problem.form)
     left_out = {"x", "y"}
     if system.is_hybrid and not start.get("gap", 0.0) > 0:
         left_out |= LOWEST.keys()  # errors of a body on the plane leave it there
     wrt = [f"initial.{name}" for name in start if name not in left_out]
     form = system.forms.get("vector", problem.form)
-    return dataclasses.replace(problem, initial=start, form=form, orientation=False), wrt
-
-
-def growth(problem: Problem, wrt: list[str], times: np.ndarray, driver: Any) -> Growth:
-    """Return the growth of errors of the start, by the variational equations.
-
-    Parameters
-    ----------
-    problem, wrt
-        The run, and the numbers that have errors, by `by_its_start`.
-    times
-        Of the rows [s], (n,), ascending, the first 0.
-    driver
-        That of the run, as for `through.Pass`.
-
-    Raises
-    ------
-    InputError
-        If the run has no derivatives.
-    """
-    rows = followed(problem, wrt, times, driver).rows
+    given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
+    _, driver = with_phases(given)
+    states = followed(given, wrt, times, driver).rows
     without = {"L3", *NUMBERS}  # L3 is L.3hat
-    counted = [i for i, name in enumerate(problem.form.units._fields) if name not in without]
-    moves = rows[counted, 1, :-1].transpose(2, 0, 1)  # (rows, variables, directions)
+    counted = [i for i, name in enumerate(form.units._fields) if name not in without]
+    moves = states[counted, 1, :-1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1
