@@ -74,7 +74,7 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
         for row, unit in zip(made.rows[:9, ..., -1:], units, strict=False)
     ]
     ends = np.array([intervals[k].ended for k in case["legs"]])
-    times = made.times_of([""] * len(ends), ends).T * problem.unit(SECOND)
+    times = made.times_of("", ends).T * problem.unit(SECOND)
     for k, (key, expected) in enumerate(case["derivatives"].items()):
         found = [one[k] / made.sizes[k] for one in state]
         for part in (slice(0, 3), slice(3, 6), slice(6, 9)):

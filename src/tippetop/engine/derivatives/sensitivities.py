@@ -97,10 +97,10 @@ def differentiate(
     at = np.searchsorted(every, events.time)
     unit = problem.unit(SECOND)
 
-    def moved(names: Sequence[str], when: np.ndarray) -> np.ndarray:
+    def moved(names: Any, when: np.ndarray) -> np.ndarray:
         """Return the derivatives of the times `when` [s] of events by each number, SI.
 
-        `names` are their kinds; the result is (numbers, events).
+        `names` are their kinds, or "" for starts of phases; the result is (numbers, events).
         """
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
@@ -122,7 +122,7 @@ def differentiate(
     whens = {"trajectory": times, "events": events.time}
     for name, moment in moments.items():
         whens[name] = moment.values
-        by_time = moved([""] * len(moment), moment.values)
+        by_time = moved("", moment.values)
         by = *moment.dims, PARAMETER
         tables[name] = {"time": _column(by_time[None], "s", "the time, as the numbers change", by)}
     return tables, _limit(tables, passed.margins(), wrt, unit, whens)

@@ -457,7 +457,7 @@ class Pass:
             name, zeros, lasts, state = self._jumped(jump, state)
             solver = interval.solver
             if name != solver.name:
-                self.notes.append(Note(max(ended, 0.0), _what(jump), 0 * lasts))
+                self.notes.append(Note(interval.began, _what(jump), 0 * lasts))
                 break
             phase = solver.phase
             if phase not in self.motions:
@@ -629,16 +629,16 @@ class Pass:
         return values
 
     @QUIET
-    def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
+    def times_of(self, names: Any, times: np.ndarray) -> np.ndarray:
         """Return the derivatives of the times of events, (directions, events).
 
-        A time is that of the start, of the end of a phase, or of the zero of an event function.
-        There is none in a jump that takes time.
+        `names` are those of the events, or one of all. A time is that of the start, of the end of a
+        phase, or of the zero of an event function. There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
         for name, h in self.whole.functions(rows).items():
-            happens = np.array(names) == name
+            happens = np.broadcast_to(names, len(times)) == name
             shifts[:, happens] = -(h.first[:-1] / h.first[-1])[:, happens]
         for k, time in enumerate(times):
             shifts[:, k] = self.shifts.get(time, shifts[:, k])
