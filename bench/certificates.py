@@ -20,8 +20,8 @@ import tippetop
 from tippetop.benchmark import Case, case, names
 from tippetop.benchmark.case_files import scaled
 from tippetop.benchmark.truth import Truth, differences, sample_times, truth
-from tippetop.engine.derivatives.growth import growth
 from tippetop.mechanics.contact.body import size
+from tippetop.runs.growth import growth
 
 
 PATH = Path(tippetop.__file__).parent / "benchmark" / "certificates.json"

@@ -80,11 +80,12 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
     Cached, so that equal arguments give the same object: compiled integrators are cached by it.
     """
     form = system.forms[form_name]
+    events = tuple(event for event in system.events if event.formula)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         """Return the event functions of the system."""
         state = moment(form, q, carried, b)
-        return [event.formula(state, b) for event in system.events]
+        return [event.formula(state, b) for event in events]
 
     template = system.body_of(
         dict.fromkeys((*system.parameters, *system.surroundings), 1.0),
@@ -95,7 +96,7 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         """Return the body of these leaves; parameters that are always 0 or 1 are numbers."""
         return refill(template, values)._replace(**system.folds(form))
 
-    return Formulas(form, tuple(system.events), functions, body, alone=True)
+    return Formulas(form, events, functions, body, alone=True)
 
 
 def in_symbols(formulas: Formulas, variables: Variables, order: int = 0) -> tuple:

@@ -20,16 +20,12 @@ from .expressions import Formulas, equations_of_motion
 from .opt_level import opt_level
 
 
-EXACT = 1e-14
-"""Tolerance of a step in a phase that takes few. Below it steps are summed in double length, which
-costs a quarter more.
-"""
+TOLERANCE = 1e-14
+"""Of a step. Below it steps would need sums in double length, which cost a quarter more."""
 
 
 @lru_cache(maxsize=128)
-def compiled_flow(
-    formulas: Formulas, variables: Variables, lanes: int, order: int, tolerance: float
-) -> Any:
+def compiled_flow(formulas: Formulas, variables: Variables, lanes: int, order: int) -> Any:
     """Return heyoka's integrator of formulas with derivatives along one direction for each lane.
 
     Its variables and parameters are those of the equations, and numbers of the body; each is before
@@ -37,10 +33,14 @@ def compiled_flow(
     the time of level 3, and the code is as fast.
     """
     equations = equations_of_motion(formulas, variables, order).rates
-    options: Any = {"tol": tolerance, "high_accuracy": tolerance < EXACT, "compact_mode": True}
-    options["opt_level"] = min(opt_level(), 1)
-    zero = np.zeros((len(equations), lanes))
-    return compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
+    return compiled_once(
+        hy.taylor_adaptive_batch,
+        equations,
+        np.zeros((len(equations), lanes)),
+        tol=TOLERANCE,
+        compact_mode=True,
+        opt_level=min(opt_level(), 1),
+    )
 
 
 class Moving(Dual):

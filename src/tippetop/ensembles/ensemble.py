@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.derivatives.growth import growth
 from ..engine.observables import event_functions
 from ..engine.pools import HybridPools, Pools, bodies_of, new_tops
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
+from ..runs.growth import growth
 from .hybrid_tops import checked_tops, problem_of, run_each
 from .lanes import MOST_STEPS, Lanes, PoolOfOne
 from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude

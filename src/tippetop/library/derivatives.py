@@ -112,9 +112,8 @@ def sensitivities(
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
     from ..engine.derivatives.sensitivities import differentiate
-    from ..engine.taylor import driver_of
     from ..problem import refuse
-    from ..runs.run import solve
+    from ..runs.run import with_phases
 
     wrt = names_of("wrt", wrt)
     if positive_integer("order", order) > 2:
@@ -126,9 +125,7 @@ def sensitivities(
     refuse(problem, wrt)
     if order == 2 and problem.system.is_hybrid:
         raise InputError("`order` must be 1 where the contact may change, but is 2.")
-    driver: Any = driver_of(problem)
-    driver.intervals = []  # a HybridDriver then keeps its phases, through which errors are followed
-    solution = solve(problem, driver=driver)
+    solution, driver = with_phases(problem)
     run = Run(solution)
     moments = {}
     if problem.system.tables:
@@ -189,8 +186,8 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     >>> import tippetop as tt
     >>> print(tt.derivatives.lyapunov("inverting").sentence)
     """
-    from ..engine.derivatives.growth import growth
     from ..problem import refuse
+    from ..runs.growth import growth
     from ..runs.run import solve
 
     if positive_integer("rows", rows) < 2:

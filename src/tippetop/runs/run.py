@@ -11,6 +11,7 @@ import numpy as np
 
 from ..engine.observables import Observables
 from ..engine.status import Status
+from ..engine.taylor import driver_of
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..problem import Problem
@@ -144,3 +145,10 @@ def solve(
         integration.ending(),
         memory.others,
     )
+
+
+def with_phases(problem: Problem) -> tuple[Solution, Any]:
+    """Return the solution of a problem, and its driver, which has kept its phases: `intervals`."""
+    driver: Any = driver_of(problem)
+    driver.intervals = []
+    return solve(problem, driver=driver), driver

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.engine.derivatives.growth import Growth
+from tippetop.runs.growth import Growth
 
 
 def test_about_an_unstable_equilibrium_errors_grow_as_the_linear_motion_says() -> None:

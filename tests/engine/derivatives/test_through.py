@@ -22,6 +22,7 @@ from tippetop.mechanics.form import Exit, Next
 from tippetop.mechanics.operand import atan2, cos, exp, hypot, log, sin, sqrt
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import SECOND
+from tippetop.runs.run import with_phases
 
 
 pytestmark = pytest.mark.usefixtures("page")
@@ -63,16 +64,17 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
     case = CASES[name]
     wrt = list(case["derivatives"])
     problem = problem_of(name, until=case["until"])
-    made = Pass(problem, wrt, np.array([problem.until / problem.unit(SECOND)]))
-    intervals = made.driver.intervals
+    _, driver = with_phases(problem)
+    made = Pass(problem, wrt, np.array([problem.until / problem.unit(SECOND)]), driver)
+    intervals = driver.intervals
     assert len(intervals) >= case["phases"]
     units = [*problem.variables.units.values()]
     state = [
         (Dual(*row) * made.scales.of(unit)).first[:, 0]
-        for row, unit in zip(made.rows()[:9, ..., -1:], units, strict=False)
+        for row, unit in zip(made.rows[:9, ..., -1:], units, strict=False)
     ]
     ends = np.array([intervals[k].ended for k in case["legs"]])
-    times = made.times_of([""] * len(ends), ends).T * problem.unit(SECOND)
+    times = made.times_of("", ends).T * problem.unit(SECOND)
     for k, (key, expected) in enumerate(case["derivatives"].items()):
         found = [one[k] / made.sizes[k] for one in state]
         for part in (slice(0, 3), slice(3, 6), slice(6, 9)):

@@ -2,7 +2,6 @@
 
 - `through.Pass` repeats a run with derivatives, through every change of its contact.
 - `sensitivities.differentiate` returns derivatives of all columns, and of times of events.
-- `growth.growth` returns how fast errors of the start grow.
 
 A `Problem` and names of its numbers go in. Within a phase the variational equations are integrated;
 between phases formulas and jumps are called with dual numbers, recorded once as a `through.Tape`.

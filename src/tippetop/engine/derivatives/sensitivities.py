@@ -72,7 +72,7 @@ def differentiate(
     own = i == j
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     ways = (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2
-    passed = followed(problem, wrt, every, ways, order, driver)
+    passed = followed(problem, wrt, every, driver, ways, order)
     sizes = passed.sizes[:, None]
     values = passed.read()
 
@@ -85,7 +85,8 @@ def differentiate(
             continue
         scale = passed.scales.of(source.unit)
         each = [(values[part] * scale).parts for part in source.parts]
-        _, first, *others = (np.array(parts)[..., rows] for parts in zip(*each, strict=True))
+        _, *derivatives = zip(*each, strict=True)
+        first, *others = (np.array(parts)[:, :-1, rows] for parts in derivatives)
         symbol = source.unit.symbol
         by = "time", PARAMETER
         trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)
@@ -96,16 +97,16 @@ def differentiate(
     at = np.searchsorted(every, events.time)
     unit = problem.unit(SECOND)
 
-    def moved(names: Sequence[str], when: np.ndarray) -> np.ndarray:
+    def moved(names: Any, when: np.ndarray) -> np.ndarray:
         """Return the derivatives of the times `when` [s] of events by each number, SI.
 
-        `names` are their kinds; the result is (numbers, events).
+        `names` are their kinds, or "" for starts of phases; the result is (numbers, events).
         """
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
-    pace = values["theta_dot"].value[at] / unit
-    by_theta = values["theta"].first[own][:, at] / sizes + pace * by_time
+    *by_number, pace = values["theta"].first[:, at]
+    by_theta = np.array(by_number)[own] / sizes + pace / unit * by_time
     by = "event", PARAMETER
     tables = {
         "trajectory": trajectory,
@@ -121,7 +122,7 @@ def differentiate(
     whens = {"trajectory": times, "events": events.time}
     for name, moment in moments.items():
         whens[name] = moment.values
-        by_time = moved([""] * len(moment), moment.values)
+        by_time = moved("", moment.values)
         by = *moment.dims, PARAMETER
         tables[name] = {"time": _column(by_time[None], "s", "the time, as the numbers change", by)}
     return tables, _limit(tables, passed.margins(), wrt, unit, whens)

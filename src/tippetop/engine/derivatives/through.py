@@ -21,14 +21,13 @@ Symbols
     q, b      state and parameters of a phase
 """
 
-import math
 import operator
 import threading
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import lru_cache, partial, reduce
+from functools import lru_cache, partial
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -44,7 +43,6 @@ from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
 from ..column_programs import ColumnProgram
-from ..driver import STEPS_PER_SLICE
 from ..expressions import (
     AXES,
     Formulas,
@@ -53,12 +51,12 @@ from ..expressions import (
     observed,
     orientation_of,
 )
-from ..hybrid import QUIET, HybridDriver, Jump, PhaseInterval, assembled
+from ..hybrid import QUIET, Jump, PhaseInterval, assembled
 from ..impacts import formulas_of_impact
 from ..integrator import awaited_once
 from ..observables import QUATERNION
 from ..orientation import quaternion
-from ..variational import EXACT, Moving, compiled_flow, in_motion
+from ..variational import Moving, compiled_flow, in_motion
 
 
 MOST_LANES = 8
@@ -76,7 +74,7 @@ BRIEF = 1e-9
 NOISE = 1e-12
 """Event functions nearer to zero are rounding: the number of a ball's last hops is not known."""
 PROJECTED_AT = 1e-2, 1e-5, 1e-9
-"""Speeds before sliding stops at which derivatives are those at a fixed speed, not time.
+"""Times before sliding stops at which derivatives are those at a fixed speed, not time.
 
 beta' = Q/w is singular where w vanishes: the derivative at a fixed time is the difference of two
 huge numbers there, and six digits would be lost.
@@ -97,18 +95,22 @@ def duals_of(rows: np.ndarray) -> list[Dual]:
     return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
+def padded(rows: np.ndarray) -> np.ndarray:
+    """Return rows of constants with time as one more direction, as `Motion.in_time`."""
+    return np.pad(rows, [(0, 0), (0, 0), (0, 1)])
+
+
 class Motion(NamedTuple):
     """The equations of a phase or of an impact, and the numbers of the body in them."""
 
     formulas: Formulas
     variables: Variables
     pars: np.ndarray  # as rows
-    tolerance: float = EXACT
 
     @property
     def body(self) -> Any:
-        """Return the body with derivatives, for states of several times."""
-        return self.formulas.body(iter(duals_of(self.pars[..., None])))
+        """Return the body with derivatives, for states `in_time`."""
+        return self.formulas.body(iter(duals_of(padded(self.pars)[..., None])))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
@@ -118,7 +120,7 @@ class Motion(NamedTuple):
         size = len(self.variables.names)
         _, parts, directions = state.shape
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
-        key = self.formulas, self.variables, lanes, parts - 1, self.tolerance
+        key = self.formulas, self.variables, lanes, parts - 1
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
         # the largest decide the errors
         sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
@@ -128,7 +130,7 @@ class Motion(NamedTuple):
         )
         grid, back = np.unique(np.append(0.0, times), return_inverse=True)
         after = np.repeat(state[..., None], len(grid), axis=-1)
-        for first in range(0, directions, lanes):
+        for first in range(0, directions, lanes) if len(grid) > 1 else ():
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             with _one_at_a_time:
                 ta.set_time(0.0)
@@ -140,17 +142,22 @@ class Motion(NamedTuple):
         after[:, 0] = after[:, 0, :1]  # lanes take their own steps
         return after[..., back[1:]]
 
-    def rates(self, values: np.ndarray) -> list:
-        """Return the rates of the variables of states (n, times), without derivatives."""
-        return self.variables.rates(*self.variables.split(values), plain(self.body))
+    def in_time(self, state: np.ndarray) -> np.ndarray:
+        """Return states (n, ..., times) at fixed times, with time as one more direction."""
+        q, carried = self.variables.split(state[:, 0, 0])
+        rates = *self.variables.rates(q, carried, plain(self.body)), 1.0
+        moved = np.concatenate([state, state[:, :, :1]], axis=2)
+        for row, rate in zip(moved, rates, strict=True):
+            row[1, :-1] -= rate * state[-1, 1]
+            row[1, -1] = rate
+        return moved
 
-    def functions(self, state: Sequence, b: Any) -> dict[str, tuple]:
-        """Return the event functions of numbers with derivatives, by the name of the event: their
-        values, and their first derivatives.
-        """
-        values = self.formulas.functions(*self.variables.split(state), b)
+    def functions(self, state: np.ndarray) -> dict[str, Dual]:
+        """Return the event functions of states `in_time`, by the name of the event."""
+        q, carried = self.variables.split(duals_of(state))
+        values = self.formulas.functions(q, carried, self.body)
         events = self.formulas.events
-        return {event.name: parts_of(h, 1) for event, h in zip(events, values, strict=True)}
+        return {e.name: Dual(*parts_of(h, 1)) for e, h in zip(events, values, strict=True)}
 
     def slopes(self, event: Any, state: np.ndarray) -> tuple:
         """Return the rates of a state; and a function of an event, or the time without one, and its
@@ -225,44 +232,42 @@ class Tape:
         Inputs, as rows.
     """
 
-    def __init__(self, function: Callable, numbers: np.ndarray):
+    def __init__(self, function: Callable, numbers: np.ndarray, follow: Callable):
         """Call the function once, and record its operations."""
 
         def recorded(_: Any, *inputs: Any) -> list:
             """Return the results and their derivatives, then the changes of comparisons."""
 
-            def call(place: int, motion: Callable, *given: Any) -> list:
+            def call(place: int, *given: Any) -> list:
                 """Record a motion with derivatives as one line."""
 
-                def moved(*pairs: tuple) -> list:
-                    """Return its results, each before its derivative."""
-                    made = motion(*refill(given, (value for value, _ in pairs)))
-                    return [part for one in made for part in (one, 0.0)]
+                def moved(*values: float) -> np.ndarray:
+                    """Return the results of the motion, each before its derivative."""
+                    return follow(place, np.outer(values, np.ones(numbers.shape[2])))[:, 0]
 
-                pairs = [parts_of(one, 1) for one in leaves(given)]
-                made = inputs[0].program.call(place, moved, *pairs)
+                made = inputs[0].program.call(place, moved, *_pairs(leaves(given)))
                 return [*map(Dual, made[::2], made[1::2])]
 
             duals = [*map(Dual, inputs[::2], inputs[1::2])]
             (results, self.about), changes = noted(function, call, duals)
             self.parts = 2 * len(results)
-            return [*chain(*(parts_of(one, 1) for one in results)), *changes]
+            return [*_pairs(results), *changes]
 
         self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel().tolist())
 
-    def __call__(self, numbers: np.ndarray, follow: Any = None) -> tuple | None:
+    def __call__(self, numbers: np.ndarray, follow: Callable) -> tuple | None:
         """Return what `evaluated` does; None if a comparison turns out otherwise."""
-        shape = -1, 2, numbers.shape[2]
-
-        def followed(place: int, columns: np.ndarray) -> np.ndarray:
-            """Follow a motion from columns, to columns."""
-            return follow(place, columns.reshape(shape).astype(float)).reshape(-1, shape[-1])
-
-        columns = self.program(np.zeros((0, 1)), numbers.reshape(-1, shape[-1]), followed)
+        directions = numbers.shape[2]
+        columns = self.program(np.zeros((0, 1)), numbers.reshape(-1, directions), follow)
         if columns is None:
             return None
         results, changes = np.split(columns.astype(float), [self.parts])
-        return results.reshape(shape), least_of(changes, shape[-1]), self.about
+        return results.reshape(-1, 2, directions), least_of(changes, directions), self.about
+
+
+def _pairs(numbers: Iterable) -> Iterator:
+    """Return numbers, each before its derivative."""
+    return chain.from_iterable(parts_of(one, 1) for one in numbers)
 
 
 @lru_cache(maxsize=1024)
@@ -285,26 +290,32 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
     key
         Identifies the function.
     function
-        function(call, numbers) -> numbers, and what they depend on; call(place, function, *inputs)
-        follows a motion.
+        function(call, numbers) -> numbers, and what they depend on; call(place, *inputs) follows a
+        motion.
     numbers
         The inputs, as rows.
     follow
-        follow(place, numbers) of a motion.
+        follow(place, rows) -> the results of a motion, as rows.
     """
+    directions = numbers.shape[2]
+
+    def followed(place: int, columns: np.ndarray) -> np.ndarray:
+        """Follow a motion from and to columns (2 n, directions)."""
+        rows = columns.reshape(-1, 2, directions).astype(float)
+        return follow(place, rows).reshape(-1, directions)
+
     tapes = tapes_of(key)
     for tape in tapes:
-        if made := tape(numbers, follow):
+        if made := tape(numbers, followed):
             return made
     if len(tapes) < BRANCHES:
         with suppress(Exception):  # whatever it does that is no line of a tape
-            tape = Tape(function, numbers)
-            if made := tape(numbers, follow):
+            tape = Tape(function, numbers, followed)
+            if made := tape(numbers, followed):
                 tapes.append(tape)
                 return made
-    directions = numbers.shape[2]
 
-    def call(place: int, _: Any, *given: Any) -> list:
+    def call(place: int, *given: Any) -> list:
         """Follow a motion, without a tape."""
         return duals_of(follow(place, rows_of(leaves(given), directions)))
 
@@ -335,16 +346,6 @@ class Note(NamedTuple):
     least: np.ndarray  # relative change along each direction
 
 
-class NoRows:
-    """The `Request` of a run without rows."""
-
-    rows_at_steps = False
-
-    def next_times(self) -> np.ndarray:
-        """Request no rows."""
-        return np.zeros(0)
-
-
 class Pass:
     """Repeat a run with derivatives; `followed` makes it.
 
@@ -355,20 +356,23 @@ class Pass:
     wrt
         Dotted names of numbers.
     times
-        Internal times of states, ascending; the run is followed to the last.
+        Internal times of states, ascending, within the run.
+    driver
+        The `HybridDriver` of the run, at its end, with its `intervals`; None if it is smooth.
     ways
         Directions, (numbers, directions); by default one number each.
     order
         1, or 2 for second derivatives of a smooth run.
-    driver
-        A `HybridDriver` at the end of the run, with its `intervals`.
 
     Attributes
     ----------
     shifts
         The derivatives of the times at which the run starts, and at which phases end.
-    samples
-        States with derivatives at the times.
+    rows
+        The variables of the run at the times, in internal units, as rows (variables, ..., times);
+        their last direction is time.
+    between
+        By phase: numbers of its intervals, and states in them.
     notes
         What could turn out otherwise.
     """
@@ -379,35 +383,31 @@ class Pass:
         problem: Problem,
         wrt: Sequence[str],
         times: np.ndarray,
+        driver: Any = None,
         ways: np.ndarray | None = None,
         order: int = 1,
-        driver: Any = None,
     ):
-        """Follow the run with derivatives to the last of `times`; `samples` then has the states."""
+        """Follow the run with derivatives; `rows` then has the states."""
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
+        self.driver = driver
         self.directions = ways.shape[1]
         self.order = order
-        # by phase (None in a smooth run); states are rows, (n, ..., times)
-        self.motions = dict[Any, Motion]()
-        self.samples = defaultdict[Any, list](list)  # numbers of the times, and states there
-        self.between = defaultdict[Any, list](list)  # numbers of the phases, and states in them
+        self.motions = dict[Any, Motion]()  # by phase
+        # by phase: numbers of the times at which it is, and its states there
+        self.samples, self.between = defaultdict[Any, Any](list), defaultdict[Any, Any](list)
         self.shifts = {0.0: np.zeros(self.directions)}
-        is_hybrid = problem.system.is_hybrid
-        if is_hybrid and driver is None:
-            driver = self._plain_run()
-        self.driver = driver
-        body = driver.world.body if is_hybrid else problem.internal_body
+        body = driver.world.body if problem.system.is_hybrid else problem.internal_body
         _, changes = noted(self._numbers_of, wrt, body, ways)
         self.notes = [Note(0.0, "the law of friction", least_of(changes, self.directions))]
-        if is_hybrid:
+        formulas = formulas_of(problem.system, problem.form.name, problem.law)
+        self.whole = Motion(formulas, problem.variables, self.first)
+        if problem.system.is_hybrid:
             self._follow()
-            return
-        formulas = formulas_of(problem.system, problem.form.name, problem.friction.__class__)
-        motion = Motion(formulas, problem.variables, self._pars(self.body), problem.tolerance)
-        self.motions[None] = motion
-        self.samples[None].append((np.arange(len(times)), motion.flow(times, self.start)))
+            self.rows = self._read_phases()
+        else:
+            self.rows = self.whole.in_time(self.whole.flow(times, self.start))[:-1]
 
     def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
         """Set start, body and scales of the run, in internal units, with derivatives.
@@ -429,7 +429,7 @@ class Pass:
         }
         tops = DualProblems(problem, numbers, problem.orientation)
         scales = rows_of(tops.scales, self.directions, self.order)
-        self.scales = Scales(*duals_of(scales[..., None]))
+        self.scales = Scales(*duals_of(padded(scales)[..., None]))
         body, _ = assembled(problem.system, tops, lambda value: value)
         self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
@@ -443,53 +443,50 @@ class Pass:
         self.first = rows(leaves(tops.internal_body), leaves(problem.internal_body))
         self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
 
-    def _plain_run(self) -> HybridDriver:
-        """Return the driver of the run, followed to the last time."""
-        driver = HybridDriver(self.problem)
-        driver.intervals = list[PhaseInterval]()
-        request: Any = NoRows()
-        status = driver.ended
-        while status is None and driver.clock[0] <= self.times[-1]:
-            status = driver.advance(request, STEPS_PER_SLICE).status
-        if status is None or not driver.intervals:
-            driver.last_rows()
-        return driver
-
-    def _pars(self, body: Any) -> np.ndarray:
-        """Return the numbers of a body, with derivatives, as rows."""
-        return rows_of(leaves(body), self.directions, self.order)
-
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives.
 
-        It fills `samples`, `shifts` and `notes`.
+        It fills `samples`, `between`, `shifts` and `notes`.
         """
         self.given = self.body, self.e_n
         self.known = rows_of(leaves(self.given), self.directions)
-        self.regions: list[str] = [*self.driver.impacts.stages] if self.e_n else []
         jump = self.driver.first_jump
         state = self.start
-        ended = 0.0
+        ended = -1.0  # before the start
         for number, interval in enumerate(self.driver.intervals):
             name, zeros, lasts, state = self._jumped(jump, state)
-            if name != interval.solver.name:
-                self.notes.append(Note(ended, f"what follows `{jump.exit.event}`", 0 * lasts))
-                return
             solver = interval.solver
+            if name != solver.name:
+                self.notes.append(Note(interval.began, _what(jump), 0 * lasts))
+                break
             phase = solver.phase
             if phase not in self.motions:
-                pars = self._pars(phase.parameters(self.body))
+                pars = rows_of(leaves(phase.parameters(self.body)), self.directions)
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
-            if interval.began - ended < BRIEF:
-                which = self._within(ended, interval.began)
-                stays = np.repeat(state[..., None], len(which), axis=-1)
-                self.samples[phase].append((which, stays))
-            state = self._ended(number, interval, state, lasts, zeros)
-            if interval.jump is None or not interval.ended <= self.times[-1]:
-                return
+            since = max(ended, interval.began - BRIEF)
+            state = self._ended(number, interval, since, state, lasts, zeros)
             ended = interval.ended
-            self.shifts.setdefault(ended, state[-1, 1])
-            jump = interval.jump
+            if jump := interval.jump:
+                self.shifts.setdefault(ended, state[-1, 1])
+        for found in (self.samples, self.between):
+            for phase, parts in found.items():
+                found[phase] = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
+
+    def _read_phases(self) -> np.ndarray:
+        """Return `rows` of the samples in all phases."""
+        variables = self.problem.variables
+        shape = len(variables.names), 2, self.directions + 1, len(self.times)
+        rows = np.full(shape, np.nan)
+        if self.times[0] == 0:  # a phase may begin later
+            rows[:, :, :-1, 0] = self.start[:-1]
+        for phase, (which, state) in self.samples.items():
+            motion = self.motions[phase]
+            q, carried = motion.variables.split(duals_of(motion.in_time(state)))
+            read, _ = self.problem.system.read(phase, q, carried, motion.body)
+            every = variables.join(read[: variables.moving], carried)
+            for row, one in zip(rows, every, strict=True):
+                row[0][:, which], row[1][:, which] = parts_of(one, 1)
+        return rows
 
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
@@ -499,7 +496,6 @@ class Pass:
         """
         driver = self.driver
         world = driver.world
-        impacts: Any = getattr(driver, "impacts", None)
 
         def jumped(call: Callable, numbers: Sequence) -> tuple:
             """Make the jump with given numbers of the body, of the impact rules, and of the state.
@@ -510,19 +506,13 @@ class Pass:
             """
             body, rules = refill(self.given, iter(numbers))
             state = numbers[len(self.known) :]
-
-            def piece(region: str, *given: Any) -> list:
-                """Integrate a piece of an impact with derivatives, and return its results.
-
-                It replaces `ImpactMotions.piece`, so it has the same arguments and results.
-                """
-                place = self.regions.index(region)
-                return call(place, partial(impacts.piece, region), *given)
-
             now = world._replace(body=body, left=float(driver.end) - state[-1])
             if rules:
-                e_n = world.rules._replace(e_n=rules[0])
-                now = now._replace(rules=e_n, struck=partial(impacts.struck, piece=piece))
+                regions = [*driver.impacts.stages]
+                struck = partial(
+                    world.struck, piece=lambda region, *given: call(regions.index(region), *given)
+                )
+                now = now._replace(rules=world.rules._replace(e_n=rules[0]), struck=struck)
             n, _, begun, _ = jump(driver, state, now)
             if n.ends:
                 return [n.delay], ("", ())
@@ -538,166 +528,118 @@ class Pass:
                 f"functions, not `math` or `float`, but {error}"
             ) from error
         if not jump.exit.smooth:
-            self.notes.append(Note(numbers[-1, 0, 0], f"what follows `{jump.exit.event}`", least))
+            self.notes.append(Note(numbers[-1, 0, 0], _what(jump), least))
         return *about, lasts[1], np.array(begun)
-
-    def _within(self, began: float, ended: float) -> np.ndarray:
-        """Return which of the times lie after one time, or at the start, and not after another."""
-        return np.flatnonzero(((self.times > began) | (began == 0)) & (self.times <= ended))
 
     def _ended(
         self,
         number: int,
         interval: PhaseInterval,
+        since: float,
         state: np.ndarray,
         lasts: np.ndarray,
         zeros: Any,
     ) -> np.ndarray:
         """Return the state where a phase ends, of that where it begins.
 
-        `zeros`: the events whose functions are zero there.
+        Rows after `since` are of this phase. `zeros`: the events whose functions are zero where it
+        begins.
         """
-        phase = interval.solver.phase
+        solver, done, end, last, jump = interval
+        phase = solver.phase
         motion = self.motions[phase]
         start = state
-        done = interval.began
-        end = min(interval.ended, self.times[-1])
-        is_whole = end == interval.ended
-        last = np.append(interval.last, interval.ended)
-        exit: Any = interval.jump.exit if interval.jump and is_whole else None
-        events = {one.name: one for one in phase.events}
-        event = exit and events.get(exit.event)
-        stops = []
+        exit: Any = jump and jump.exit
+        event = exit and next((one for one in phase.events if one.name == exit.event), None)
+        stops = [end]
         if event and event.name == STICK.name:
-            _, (_, pace, _) = motion.slopes(event, rows_of(last, self.directions))
-            stops = [end + speed / pace[0, 0] for speed in PROJECTED_AT]
-            stops = [stop for stop in stops if (done + end) / 2 < stop < end]
-        for stop in (*stops, end) if end > done else ():
-            which = self._within(done, stop)
+            stops = [stop for at in PROJECTED_AT if (stop := end - at) > (done + end) / 2] + stops
+        for stop in stops if end > since else ():
+            which = np.flatnonzero((self.times > since) & (self.times <= stop))
             count = PER_INTERVAL + int(PER_TIME * (stop - done))
             apart = np.linspace(done, stop, count + 2)[1:]
-            after = motion.flow(np.append(self.times[which], apart) - done, state)
+            after = motion.flow(np.append(self.times[which], apart).clip(done) - done, state)
             inside = after[..., len(which) : -1]
             self.samples[phase].append((which, after[..., : len(which)]))
             self.between[phase].append((np.full(count, number), inside))
             state = after[..., -1].copy()
-            done = stop
+            since = done = stop
             if stop < end:
                 state, _ = motion.happens(event, state)
-        if is_whole:
-            state[:, 0] = last[:, None]
-        known = None
-        if event and event.name in zeros and end - interval.began < BRIEF_PHASE:
-            three = start, inside[..., PER_INTERVAL // 2], state
-            paces = [motion.slopes(event, one)[1][1, 1] for one in three]
-            known = (end - interval.began) * (SIMPSON @ paces)
-        elif not event:  # by the clock
-            known = state[-1, 1] - start[-1, 1] - lasts
+        state[:, 0] = np.append(last, end)[:, None]
         if exit:
+            known = None if event else -lasts
+            if exit.event in zeros and end - interval.began < BRIEF_PHASE:
+                three = start, inside[..., PER_INTERVAL // 2], state
+                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
+                known = (end - interval.began) * (SIMPSON @ paces)
             state, least = motion.happens(event, state, known)
-            if event and not exit.smooth:
-                self.notes.append(Note(end, f"`{event.name}`", least))
+            if not exit.smooth:
+                self.notes.append(Note(end, f"`{exit.event}`", least))
         self.between[phase].append((np.array([number]), state[..., None]))
         return state
 
     def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
-        """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`."""
+        """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`.
+
+        It has the same arguments and results, but `numbers` has those after the region, as rows.
+        """
         impacts = self.driver.impacts
-        region = self.regions[place]
+        region = [*impacts.stages][place]
         driver = impacts.driver(region)
         formulas = formulas_of_impact(impacts.law, region, *impacts.pattern)
         variables = variables_of(formulas.form, False)
+        size = len(variables.names)
         count = len(formulas.events)
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
+        results = rows_of(made, self.directions)
+        after = slice(3, 3 + size)
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
-        elapsed = np.array([float(driver.reached()[0])])
-        state = motion.flow(elapsed, state[: len(variables.names)])[..., 0]
-        results = rows_of(made, self.directions)
-        after = results[3 : 3 + len(state)]
-        state[:, 0] = after[:, 0]
+        state = motion.flow(np.array([float(driver.reached()[0])]), state[:size])[..., 0]
+        state[:, 0] = results[after, 0]
         if made[2] >= 0:
-            state, _ = motion.happens(formulas.events[int(made[2])], state)
-        after[:] = state
+            state, _ = motion.happens(formulas.events[made[2]], state)
+        results[after] = state
         return results
 
     # --- what was found ---------------------------------------------------------------------------
 
-    def _together(self, samples: dict[Any, list]) -> Iterator[tuple]:
-        """Yield each phase, its motion, and its samples, joined so that they are evaluated once."""
-        for phase, mine in samples.items():
-            which, states = (np.concatenate(each, axis=-1) for each in zip(*mine, strict=True))
-            yield phase, self.motions[phase], which, states
-
     @QUIET
-    def rows(self) -> np.ndarray:
-        """Return the variables of the run at all times with derivatives, in internal units, as
-        rows (variables, ..., times).
-        """
-        if not self.problem.system.is_hybrid:
-            return self.samples[None][0][1][:-1]
-        variables = self.problem.variables
-        rows = np.full((len(variables.names), 2, self.directions, len(self.times)), np.nan)
-        if self.times[0] == 0:  # a phase may begin later
-            rows[..., 0] = self.start[:-1]
-        for phase, motion, which, state in self._together(self.samples):
-            for row, rate in zip(state, motion.rates(state[:, 0, 0]), strict=False):
-                row[1] -= rate * state[-1, 1]
-            q, carried = motion.variables.split(duals_of(state))
-            read, _ = self.problem.system.read(phase, q, carried, motion.body)
-            every = variables.join(read[: variables.moving], carried)
-            for row, one in zip(rows, every, strict=True):
-                row[0][:, which], row[1][:, which] = parts_of(one, 1)
-        return rows
-
-    @QUIET
-    def read(self) -> dict[str, Any]:
-        """Return the columns at all times, by name, in numbers with derivatives."""
+    def read(self) -> dict[str, Dual]:
+        """Return the columns at all times, by name; their derivatives are (directions, times)."""
         problem = self.problem
-        order = self.order
         variables = problem.variables
-        key = problem.system, variables, problem.law, order
+        key = problem.system, variables, problem.law, self.order
         wait = "the derivatives of columns are being compiled"
-        states = self.rows()
-        lanes = states.shape[2:]
-        pars = np.repeat(self.first.reshape(-1, self.directions), lanes[1], axis=1)
-        inputs = np.ascontiguousarray(states.reshape(-1, math.prod(lanes)))
+        shape = self.rows.shape[1:]
+        pars = np.repeat(padded(self.whole.pars).reshape(-1, shape[1]), shape[2], axis=1)
+        inputs = self.rows.reshape(-1, pars.shape[1])
         values = dict[str, Any]()
         for formulas in (observed, orientation_of):
             if formulas is observed or (variables.orientation and variables.form.orientation):
                 names, function = awaited_once(compile_observables, (formulas, *key), wait)
                 columns = function(inputs, pars=pars[: function.nparams])
-                rows = columns.reshape(len(names), order + 1, *lanes)
-                values |= zip(names, duals_of(rows), strict=True)
+                values |= zip(names, duals_of(columns.reshape(-1, *shape)), strict=True)
         if AXES[0] in values:
             axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
             values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
         return values
 
     @QUIET
-    def times_of(self, names: Sequence[str], times: np.ndarray) -> np.ndarray:
+    def times_of(self, names: Any, times: np.ndarray) -> np.ndarray:
         """Return the derivatives of the times of events, (directions, events).
 
-        A time is that of the start, of the end of a phase, or of the zero of an event function.
-        There is none in a jump that takes time.
+        `names` are those of the events, or one of all. A time is that of the start, of the end of a
+        phase, or of the zero of an event function. There is none in a jump that takes time.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
-        is_known = np.isin(times, [*self.shifts])
-        at = np.where(is_known, -1, np.searchsorted(self.times, times))
-        for _, motion, which, states in self._together(self.samples):
-            mine = np.flatnonzero(np.isin(at, which))
-            if not len(mine):
-                continue
-            some = states[:, :2, :, np.searchsorted(which, at[mine])]
-            values = some[:, 0, 0]
-            moving = [*map(Dual, values, motion.rates(values))]
-            in_time = motion.functions(moving, plain(motion.body))
-            for name, (_, by) in motion.functions(duals_of(some), motion.body).items():
-                happens = np.array(names)[mine] == name
-                shift = some[-1, 1] - by / in_time[name][1]
-                shifts[:, mine[happens]] = shift[:, happens]
+        rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
+        for name, h in self.whole.functions(rows).items():
+            happens = np.broadcast_to(names, len(times)) == name
+            shifts[:, happens] = -(h.first[:-1] / h.first[-1])[:, happens]
         for k, time in enumerate(times):
             shifts[:, k] = self.shifts.get(time, shifts[:, k])
         return shifts
@@ -706,13 +648,14 @@ class Pass:
     def margins(self) -> list[Note]:
         """Return all notes in order of time, with those of exits that nearly happened."""
         notes = list(self.notes)
-        for phase, motion, which, state in self._together(self.between):
+        for phase, (which, state) in self.between.items():
+            motion = self.motions[phase]
             exits = {one.event for one in phase.exits if not one.smooth}
-            for name, (h, by) in motion.functions(duals_of(state), motion.body).items():
+            for name, h in motion.functions(motion.in_time(state)).items():
                 if name not in exits:
                     continue
-                size = np.abs(h)
-                least = size / np.abs(by)
+                size = np.abs(h.value)
+                least = size / np.abs(h.first[:-1] + h.first[-1] * state[-1, 1])
                 for k in _lows(size, which):
                     interval = self.driver.intervals[which[k]]
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
@@ -729,6 +672,11 @@ def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: 
     return awaited(follow, "the variational equations are integrated")
 
 
+def _what(jump: Jump) -> str:
+    """Return what a jump decides, for notes."""
+    return f"what follows `{jump.exit.event}`"
+
+
 def _quaternion(products: Sequence) -> list[Dual]:
     """Return unit quaternions with their derivatives, of P = 4 q q^t.
 
@@ -736,8 +684,8 @@ def _quaternion(products: Sequence) -> list[Dual]:
     number.
     """
     near = quaternion([[plain(one) for one in row] for row in products])
-    along = [reduce(operator.add, map(operator.mul, row, near)) for row in products]
-    size = sqrt(reduce(operator.add, (one * one for one in along)))
+    along = [sum(map(operator.mul, row, near)) for row in products]
+    size = sqrt(sum(one * one for one in along))
     return [one / size for one in along]
 
 

@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...mechanics.contact.rows import LOWEST, NUMBERS
-from ...problem import Problem
-from ..observables import ALONE, values_of
-from .through import followed
+from ..engine.derivatives.through import followed
+from ..engine.observables import ALONE, values_of
+from ..mechanics.contact.rows import LOWEST, NUMBERS
+from ..problem import Problem
+from .run import with_phases
 
 
 ROUNDING = 1e-16  # the error of the start
@@ -73,9 +74,9 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     Parameters
     ----------
     problem
-        The run, in doubles; in vector form where its system has one.
+        The run, in doubles; it is repeated in vector form where its system has one.
     times
-        Of the rows [s], (n,), ascending, the first 0.
+        Of the rows [s], (n,), ascending within the run, the first 0.
 
     Raises
     ------
@@ -91,16 +92,17 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
         units = system.angles._asdict()
         angles = {n: np.nan_to_num(found[n][0]) * problem.scales.of(units[n]) for n in units}
     start = {name: float(value) for name, value in angles.items() if name in system.initial}
-    form = system.forms.get("vector", problem.form)
-    given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
     left_out = {"x", "y"}
     if system.is_hybrid and not start.get("gap", 0.0) > 0:
         left_out |= LOWEST.keys()  # errors of a body on the plane leave it there
     wrt = [f"initial.{name}" for name in start if name not in left_out]
-    rows = followed(given, wrt, times).rows()
+    form = system.forms.get("vector", problem.form)
+    given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
+    _, driver = with_phases(given)
+    states = followed(given, wrt, times, driver).rows
     without = {"L3", *NUMBERS}  # L3 is L.3hat
     counted = [i for i, name in enumerate(form.units._fields) if name not in without]
-    moves = rows[counted, 1].transpose(2, 0, 1)  # (rows, variables, directions)
+    moves = states[counted, 1, :-1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1
