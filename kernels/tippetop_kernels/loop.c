@@ -809,38 +809,40 @@ typedef struct {
     integer what, a, b;
 } Line;
 
-/* Operations, in the order of `mechanics.lines`. A program ends where a comparison is not as
-   expected. MOTION follows that of loop b; its inputs begin at register a, and its results are this
-   and the following lines. */
-enum {
-    ADD,
-    SUBTRACT,
-    MULTIPLY,
-    DIVIDE,
-    POWER,
-    NEGATIVE,
-    SQRT,
-    ABSOLUTE,
-    MAXIMUM,
-    EXP,
-    LOG,
-    ARCTAN2,
-    SIN,
-    COS,
-    LESS,
-    LESS_EQUAL,
-    EQUAL,
-    UNIT,
-    EXPECT,
-    MOTION,
-    RESULT
-};
+/* The operations of arithmetic, in the order of `mechanics.lines`, and their results, of a and b;
+   UNIT needs an int `exponent`. */
+#define ARITHMETIC(X)            \
+    X(ADD, a + b)                \
+    X(SUBTRACT, a - b)           \
+    X(MULTIPLY, a * b)           \
+    X(DIVIDE, a / b)             \
+    X(POWER, pow(a, b))          \
+    X(NEGATIVE, -a)              \
+    X(SQRT, sqrt(a))             \
+    X(ABSOLUTE, fabs(a))         \
+    X(MAXIMUM, MAX(a, b))        \
+    X(EXP, exp(a))               \
+    X(LOG, log(a))               \
+    X(ARCTAN2, atan2(a, b))      \
+    X(SIN, sin(a))               \
+    X(COS, cos(a))               \
+    X(LESS, a < b)               \
+    X(LESS_EQUAL, a <= b)        \
+    X(EQUAL, a == b)             \
+    X(UNIT, (frexp(a, &exponent), ldexp(1, exponent)))
+
+#define NAME(operation, result) operation,
+#define WRITE(operation, result) case operation: *to = result; break;
+
+/* A program ends where a comparison is not as expected. MOTION follows that of loop b; its inputs
+   begin at register a, and its results are this and the following lines. */
+enum { ARITHMETIC(NAME) EXPECT, MOTION, RESULT };
 
 /* The program of a jump. Registers begin with the inputs: the numbers of the body, the
    time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`); from
-   `after` on, the time that it lasts, the time that the change takes, event functions in that time,
-   and the numbers of tables. */
+   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`), after
+   the event functions in the time that the change takes; from `after` on, the time that the phase
+   lasts, that time, and the numbers of tables. */
 typedef struct Program {
     const Line *lines;
     real *registers;
@@ -866,16 +868,11 @@ typedef struct {
    phase; the event at the end of the next steps; the phase, and the event that ended it. */
 typedef struct {
     real high, low, end, until, stop, began;
-    integer stops_by, phase, event, steps, waits, short_phases;
+    integer stops_by, phase, event, steps, short_phases;
 } Top;
 
-/* A run of several phases, for `loop_run`: see `engine.jump_programs`. */
-typedef struct {
-    Jumps jumps;
-    Top *top;
-    const real *body;
-    integer most;
-} Phases;
+/* How a phase ends that no event ends: by a stall; or the run ends, or goes on. */
+enum { BY_STALL = -1, NO_EXIT = -2 };
 
 /* Begin a phase or a motion: signs and zeros of its event functions. Its state follows them. */
 static const real *begin_functions(const Loop *l, integer lane, const real *start) {
@@ -918,30 +915,6 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
-/* Write the result of an operation on a and b, in their type, to *to; it needs an int `exponent`. */
-#define ARITHMETIC                                 \
-    case ADD: *to = a + b; break;                  \
-    case SUBTRACT: *to = a - b; break;             \
-    case MULTIPLY: *to = a * b; break;             \
-    case DIVIDE: *to = a / b; break;               \
-    case POWER: *to = pow(a, b); break;            \
-    case NEGATIVE: *to = -a; break;                \
-    case SQRT: *to = sqrt(a); break;               \
-    case ABSOLUTE: *to = fabs(a); break;           \
-    case MAXIMUM: *to = MAX(a, b); break;          \
-    case EXP: *to = exp(a); break;                 \
-    case LOG: *to = log(a); break;                 \
-    case ARCTAN2: *to = atan2(a, b); break;        \
-    case SIN: *to = sin(a); break;                 \
-    case COS: *to = cos(a); break;                 \
-    case LESS: *to = a < b; break;                 \
-    case LESS_EQUAL: *to = a <= b; break;          \
-    case EQUAL: *to = a == b; break;               \
-    case UNIT:                                     \
-        frexp(a, &exponent);                       \
-        *to = ldexp(1, exponent);                  \
-        break;
-
 /* Execute a program. Return whether comparisons are as expected, and no number is divided by 0. */
 static bool execute(const Program *c, const Loop *const *loops) {
     real *r = c->registers, *to = r + c->result;
@@ -951,7 +924,7 @@ static bool execute(const Program *c, const Loop *const *loops) {
         if ((line->what == DIVIDE && b == 0) || (line->what == EXPECT && (a != 0) != (b != 0)))
             return false;
         switch (line->what) {
-        ARITHMETIC
+        ARITHMETIC(WRITE)
         case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
         }
     }
@@ -970,7 +943,7 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
             long double a = r[line->a * n + i], b = r[line->b * n + i];
             int exponent;
             switch (line->what) {
-            ARITHMETIC
+            ARITHMETIC(WRITE)
             case EXPECT:
                 if ((a != 0) != (b != 0))
                     return -1;
@@ -982,11 +955,11 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
-   Return it; NULL if there is none, or what follows is not finite. */
+   Return it; NULL if there is none, as for a stall, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
                                     const real *body, const real *state) {
     integer events = l->events, numbers = j->numbers;
-    const Program *c = j->programs[t->phase * (events + 1) + t->event];
+    const Program *c = t->event < 0 ? NULL : j->programs[t->phase * (events + 1) + t->event];
     for (; c != NULL; c = c->other) {
         real *r = c->registers;
         memcpy(r, body, numbers * sizeof(real));
@@ -1008,8 +981,8 @@ static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l,
 
 /* Note what a change from a state logs, and what happens in it until `time`. */
 static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
-                        real when, real time, const real *state, const real *ranges) {
-    const real *signs = c->registers + c->out;
+                        real when, real time, const real *state) {
+    const real *signs = c->registers + c->out, *ranges = signs - c->ranged * POINTS;
     for (integer k = 0; k < c->logged + c->passed; k++) {
         integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
         if (l->log_room > 0)
@@ -1040,18 +1013,17 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     const Program *c = execute_first(j, t, l, lane, body, state);
     if (c == NULL)
         return NULL;
-    const real *more = c->registers + c->after, *ranges = more + 2;
+    const real *more = c->registers + c->after;
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
         return NULL;
-    note_change(l, lane, j->events, c, when, time, state, ranges);
+    note_change(l, lane, j->events, c, when, time, state);
     if (j->made != NULL) {
         real *made = j->made + j->length++ * j->width;
         made[0] = when;
         made[1] = (real)c->number;
-        copy(2, more, 1, made + 2, 1);
-        copy(j->width - 4, ranges + c->ranged * POINTS, 1, made + 4, 1);
+        copy(j->width - 2, more, 1, made + 2, 1);
     }
     t->phase = c->next;
     t->high = t->began = time;
@@ -1072,8 +1044,10 @@ static bool ends_phase(Top *t, const Loop *l, integer lane) {
     bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
     t->high = goes_on ? l->high[lane] : tally->t;
     t->low = goes_on ? l->low[lane] : 0;
-    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
-    return within || by_clock;
+    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : NO_EXIT;
+    if (tally->status == STALLED)
+        t->event = BY_STALL;
+    return t->event != NO_EXIT;
 }
 
 /* Is a phase that ends now the last: is at most AT_END of the run left? */
@@ -1082,38 +1056,34 @@ static bool is_at_end(const Top *t) {
 }
 
 /* Change the phase of a run where it has ended. Return false if the caller must do it. */
-static bool change_phase(Phases *p) {
-    Top *t = p->top;
-    const Loop *l = p->jumps.loops[t->phase];
+static bool change_phase(Jumps *j, Top *t, const real *body) {
+    const Loop *l = j->loops[t->phase];
     bool within = l->tallies->upto < 1;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     if (!ends_phase(t, l, 0) || full || is_at_end(t))
         return false;
     integer last = l->logged[0] -= within;
     const real *state = within ? l->logged_states + last * l->width : l->state;
-    state = change(&p->jumps, t, l, 0, p->body, state);
+    state = change(j, t, l, 0, body, state);
     if (state == NULL) {
         l->logged[0] += within;
         return false;
     }
-    begin_lane(p->jumps.loops[t->phase], 0, t->high, 0, t->until, state);
+    begin_lane(j->loops[t->phase], 0, t->high, 0, t->until, state);
     return true;
 }
 
-/* Make at most `most` steps of the present phase and of those that follow. Return their number. */
-integer loop_run(Phases *p, integer most) {
+/* Make at most `most` steps of the present phase of a run, and of at most `changes` that follow.
+   Return their number. */
+integer loop_run(Jumps *j, Top *t, const real *body, integer most, integer changes) {
     integer steps = 0;
     do
-        steps += loop_drive(p->jumps.loops[p->top->phase], most - steps);
-    while (steps < most && change_phase(p) && p->jumps.length < p->most);
+        steps += loop_drive(j->loops[t->phase], most - steps);
+    while (steps < most && change_phase(j, t, body) && j->length < changes);
     return steps;
 }
 
 /* --- many tops in lanes: a pool of lanes for each phase, with a queue of tops --- */
-
-/* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled,
-   or puts the end of its next step; or nothing. */
-enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
 
 typedef struct {
     const Loop *loop;          /* none in a phase that no top has entered */
@@ -1130,17 +1100,23 @@ typedef struct {
     Top *tops;       /* (room,), as all that follows */
     real *states;    /* (room, width) */
     const real *bodies; /* (room, numbers) */
-    integer *called; /* tops that wait for the caller, or for nothing */
+    integer *called; /* tops that are in no queue: the caller looks at their status and event */
     integer phases, room, width;
-    integer calls, possible; /* how many these are; steps of lanes that were possible */
+    integer calls; /* how many these are */
 } Pools;
 
-/* Append a top to the queue of its phase, where it waits for a lane. */
+/* Append a top to the queue of its phase, where it waits for a lane. Call it instead if it may have
+   settled where this phase begins; if it was called, the caller has looked. */
 void loop_push(Pools *p, integer top) {
-    integer phase = p->tops[top].phase;
-    Pool *pool = p->pools + phase;
-    p->queues[phase * p->room + (pool->first + pool->count++) % p->room] = top;
-    p->tops[top].waits = A_LANE;
+    const Top *t = p->tops + top;
+    Pool *pool = p->pools + t->phase;
+    Tally *tally = pool->loop->tallies + top;
+    bool begins = tally->status != SETTLED && tally->steps == 0;
+    if (begins && has_settled(pool->loop, tally, t->steps, t->high)) {
+        tally->status = SETTLED;
+        p->called[p->calls++] = top;
+    } else
+        p->queues[t->phase * p->room + (pool->first + pool->count++) % p->room] = top;
 }
 
 /* Put the next top of the queue of a phase into a lane, which is empty. */
@@ -1178,17 +1154,12 @@ bool loop_start(Pools *p, const Loop *l, integer top) {
     l->slots[0] = top;
     if (!change_top(p, l, 0, top))
         return false;
-    for (integer e = 0; e < l->events; e++) {
-        const Event *event = p->jumps.events + e;
-        if (event->lasting && function(l, e, 0)->sign == (real)event->direction)
-            tally_of(l, 0)->lasts_since = 0;
-    }
     loop_push(p, top);
     return true;
 }
 
-/* Take a top out of its lane, change its phase if that has ended, and let it wait for what it needs
-   next. */
+/* Take a top out of its lane, and change its phase if that has ended; call it if that needs the
+   caller, or if it ends. */
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
@@ -1199,24 +1170,20 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
     if (within)
         state_at(l, lane, tally->t, l->out);
     copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, p->states + top * p->width, 1);
-    t->waits = NOTHING;
+    bool is_changed = false;
     if (ends && is_at_end(t)) {
         tally->status = FINISHED;
         tally->t = t->end;
-    } else if (ends || tally->status == STALLED) {
+        t->event = NO_EXIT;
+    } else if (ends) {
         t->steps += tally->steps;
         tally->steps = 0;
-        bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
-        bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
-        t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
-    } else if (tally->status == SETTLED)
-        t->waits = A_LOOK;
-    else if (tally->status == RUNNING)
-        t->waits = AN_END;
+        is_changed = change_top(p, l, lane, top);
+    }
     l->in_lane[lane] = -1;
     l->slots[lane] = p->room;
     pool->occupied--;
-    if (t->waits == A_LANE)
+    if (is_changed)
         loop_push(p, top);
     else
         p->called[p->calls++] = top;
@@ -1250,7 +1217,6 @@ integer loop_pools(Pools *p, integer most) {
             }
         integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
         steps += made;
-        p->possible += made * l->lanes;
         bool ended = false;
         for (integer lane = 0; lane < l->lanes; lane++)
             if (l->in_lane[lane] >= 0 && (pool->by_steps || tally_of(l, lane)->status != RUNNING)) {

@@ -58,7 +58,7 @@ from .loop import library
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
-from .tallies import begin_lasting, event_rows
+from .tallies import event_rows, lasts_from_start
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
@@ -563,7 +563,7 @@ class HybridDriver(Driver):
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
             self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
-        begin_lasting(self.tallies, self.all_events)
+        self.tallies.lane["lasts_since"] = lasts_from_start(self.tallies.functions, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
 

@@ -25,6 +25,7 @@ import numpy as np
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
+from .tallies import record_type
 
 
 PER_SLICE = 256
@@ -65,12 +66,13 @@ class _Program(NamedTuple):
     ranged: int
 
 
-_REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
-_NAMES = "stops_by", "phase", "event", "steps", "waits", "short_phases"
-TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
+TOP_RECORD = record_type(
+    float="high low end until stop began",
+    int="stops_by phase event steps short_phases",
+)
 """A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
-phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
-steps before those of its tally; phases in a row that were too short.
+phase, internal; the event at the end of the next steps; the phase, and the event that ended it, or
+a number below 0; steps before those of its tally; phases in a row that were too short.
 """
 
 
@@ -85,15 +87,6 @@ class Jumps(NamedTuple):
     length: int
     width: int
     numbers: int
-
-
-class _Phases(NamedTuple):
-    """The structure `Phases` of `loop.c`: a run of several phases."""
-
-    jumps: Jumps
-    top: np.ndarray
-    body: np.ndarray
-    most: int
 
 
 class JumpProgram(NamedTuple):
@@ -141,7 +134,7 @@ class JumpPrograms:
         self.top = np.zeros(1, TOP_RECORD)
         arrays = self.loops, self.table, run.all_events.events, self.made
         self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
-        self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
+        self.record: Any = filled(self.jumps)
 
     def add_loop(self, place: int, loop: Any) -> None:
         """Let programs use a loop by its number `place`: of a phase, or after them of a motion."""
@@ -234,14 +227,14 @@ class JumpPrograms:
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay
         ended = state[: len(solver.variables.names)]
-        results = [*sides, *zeros, *after, *pad, *times, *ranges, *numbers, *ended]
+        results = [*ranges, *sides, *zeros, *after, *pad, *times, *numbers, *ended]
         first = program.joined(results)
         lines = program.code()
         constants = [*program.constants.values()]
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS + STATE)
         registers[program.count : result] = constants
-        out = first.place + len(constants)
+        out = first.place + len(constants) + len(ranges)
         places = result, out, out + 2 * len(sides) + len(after) + len(pad), to.at, 0
         events = [run.numbers[name] for name in n.logged], passed, ranged
         every = np.array([*chain(*events)], np.int64)
@@ -265,13 +258,13 @@ class JumpPrograms:
             solver.workspace.loop.fill(run.output)
         until = run.motion.end[0]
         ends = run.end, until, until, run.began
-        self.top[0] = 0.0, 0.0, *ends, run.ending, run.solver.at, 0, 0, 0, run.short_phases
-        record.jumps.length = 0
-        record.most = changes
-        steps = library().loop_run(ctypes.byref(record), steps)
+        self.top[0] = 0.0, 0.0, *ends, run.ending, run.solver.at, 0, 0, run.short_phases
+        record.length = 0
+        places = ctypes.byref(record), self.top.ctypes.data, self.body.ctypes.data
+        steps = library().loop_run(*places, steps, changes)
         solver = run.solver
         began = run.began
-        for time, number, lasts, delay, *numbers in self.made[: record.jumps.length].tolist():
+        for time, number, lasts, delay, *numbers in self.made[: record.length].tolist():
             program = self.known[int(number)]
             rest = iter(numbers)
             before = solver
@@ -283,11 +276,11 @@ class JumpPrograms:
             run.keep_interval(before, began, time, rest, program.jump)
             began = min(time + delay, run.end)
             run.until = began + lasts
-        if record.jumps.length:
+        if record.length:
             run.set_phase(solver, began)
             run.short_phases = int(self.top["short_phases"][0])
             run.series = None
-            run.changes += record.jumps.length
+            run.changes += record.length
             run.end_next()
         return steps
 

@@ -164,12 +164,13 @@ def library() -> ctypes.CDLL:
     integer = ctypes.c_int64
     array = ctypes.c_void_p
     loaded.loop_note.argtypes = [array, array, *[integer] * 4, ctypes.c_double, array]
-    loaded.loop_push.argtypes = [array, integer]
     loaded.loop_start.argtypes = [array, array, integer]
     loaded.loop_start.restype = ctypes.c_bool
-    for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
+    for function in (loaded.loop_drive, loaded.loop_push, loaded.loop_pools):
         function.restype = integer
         function.argtypes = [array, integer]
+    loaded.loop_run.restype = integer
+    loaded.loop_run.argtypes = [*[array] * 3, integer, integer]
     loaded.loop_columns.argtypes = [*[integer] * 3, array, array]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
     return loaded

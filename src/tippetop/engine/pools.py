@@ -28,7 +28,7 @@ import numpy as np
 from ..errors import InputError
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
-from .driver import ENDLESS, STATUSES
+from .driver import ENDLESS, RUNNING, STATUSES
 from .hybrid import QUIET, HybridDriver, PhaseSolver, assembled
 from .jump_programs import TOP_RECORD, Jumps
 from .loop import (
@@ -47,8 +47,10 @@ from .tallies import (
     Rules,
     Samples,
     Tallies,
+    lasts_from_start,
     new_log,
     new_tallies,
+    record_type,
 )
 
 
@@ -56,16 +58,12 @@ LANES = 8
 """As fast as 32, and they compile in 1 s instead of 6."""
 EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
+SETTLED = Status.SETTLED.code
 PATIENCE = 2
 """As in `jump_programs`, but lower: many tops make the same jumps."""
-A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING = range(5)
-"""What a top waits for: a lane; its change, by Python; a look whether it has settled; the end of
-its next step, in a phase that Python samples; nothing."""
 
 
-_PLACES = [(name, np.uint64) for name in ("loop", "parameters")]
-_COUNTS = [(name, int) for name in ("by_steps", "first", "count", "occupied")]
-POOL_RECORD = np.dtype([*_PLACES, *_COUNTS])
+POOL_RECORD = record_type(uint="loop parameters", int="by_steps first count occupied")
 
 
 class _Pools(NamedTuple):
@@ -82,7 +80,6 @@ class _Pools(NamedTuple):
     room: int
     width: int
     calls: int
-    possible: int
 
 
 class Tops(NamedTuple):
@@ -175,7 +172,7 @@ class Pools:
         """
         self.tops, self.states, self.bodies, self.of_tops, self.rows = tops
         self.failures: dict[int, str] = {}
-        self.over: list[int] = []  # tops that ended where they began
+        self.possible = 0  # steps of lanes
         self.parameters: dict[int, np.ndarray] = {}
         self.empty = len(self.tops) + thread  # place of the tally of empty lanes
         self.called = np.zeros(self.empty, np.int64)
@@ -197,7 +194,6 @@ class Pools:
             self.empty,
             self.states.shape[1],
             calls=0,
-            possible=0,
         )
         self.record: Any = filled(self.arrays)
         self.record_at = ctypes.addressof(self.record)
@@ -209,20 +205,22 @@ class Pools:
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
-    def start(self, slot: int) -> None:
-        """Begin the first phase of the top in a slot; pools of several phases override it."""
-        self.push(slot)
+    def start(self, new: np.ndarray) -> list[int]:
+        """Begin the first phases of the tops in some slots, (k,); return those that end there."""
+        for slot in new.tolist():
+            self.push(slot)
+        return []
 
     def push(self, slot: int) -> None:
         """Append the top in a slot to the queue of its phase, `tops["phase"]`."""
         library().loop_push(self.record_at, slot)
 
-    def attend(self, slot: int) -> int:
-        """Make a jump that the loop cannot make; without phases there is none.
+    def attend(self, slot: int) -> bool:
+        """Make a jump that the loop cannot make; return whether the top goes on.
 
-        Return what the top waits for next: A_LANE, A_LOOK or NOTHING.
+        Without phases there is none.
         """
-        return NOTHING
+        return False
 
     @QUIET
     def step(self, most: int) -> tuple[list[int], list[int]]:
@@ -230,19 +228,16 @@ class Pools:
 
         Return the tops that have ended, and those that may have settled.
         """
+        self.possible += self.lanes * library().loop_pools(self.record_at, most)
+        called = self.called[: self.record.calls].tolist()
         self.record.calls = 0
-        library().loop_pools(self.record_at, most)
-        ended = self.over
-        self.over = []
+        ended = list[int]()
         looks = list[int]()
-        for slot in self.called[: self.record.calls].tolist():
-            waits = self.tops["waits"][slot]
-            if waits in (A_CHANGE, AN_END):
-                waits = self.attend(slot)
-            if waits == A_LANE:
-                self.push(slot)
+        for slot in called:
+            if self.of_tops.lane["status"][slot] == SETTLED:
+                looks.append(slot)
             else:
-                (looks if waits == A_LOOK else ended).append(slot)
+                (self.push if self.attend(slot) else ended.append)(slot)
         return ended, looks
 
     def rows_in(self, tops: np.ndarray) -> np.ndarray:
@@ -317,15 +312,17 @@ class HybridPools(Pools, HybridDriver):
 
     # --- one top ---------------------------------------------------------------------------------
 
-    def start(self, slot: int) -> None:
-        """Make the jump of a top to its first phase, by a program or by Python."""
-        self.tops["event"][slot] = self.clock_number
-        self.tops["phase"][slot] = len(self.phases)
-        if not library().loop_start(self.record_at, self.notes.place, slot):
-            if self.attend(slot) == NOTHING:
-                self.over.append(slot)
-            else:
-                self.push(slot)
+    def start(self, new: np.ndarray) -> list[int]:
+        """Make the jumps of tops to their first phases, by programs or by Python."""
+        self.tops["event"][new] = self.clock_number
+        self.tops["phase"][new] = len(self.phases)
+        over = list[int]()
+        for slot in new.tolist():
+            if not library().loop_start(self.record_at, self.notes.place, slot):
+                (self.push if self.attend(slot) else over.append)(slot)
+        signs = self.of_tops.functions[:, new]
+        self.of_tops.lane["lasts_since"][new] = lasts_from_start(signs, self.all_events)
+        return over
 
     def _load(self, slot: int) -> None:
         """Load a top from its slot into the driver: the methods of `HybridDriver` act on it.
@@ -367,22 +364,19 @@ class HybridPools(Pools, HybridDriver):
         self.logged[0] = 0
         self.tables.rows.clear()
 
-    def attend(self, slot: int) -> int:
+    def attend(self, slot: int) -> bool:
         """Start a top, make its jump, or set the end of its next step in a sampled phase.
 
-        Return what the top waits for next, as `Pools.attend`.
+        Return whether it goes on.
         """
         self._load(slot)
-        top = self.top
-        if top["waits"] == AN_END:
-            top["stop"], top["stops_by"] = self.next_end()
-            return A_LANE
+        ends = None
         try:
             if self.solver is self.before:
                 self._start(tuple(self.last.tolist()))
                 ends = self.ended
-            else:
-                jump = self.solver.exits.get(top["event"])
+            elif self.status[0] != RUNNING:
+                jump = self.solver.exits.get(self.top["event"])
                 ends = self._change(jump, self.clock[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
@@ -390,9 +384,7 @@ class HybridPools(Pools, HybridDriver):
         self._store()
         if ends is not None:
             self.status[0] = ends.code
-            return NOTHING
-        lasted = self.clock[0] - self.tally["lasts_since"]
-        return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
+        return ends is None
 
     def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
         """Return the parameters b of the phase of a solver for the tops in slots: numbers (k,)."""

@@ -1,14 +1,15 @@
 """Integrate many tops of one scenario in memory, on several threads.
 
-`Problems` go in, `Outcomes` come out; each thread has its `Lanes`, all share a queue of tops.
+`Problems` go in, `Outcomes` come out; each thread has its pools of lanes, all share a queue of tops.
 """
 
 import itertools
 import os
 import threading
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
 from .hybrid_tops import checked_tops, problem_of, run_each
-from .lanes import MOST_STEPS, Lanes, PoolOfOne
+from .lanes import MOST_STEPS, PoolOfOne, run_tops
 from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude
 from .top_events import log_events
 
@@ -107,9 +108,9 @@ def measure(
         every = new_tops(groups[0], n, begun, functions, bodies, measured.times)
         for thread, group in enumerate(groups):
             group.join(every, thread)
-        workers = [Lanes(measured, group, ended, room, stop) for group in groups]
+        workers = [partial(run_tops, measured, group, ended, room, stop) for group in groups]
         _run_all(workers, iter(numbers.tolist()), stop)
-        possible = sum(worker.pools.record.possible for worker in workers)
+        possible = sum(group.possible for group in groups)
         measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)
     if measured.passages:
         log_events(measured)
@@ -132,14 +133,14 @@ def measure(
     return measured
 
 
-def _run_all(workers: list[Lanes], queue: Iterator[int], stop: threading.Event) -> None:
+def _run_all(workers: list[Callable], queue: Iterator[int], stop: threading.Event) -> None:
     """Integrate the tops of a queue on a thread each; stop all if one fails, or on Ctrl-C."""
     if len(workers) == 1:
-        workers[0].run(queue)
+        workers[0](queue)
         return
     with ThreadPoolExecutor(len(workers)) as pool:
         try:
-            for done in as_completed([pool.submit(worker.run, queue) for worker in workers]):
+            for done in as_completed([pool.submit(worker, queue) for worker in workers]):
                 done.result()
         finally:
             stop.set()
