@@ -838,14 +838,14 @@ typedef struct {
    begin at register a, and its results are this and the following lines. */
 enum { ARITHMETIC(NAME) EXPECT, MOTION, RESULT };
 
-/* The program of a jump. Registers begin with the inputs: the numbers of the body, the
-   time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`), after
-   the event functions in the time that the change takes; from `after` on, the time that the phase
-   lasts, that time, and the numbers of tables. */
+/* The program of a jump, which all runs share. Registers begin with the inputs: the numbers of the
+   body, the time and the time left, the signs of event functions and the state. Constants and the
+   results of lines follow. From `out` on they are what phase `next` begins with (see
+   `begin_functions`), after the event functions in the time that the change takes; from `after` on,
+   the time that the phase lasts, that time, and the numbers of tables. */
 typedef struct Program {
     const Line *lines;
-    real *registers;
+    const real *constants;
     const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
     const struct Program *other; /* to be tried next, if a comparison is not as expected */
     integer length, result, out, after, next, number, logged, passed, ranged;
@@ -856,10 +856,11 @@ enum { JUMP_PARTS = 8, POINTS = JUMP_PARTS + 1 };
 
 /* Jumps of the tops of a system. */
 typedef struct {
-    const Loop *const *loops;     /* of phases, then of motions */
+    const Loop *const *loops;     /* of phases, then of motions; NULL where none is compiled */
     const Program *const *programs; /* (phases, events + 1), the last by the clock; or none */
     const Event *events;
-    real *made; /* of each change of a run: time, number of the program, then the last registers */
+    real *registers; /* of the program that is executed */
+    real *made; /* of each change of a run: time, event, number of the program, last registers */
     real chatter;
     integer length, width, numbers; /* changes made; their numbers; those of a body */
 } Jumps;
@@ -869,6 +870,8 @@ typedef struct {
 typedef struct {
     real high, low, end, until, stop, began;
     integer stops_by, phase, event, steps, short_phases;
+    real *state;      /* of a top that is in no lane */
+    const real *body; /* its numbers */
 } Top;
 
 /* How a phase ends that no event ends: by a stall; or the run ends, or goes on. */
@@ -915,9 +918,10 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
-/* Execute a program. Return whether comparisons are as expected, and no number is divided by 0. */
-static bool execute(const Program *c, const Loop *const *loops) {
-    real *r = c->registers, *to = r + c->result;
+/* Execute a program. Return whether comparisons are as expected, no number is divided by 0, and the
+   loops of its motions are known. */
+static bool execute(const Jumps *j, const Program *c) {
+    real *r = j->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
@@ -925,7 +929,11 @@ static bool execute(const Program *c, const Loop *const *loops) {
             return false;
         switch (line->what) {
         ARITHMETIC(WRITE)
-        case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
+        case MOTION:
+            if (j->loops[(integer)b] == NULL)
+                return false;
+            follow_motion(j->loops[(integer)b], r + line->a, to);
+            break;
         }
     }
     return true;
@@ -957,43 +965,46 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, as for a stall, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
-                                    const real *body, const real *state) {
+                                    const real *state) {
     integer events = l->events, numbers = j->numbers;
-    const Program *c = t->event < 0 ? NULL : j->programs[t->phase * (events + 1) + t->event];
+    if (j->programs == NULL || t->event < 0)
+        return NULL;
+    const Program *c = j->programs[t->phase * (events + 1) + t->event];
+    real *r = j->registers, *signs = r + numbers + 2, *constants = signs + events + l->variables;
+    memcpy(r, t->body, numbers * sizeof(real));
+    r[numbers] = t->high;
+    r[numbers + 1] = t->end - t->high;
+    for (integer e = 0; e < events; e++)
+        signs[e] = function(l, e, lane)->sign;
+    copy(l->variables, state, 1, signs + events, 1);
     for (; c != NULL; c = c->other) {
-        real *r = c->registers;
-        memcpy(r, body, numbers * sizeof(real));
-        r[numbers] = t->high;
-        r[numbers + 1] = t->end - t->high;
-        for (integer e = 0; e < events; e++)
-            r[numbers + 2 + e] = function(l, e, lane)->sign;
-        copy(l->variables, state, 1, r + numbers + 2 + events, 1);
-        if (execute(c, j->loops))
+        copy(r + c->result - constants, c->constants, 1, constants, 1);
+        if (j->loops[c->next] != NULL && execute(j, c))
             break;
     }
     if (c == NULL)
         return NULL;
     real finite = 0;
     for (integer k = c->out; k < c->after; k++)
-        finite += 0.0 * c->registers[k];
-    return finite == 0 && c->registers[c->after + 1] >= 0 ? c : NULL;
+        finite += 0.0 * r[k];
+    return finite == 0 && r[c->after + 1] >= 0 ? c : NULL;
 }
 
 /* Note what a change from a state logs, and what happens in it until `time`. */
-static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
-                        real when, real time, const real *state) {
-    const real *signs = c->registers + c->out, *ranges = signs - c->ranged * POINTS;
+static void note_change(const Jumps *j, const Loop *l, integer lane, const Program *c, real when,
+                        real time, const real *state) {
+    const real *signs = j->registers + c->out, *ranges = signs - c->ranged * POINTS;
     for (integer k = 0; k < c->logged + c->passed; k++) {
         integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
         if (l->log_room > 0)
             copy(l->variables, state, 1, l->logged_states + l->logged[0] * l->width, 1);
-        loop_note(l, events + e, e, l->slots[lane], sign, l->in_lane[lane], when, state);
+        loop_note(l, j->events + e, e, l->slots[lane], sign, l->in_lane[lane], when, state);
     }
     for (integer k = 0; k < c->ranged; k++, ranges += POINTS) {
         integer e = c->events[c->logged + c->passed + k];
         Function *f = function(l, e, lane);
         for (int i = 0; i < POINTS; i++) {
-            real value = ranges[i] * events[e].scale;
+            real value = ranges[i] * j->events[e].scale;
             for (int side = 0; side < 2; side++)
                 if (side ? value > f->extremes[1] : value < f->extremes[0]) {
                     f->extremes[side] = value;
@@ -1005,32 +1016,32 @@ static void note_change(const Loop *l, integer lane, const Event *events, const 
 
 /* Change the phase of the top in a lane in the state where the phase ended. Return the state in
    which the next phase begins; NULL if the caller must change it. */
-static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *body,
-                          const real *state) {
+static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *state) {
     bool lasts = t->until > t->began;
     if (lasts && t->high - t->began < j->chatter * fmax(t->began, 1))
         return NULL;
-    const Program *c = execute_first(j, t, l, lane, body, state);
+    const Program *c = execute_first(j, t, l, lane, state);
     if (c == NULL)
         return NULL;
-    const real *more = c->registers + c->after;
+    const real *more = j->registers + c->after;
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
         return NULL;
-    note_change(l, lane, j->events, c, when, time, state);
+    note_change(j, l, lane, c, when, time, state);
     if (j->made != NULL) {
         real *made = j->made + j->length++ * j->width;
         made[0] = when;
-        made[1] = (real)c->number;
-        copy(j->width - 2, more, 1, made + 2, 1);
+        made[1] = (real)t->event;
+        made[2] = (real)c->number;
+        copy(j->width - 3, more, 1, made + 3, 1);
     }
     t->phase = c->next;
     t->high = t->began = time;
     t->until = t->stop = MIN(t->end, time + more[0]);
     t->stops_by = l->events;
     t->short_phases = lasts ? 0 : t->short_phases;
-    return begin_functions(l, lane, c->registers + c->out);
+    return begin_functions(l, lane, j->registers + c->out);
 }
 
 /* A phase ends in this last part of a run only where the run does. */
@@ -1056,7 +1067,7 @@ static bool is_at_end(const Top *t) {
 }
 
 /* Change the phase of a run where it has ended. Return false if the caller must do it. */
-static bool change_phase(Jumps *j, Top *t, const real *body) {
+static bool change_phase(Jumps *j, Top *t) {
     const Loop *l = j->loops[t->phase];
     bool within = l->tallies->upto < 1;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
@@ -1064,7 +1075,7 @@ static bool change_phase(Jumps *j, Top *t, const real *body) {
         return false;
     integer last = l->logged[0] -= within;
     const real *state = within ? l->logged_states + last * l->width : l->state;
-    state = change(j, t, l, 0, body, state);
+    state = change(j, t, l, 0, state);
     if (state == NULL) {
         l->logged[0] += within;
         return false;
@@ -1075,11 +1086,11 @@ static bool change_phase(Jumps *j, Top *t, const real *body) {
 
 /* Make at most `most` steps of the present phase of a run, and of at most `changes` that follow.
    Return their number. */
-integer loop_run(Jumps *j, Top *t, const real *body, integer most, integer changes) {
+integer loop_run(Jumps *j, Top *t, integer most, integer changes) {
     integer steps = 0;
     do
         steps += loop_drive(j->loops[t->phase], most - steps);
-    while (steps < most && change_phase(j, t, body) && j->length < changes);
+    while (steps < most && change_phase(j, t) && j->length < changes);
     return steps;
 }
 
@@ -1097,11 +1108,9 @@ typedef struct {
     Jumps jumps;
     Pool *pools;
     integer *queues; /* (phases, room) rings */
-    Top *tops;       /* (room,), as all that follows */
-    real *states;    /* (room, width) */
-    const real *bodies; /* (room, numbers) */
+    Top *tops;
     integer *called; /* tops that are in no queue: the caller looks at their status and event */
-    integer phases, room, width;
+    integer phases, room; /* room for tops */
     integer calls; /* how many these are */
 } Pools;
 
@@ -1125,37 +1134,32 @@ static void enter_lane(const Pools *p, integer phase, integer lane) {
     const Loop *l = pool->loop;
     integer top = p->queues[phase * p->room + pool->first], n = l->lanes;
     const Top *t = p->tops + top;
-    const real *body = p->bodies + top * p->jumps.numbers;
     pool->first = (pool->first + 1) % p->room;
     pool->count--;
     pool->occupied++;
     l->slots[lane] = top;
     for (integer k = 0; k < l->parameters; k++)
-        l->pars[k * n + lane] = body[pool->parameters[k]];
+        l->pars[k * n + lane] = t->body[pool->parameters[k]];
     l->in_lane[lane] = top * p->phases + phase;
     l->steps_before[lane] = t->steps;
-    begin_lane(l, lane, t->high, t->low, t->stop, p->states + top * p->width);
+    begin_lane(l, lane, t->high, t->low, t->stop, t->state);
 }
 
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
-static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
-    Top *t = p->tops + top;
-    real *state = p->states + top * p->width;
-    const real *body = p->bodies + top * p->jumps.numbers;
-    const real *next = change(&p->jumps, t, l, lane, body, state);
-    if (next == NULL)
-        return false;
-    copy(p->jumps.loops[t->phase]->variables, next, 1, state, 1);
-    return true;
+static bool change_top(Jumps *j, Top *t, const Loop *l, integer lane) {
+    const real *next = change(j, t, l, lane, t->state);
+    if (next != NULL)
+        copy(j->loops[t->phase]->variables, next, 1, t->state, 1);
+    return next != NULL;
 }
 
 /* Begin the first phase of a top, whose jump is noted by a loop. Return whether a program could. */
 bool loop_start(Pools *p, const Loop *l, integer top) {
     l->slots[0] = top;
-    if (!change_top(p, l, 0, top))
-        return false;
-    loop_push(p, top);
-    return true;
+    bool is_changed = change_top(&p->jumps, p->tops + top, l, 0);
+    if (is_changed)
+        loop_push(p, top);
+    return is_changed;
 }
 
 /* Take a top out of its lane, and change its phase if that has ended; call it if that needs the
@@ -1169,7 +1173,7 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
     bool within = tally->upto < 1, ends = ends_phase(t, l, lane);
     if (within)
         state_at(l, lane, tally->t, l->out);
-    copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, p->states + top * p->width, 1);
+    copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, t->state, 1);
     bool is_changed = false;
     if (ends && is_at_end(t)) {
         tally->status = FINISHED;
@@ -1178,7 +1182,7 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
     } else if (ends) {
         t->steps += tally->steps;
         tally->steps = 0;
-        is_changed = change_top(p, l, lane, top);
+        is_changed = change_top(&p->jumps, t, l, lane);
     }
     l->in_lane[lane] = -1;
     l->slots[lane] = p->room;

@@ -170,7 +170,7 @@ def library() -> ctypes.CDLL:
         function.restype = integer
         function.argtypes = [array, integer]
     loaded.loop_run.restype = integer
-    loaded.loop_run.argtypes = [*[array] * 3, integer, integer]
+    loaded.loop_run.argtypes = [array, array, integer, integer]
     loaded.loop_columns.argtypes = [*[integer] * 3, array, array]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
     return loaded

@@ -73,12 +73,9 @@ class _Pools(NamedTuple):
     pools: np.ndarray
     queues: np.ndarray
     tops: np.ndarray
-    states: np.ndarray
-    bodies: np.ndarray
     called: np.ndarray
     phases: int
     room: int
-    width: int
     calls: int
 
 
@@ -128,10 +125,13 @@ def new_tops(
     width = pools.log.states.shape[1]
     states = np.zeros((n, width))
     states[:, : len(problems.start)] = problems.start.T
+    bodies = np.ascontiguousarray(bodies.T)
+    for name, array in ("state", states), ("body", bodies):
+        records[name] = array.ctypes.data + array.strides[0] * np.arange(n)
     phases = np.zeros((n, count), np.int64)
     made = (times < 0).sum(axis=1)
     output = Rows(times, np.full((n, count, width), np.nan), phases, made, False, count)
-    return Tops(records, states, np.ascontiguousarray(bodies.T), tallies, output)
+    return Tops(records, states, bodies, tallies, output)
 
 
 class Pools:
@@ -178,23 +178,11 @@ class Pools:
         self.called = np.zeros(self.empty, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, self.empty), np.int64)
-        events = self.all_events.events
-        none = np.zeros(len(events) + 1, np.uint64)
-        numbers = self.bodies.shape[1]
-        jumps = programs.jumps if programs else Jumps(none, none, events, none, 0.0, 0, 0, numbers)
-        self.arrays = _Pools(  # must outlive the structure
-            jumps._replace(made=none[:0]),
-            self.pools,
-            queues,
-            self.tops,
-            self.states,
-            self.bodies,
-            self.called,
-            phases,
-            self.empty,
-            self.states.shape[1],
-            calls=0,
-        )
+        none = np.zeros(0)
+        jumps = programs.jumps if programs else Jumps(*[none] * 5, 0.0, 0, 0, 0)
+        arrays = self.pools, queues, self.tops, self.called
+        # must outlive the structure
+        self.arrays = _Pools(jumps._replace(made=none), *arrays, phases, self.empty, calls=0)
         self.record: Any = filled(self.arrays)
         self.record_at = ctypes.addressof(self.record)
 
