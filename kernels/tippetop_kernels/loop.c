@@ -127,12 +127,12 @@ typedef struct {
 
     /* Motion */
     real *state, *before, *pars, *tc;
-    integer *in_lane, *slots;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
+    integer *in_lane, *slots;
     integer *ended_by;   /* the event that ended the present step */
     integer *steps_before; /* steps of a run before those of its tally */
 
-    /* EventRows, Tallies, PassageLog, Samples */
+    /* EventRows, Tallies, Log of passages, Log of samples */
     const Event *event_rows;
     const Number *numbers;
     const integer *axis_rows;
@@ -1053,7 +1053,7 @@ static bool ends_phase(Top *t, const Loop *l, integer lane) {
     const Tally *tally = tally_of(l, lane);
     bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
     bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
-    t->high = goes_on ? l->high[lane] : tally->t;
+    t->high = tally->t;
     t->low = goes_on ? l->low[lane] : 0;
     t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : NO_EXIT;
     if (tally->status == STALLED)
@@ -1219,15 +1219,11 @@ integer loop_pools(Pools *p, integer most) {
                 if (tally_of(l, lane)->status != RUNNING) /* a phase that ends where it begins */
                     leave_lane(p, phase, lane);
             }
-        integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
-        steps += made;
-        bool ended = false;
+        steps += loop_drive(l, pool->by_steps ? 1 : most - steps);
         for (integer lane = 0; lane < l->lanes; lane++)
-            if (l->in_lane[lane] >= 0 && (pool->by_steps || tally_of(l, lane)->status != RUNNING)) {
+            if (l->in_lane[lane] >= 0 && (pool->by_steps || tally_of(l, lane)->status != RUNNING))
                 leave_lane(p, phase, lane);
-                ended = true;
-            }
-        if (!ended && is_full(l)) /* the caller makes room */
+        if (is_full(l)) /* the caller makes room */
             break;
         if (pool->count + pool->occupied < l->lanes)
             phase = fullest(p);

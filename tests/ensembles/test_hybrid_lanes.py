@@ -56,7 +56,9 @@ def some(case: str, n: int = 12, **columns: np.ndarray) -> Problems:
 
 def alone(tops: Problems) -> Outcomes:
     outcomes = Outcomes(tops)
-    _, valid = hybrid_tops.checked_tops(outcomes, lambda: None)
+    for fault in hybrid_tops.checked_tops(tops)[1]:
+        outcomes.refuse(*fault)
+    valid = outcomes.status != Status.INVALID.code
     hybrid_tops.run_each(outcomes, np.flatnonzero(valid).tolist(), lambda: None)
     with np.errstate(all="ignore"):
         _conclude(outcomes)

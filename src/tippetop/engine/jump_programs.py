@@ -209,12 +209,13 @@ class JumpPrograms:
             if n.ends or to.sampled or len(numbers) > NUMBERS:
                 return None
             sides, zeros, passed = to.begins(n, values, signs)
-            ranged: list = []
-            ranges: list = []
+            ranges = dict[int, tuple]()
             if n.series:
                 if passed or not n.delay < left:
                     return None
-                ranged, ranges = _ranged(n, to, now, body)
+                series = lambda time: to.variables.join(*n.series(time - now))  # noqa: E731
+                points = to.points(series, now, now + n.delay, to.phase.parameters(body))
+                ranges = {k: values for k, values in points.items() if to.events[k].extremes}
             if passed:
                 b = solver.phase.parameters(body)
                 passed = [k for k in passed if to.notes(k, solver, state, b)]
@@ -226,16 +227,17 @@ class JumpPrograms:
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay
         ended = state[: len(solver.variables.names)]
-        results = [*ranges, *sides, *zeros, *after, *pad, *times, *numbers, *ended]
+        ranged = [*chain(*ranges.values())]
+        results = [*ranged, *sides, *zeros, *after, *pad, *times, *numbers, *ended]
         first = program.joined(results)
         lines = program.code()
         constants = np.array([*program.constants.values()])
         result = program.count + len(constants)
         if result + len(lines) + NUMBERS + STATE > MOST_REGISTERS:
             return None
-        out = first.place + len(constants) + len(ranges)
+        out = first.place + len(constants) + len(ranged)
         places = result, out, out + 2 * len(sides) + len(after) + len(pad), to.at, 0
-        events = [run.numbers[name] for name in n.logged], passed, ranged
+        events = [run.numbers[name] for name in n.logged], passed, [*ranges]
         every = np.array([*chain(*events)], np.int64)
         code = _Program(lines, constants, every, 0, len(lines), *places, *map(len, events))
         tables = [(name, len(row)) for name, rows in n.rows.items() for row in rows]
@@ -278,21 +280,3 @@ class JumpPrograms:
             run.changes += record.length
             run.end_next()
         return steps
-
-
-def _ranged(n: Any, to: Any, now: Any, body: Any) -> tuple[list[int], list]:
-    """Return the events whose extremes may lie in the delay of n, and their functions there.
-
-    They are numbers of events, and JUMP_PARTS + 1 values of each, one event after the other. n
-    begins the phase `to` at the time `now`.
-    """
-    b = to.phase.parameters(body)
-    time = now + n.delay
-    points = []
-    for k in range(JUMP_PARTS + 1):
-        after = now + (time - now) * k / JUMP_PARTS - now
-        state = to.variables.join(*n.series(after))
-        points.append(to.formulas.functions(*to.variables.split(state), b))
-    each = zip(to.events.items(), zip(*points, strict=True), strict=True)
-    ranges = {number: values for (number, event), values in each if event.extremes}
-    return [*ranges], [*chain(*ranges.values())]

@@ -43,9 +43,8 @@ from .status import Status
 from .stepper import Loaded
 from .tallies import (
     EventRows,
-    PassageLog,
+    Log,
     Rules,
-    Samples,
     Tallies,
     lasts_from_start,
     new_log,
@@ -152,8 +151,9 @@ class Pools:
     lanes = LANES
     variables: int
     all_events: EventRows
-    log: PassageLog
-    samples: Samples
+    log: Log
+    samples: Log
+    found: tuple[Tallies, Log, Log]
     rows_of: Any
 
     def share(self, tops: Tops, thread: int, phases: int = 1, programs: Any = None) -> None:
@@ -179,7 +179,7 @@ class Pools:
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, self.empty), np.int64)
         none = np.zeros(0)
-        jumps = programs.jumps if programs else Jumps(*[none] * 5, 0.0, 0, 0, 0)
+        jumps = programs.jumps if programs else Jumps(none, none, none, none, none, 0.0, 0, 0, 0)
         arrays = self.pools, queues, self.tops, self.called
         # must outlive the structure
         self.arrays = _Pools(jumps._replace(made=none), *arrays, phases, self.empty, calls=0)
@@ -271,19 +271,15 @@ class HybridPools(Pools, HybridDriver):
         phases = len(self.phases)
         self.share(tops, thread, phases, self.jump_programs)
         motion = new_motion(self.variables, 0, 1, 1)
-        found = self.findings()
+        self.found = self.of_tops, new_log(0, self.width), self.samples
         none = Loaded(None, 0, 0, False, 0)
-        self.notes = Loop(motion, self.all_events, *found, self.rules, none)
+        self.notes = Loop(motion, self.all_events, *self.found, self.rules, none)
         variables = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
             at=phases, workspace=self.notes.record, variables=variables, sampled={}
         )
 
     # --- lanes of phases -------------------------------------------------------------------------
-
-    def findings(self) -> tuple[Tallies, PassageLog, Samples]:
-        """Return the tallies of all tops, an unused log, and the common samples."""
-        return self.of_tops, new_log(0, self.width), self.samples
 
     def add_solver(self, solver: PhaseSolver) -> None:
         """Add a phase, which gets a pool."""
@@ -323,20 +319,20 @@ class HybridPools(Pools, HybridDriver):
         solvers = list(self.solvers.values())
         for solver in solvers:
             solver.b = solver.phase.parameters(body)
-        times, states, phases, filled, *_ = self.rows
-        self.set_output(
-            Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False)
-        )
+        part = slice(slot, slot + 1)
+        rows = (array[slot] for array in self.rows[:3])
+        self.set_output(Rows(*rows, self.rows.filled[part], False))
         self.slot = slot
         self.top = top = self.tops[slot]
-        clock = self.tops[slot : slot + 1]
-        of_top = {"state": self.states[slot][:, None], "high": clock["high"], "low": clock["low"]}
-        self.motion = self.of_top = self.notes.record.motion._replace(**of_top)
+        clock = {name: self.tops[name][part] for name in ("high", "low")}
+        self.motion = self.of_top = self.notes.record.motion._replace(
+            state=self.states[slot][:, None], **clock
+        )
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
         names = ["began", "until", "short_phases", "end"]
         self.began, self.until, self.short_phases, self.end = top[names].item()
-        self.set_tallies(Tallies(*(array[..., slot : slot + 1] for array in self.of_tops)))
+        self.set_tallies(Tallies(*(array[..., part] for array in self.of_tops)))
         self.workspace = self.solver.workspace
         self.last = self.state.copy()
 
@@ -349,7 +345,6 @@ class HybridPools(Pools, HybridDriver):
         top["began"], top["phase"] = self.began, self.solver.at
         top["short_phases"] = self.short_phases
         self.series = None
-        self.logged[0] = 0
         self.tables.rows.clear()
 
     def attend(self, slot: int) -> bool:

@@ -182,35 +182,24 @@ from now on.
 """
 
 
-class PassageLog(NamedTuple):
-    """The log of zeros of event functions, those of a lane in order; of length 0 if unused."""
-
-    filled: np.ndarray  # (1,) how many there are
-    rows: np.ndarray  # (n,) records
-    states: np.ndarray  # (n, variables) in the working precision
-
-
 # internal; number of the event; of the crossing, +1 rising; the phase of a run, or the top that is
 # in the lane; whether the axis passes a pole there
 PASSAGE_RECORD = record_type(float="time", int="event sign phase lane", bool="at_pole")
 
 
-def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
-    """Return an empty log with room for `length` passages, with states of type `number`."""
-    rows = np.empty(length, PASSAGE_RECORD)
-    states = np.empty((length, variables), number)
-    return PassageLog(np.zeros(1, np.int64), rows, states)
+class Log(NamedTuple):
+    """Rows with states that the loop appends.
 
+    They are zeros of event functions, those of a lane in order; or samples, ends of steps at which
+    the invariants are compared with the start.
+    """
 
-class Samples(NamedTuple):
-    """States at some ends of steps, at which the invariants are compared with the start."""
-
-    filled: np.ndarray  # (1,)
-    top: np.ndarray  # (n,) whose state it is
+    filled: np.ndarray  # (1,) how many there are
+    rows: np.ndarray  # (n,) passages; of samples, whose state it is: their phase or top
     states: np.ndarray  # (n, variables) in the working precision
 
 
-def new_samples(length: int, variables: int, number: Any = float) -> Samples:
-    """Return empty samples with room for `length` states of type `number`."""
-    filled, top = (np.zeros(n, np.int64) for n in (1, length))
-    return Samples(filled, top, np.empty((length, variables), number))
+def new_log(length: int, variables: int, number: Any = float, row: Any = PASSAGE_RECORD) -> Log:
+    """Return an empty log with room for `length` rows, with states of type `number`."""
+    states = np.empty((length, variables), number)
+    return Log(np.zeros(1, np.int64), np.empty(length, row), states)

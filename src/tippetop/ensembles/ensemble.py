@@ -1,6 +1,6 @@
 """Integrate many tops of one scenario in memory, on several threads.
 
-`Problems` go in, `Outcomes` come out; each thread has its pools of lanes, all share a queue of tops.
+`Problems` go in, `Outcomes` come out; each thread has its pools, all share a queue of tops.
 """
 
 import itertools
@@ -17,6 +17,7 @@ import numpy as np
 from ..engine.derivatives.growth import growth
 from ..engine.observables import event_functions
 from ..engine.pools import HybridPools, Pools, bodies_of, new_tops
+from ..engine.status import Status
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
@@ -82,16 +83,19 @@ def measure(
     turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
     is_hybrid = tops.base.system.is_hybrid
     begun = tops
-    valid = tops.valid
     if is_hybrid:
         mu = np.broadcast_to(tops.given("friction").get("mu", 1.0), (tops.n,))
         alone = (mu == 0) & (mu != 0).any()  # they have other phases
         alone |= not turns or tops.base.contact is None or events
-        begun, valid = checked_tops(measured, ended)
+        begun, faults = checked_tops(tops)
+        for top, sentence in faults:
+            measured.refuse(top, sentence)
+            ended()
         functions = np.full((tops.n, 1), np.nan)
     else:
         functions = event_functions(tops)
         alone = _ends_at_start(tops, functions)
+    valid = measured.status != Status.INVALID.code
     numbers = np.flatnonzero(valid & ~alone)
     if len(numbers):
         bodies = bodies_of(begun) if is_hybrid else tops.pars

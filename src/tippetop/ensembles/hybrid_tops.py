@@ -59,28 +59,21 @@ def problem_of(tops: Problems, top: int) -> Problem:
     )
 
 
-def checked_tops(outcomes: Outcomes, ended: Callable[[], None]) -> tuple[Problems, np.ndarray]:
-    """Return all tops with the gaps at which they begin, and which of them are valid, (n,).
+def checked_tops(tops: Problems) -> tuple[Problems, list[tuple[int, str]]]:
+    """Return all tops with the gaps at which they begin, and the faults of others than `checked`.
 
-    Parameters
-    ----------
-    outcomes
-        A row per top; invalid ones are marked.
-    ended
-        Called for each top that turns out to be invalid.
+    A fault is the number of a top, and a sentence.
     """
-    tops = outcomes.tops
+    faults = []
     gaps = np.full(tops.n, np.nan)
     for top in np.flatnonzero(tops.valid).tolist():
         problem = problem_of(tops, top)
-        if faults := [*problem.clashes(), *contact_faults(problem)]:
-            outcomes.refuse(top, faults[0])
-            ended()
-        else:
-            gaps[top] = problem.initial.get("gap", 0.0)
+        gaps[top] = problem.initial.get("gap", 0.0)
+        some = *problem.clashes(), *contact_faults(problem)
+        faults += [(top, sentence) for sentence in some[:1]]
     if touches(tops.base) and "initial.gap" not in tops.columns:
         tops = replace(tops, columns={**tops.columns, "initial.gap": gaps})
-    return tops, np.isfinite(gaps)
+    return tops, faults
 
 
 def run_each(

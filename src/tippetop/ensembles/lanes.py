@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.driver import Workspace
 from ..engine.expressions import formulas_of
-from ..engine.loop import MOST_COEFFICIENTS, Loop, count_turnings, new_motion
+from ..engine.loop import MOST_COEFFICIENTS, count_turnings
 from ..engine.observables import Observables, values_of
 from ..engine.pools import HybridPools, Pools, Tops
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import EventRows, Rules, looked_for, new_log, new_samples
+from ..engine.tallies import EventRows, Rules, looked_for, new_log
 from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
@@ -68,7 +69,7 @@ class PoolOfOne(Pools):
         logged = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
         self.all_events = rows
         self.variables = len(tops.start)
-        self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
+        self.samples = new_log(SAMPLES * self.lanes if reads("drift") else 0, width, row=int)
         self.log = new_log(2 * logged * events, width)
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, most, EVERY, 0)
@@ -76,12 +77,9 @@ class PoolOfOne(Pools):
     def join(self, tops: Tops, thread: int) -> None:
         """Set the arrays of the tops, and add the pool; see `Pools.share`."""
         self.share(tops, thread)
-        made = self.code.integrator
-        numbers = len(made.pars)
-        motion = new_motion(len(made.state), numbers, made.order + 1, self.lanes)
-        found = self.of_tops, self.log, self.samples
-        self.loop = Loop(motion, self.all_events, *found, self.rules, self.code.machine)
-        self.add_pool(0, self.loop, range(numbers))
+        self.found = self.of_tops, self.log, self.samples
+        self.workspace = Workspace(self, self.code, self.all_events)
+        self.add_pool(0, self.workspace.loop, range(len(self.workspace.motion.pars)))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
         """Return states of tops as rows (k, variables); see `HybridDriver.rows_of`."""
@@ -163,7 +161,7 @@ def _look(outcomes: Outcomes, pools: Any) -> None:
     The loop stops where they are full, so it is called after each `step`.
     """
     if count := int(pools.samples.filled[0]):
-        tops, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
+        tops, phases = np.divmod(pools.samples.rows[:count], len(pools.pools))
         rows = pools.rows_of(phases, pools.samples.states[:count], tops)
         outcomes.look(rows.T, tops)
         pools.samples.filled[0] = 0
