@@ -124,11 +124,10 @@ class JumpPrograms:
     def __init__(self, run: Any):
         """Allocate the table in which the loop looks up programs; it is empty."""
         self.run = weakref.proxy(run)
-        self.events = run.clock_number
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         # by phase and event, the last by the clock: where its first program is; the start comes
         # after all phases
-        self.table = np.zeros((len(run.phases) + 1, self.events + 1), np.uint64)
+        self.table = np.zeros((len(run.phases) + 1, run.clock_number + 1), np.uint64)
         self.made = np.zeros((PER_SLICE, 5 + NUMBERS + STATE))
         # of the body and its contact, the constant inputs of programs
         self.body = np.array([*leaves(run.world.body), run.world.rules.e_n])

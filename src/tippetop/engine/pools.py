@@ -20,6 +20,7 @@ Symbols
 
 import ctypes
 import threading
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -204,11 +205,11 @@ class Pools:
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> bool:
-        """Make a jump that the loop cannot make; return whether the top goes on.
+        """Make a jump that the loop cannot make; return whether the top has ended.
 
         Without phases there is none.
         """
-        return False
+        return True
 
     @QUIET
     def step(self, most: int) -> tuple[list[int], list[int]]:
@@ -224,8 +225,8 @@ class Pools:
         for slot in called:
             if self.of_tops.lane["status"][slot] == SETTLED:
                 looks.append(slot)
-            else:
-                (self.push if self.attend(slot) else ended.append)(slot)
+            elif self.attend(slot):
+                ended.append(slot)
         return ended, looks
 
     def rows_in(self, tops: np.ndarray) -> np.ndarray:
@@ -270,6 +271,7 @@ class HybridPools(Pools, HybridDriver):
         """Set the arrays of the tops; see `Pools.share`."""
         phases = len(self.phases)
         self.share(tops, thread, phases, self.jump_programs)
+        self.tops["event"], self.tops["phase"] = self.clock_number, phases
         motion = new_motion(self.variables, 0, 1, 1)
         self.found = self.of_tops, new_log(0, self.width), self.samples
         none = Loaded(None, 0, 0, False, 0)
@@ -298,12 +300,8 @@ class HybridPools(Pools, HybridDriver):
 
     def start(self, new: np.ndarray) -> list[int]:
         """Make the jumps of tops to their first phases, by programs or by Python."""
-        self.tops["event"][new] = self.clock_number
-        self.tops["phase"][new] = len(self.phases)
-        over = list[int]()
-        for slot in new.tolist():
-            if not library().loop_start(self.record_at, self.notes.place, slot):
-                (self.push if self.attend(slot) else over.append)(slot)
+        begin = partial(library().loop_start, self.record_at, self.notes.place)
+        over = [slot for slot in new.tolist() if not begin(slot) and self.attend(slot)]
         signs = self.of_tops.functions[:, new]
         self.of_tops.lane["lasts_since"][new] = lasts_from_start(signs, self.all_events)
         return over
@@ -333,7 +331,6 @@ class HybridPools(Pools, HybridDriver):
         names = ["began", "until", "short_phases", "end"]
         self.began, self.until, self.short_phases, self.end = top[names].item()
         self.set_tallies(Tallies(*(array[..., part] for array in self.of_tops)))
-        self.workspace = self.solver.workspace
         self.last = self.state.copy()
 
     def _store(self) -> None:
@@ -350,7 +347,7 @@ class HybridPools(Pools, HybridDriver):
     def attend(self, slot: int) -> bool:
         """Start a top, make its jump, or set the end of its next step in a sampled phase.
 
-        Return whether it goes on.
+        Return whether it has ended; otherwise it is in a queue.
         """
         self._load(slot)
         ends = None
@@ -365,9 +362,11 @@ class HybridPools(Pools, HybridDriver):
             self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
         self._store()
-        if ends is not None:
-            self.status[0] = ends.code
-        return ends is None
+        if ends is None:
+            self.push(slot)
+            return False
+        self.status[0] = ends.code
+        return True
 
     def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
         """Return the parameters b of the phase of a solver for the tops in slots: numbers (k,)."""
