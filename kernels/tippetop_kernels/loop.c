@@ -942,11 +942,11 @@ static bool execute(const Jumps *j, const Program *c) {
 /* Execute lines on n columns of 80-bit numbers; `first` is the register of the first line's result.
    Return the number of lines executed: those before a MOTION, or all. Return -1 if a comparison is
    not as expected. */
-int loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
+integer loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
     long double *to = r + first * n;
     for (const Line *line = lines; line < lines + length; line++) {
         if (line->what == MOTION)
-            return (int)(line - lines);
+            return line - lines;
         for (integer i = 0; i < n; i++, to++) {
             long double a = r[line->a * n + i], b = r[line->b * n + i];
             int exponent;
@@ -959,7 +959,7 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
             }
         }
     }
-    return (int)length;
+    return length;
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
@@ -1154,7 +1154,7 @@ static bool change_top(Jumps *j, Top *t, const Loop *l, integer lane) {
 }
 
 /* Begin the first phase of a top, whose jump is noted by a loop. Return whether a program could. */
-bool loop_start(Pools *p, const Loop *l, integer top) {
+integer loop_start(Pools *p, const Loop *l, integer top) {
     l->slots[0] = top;
     bool is_changed = change_top(&p->jumps, p->tops + top, l, 0);
     if (is_changed)

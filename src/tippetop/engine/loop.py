@@ -163,16 +163,19 @@ def library() -> ctypes.CDLL:
         )
     integer = ctypes.c_int64
     array = ctypes.c_void_p
-    loaded.loop_note.argtypes = [array, array, *[integer] * 4, ctypes.c_double, array]
-    loaded.loop_start.argtypes = [array, array, integer]
-    loaded.loop_start.restype = ctypes.c_bool
-    for function in (loaded.loop_drive, loaded.loop_push, loaded.loop_pools):
-        function.restype = integer
-        function.argtypes = [array, integer]
-    loaded.loop_run.restype = integer
-    loaded.loop_run.argtypes = [array, array, integer, integer]
-    loaded.loop_columns.argtypes = [*[integer] * 3, array, array]
-    loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
+    arguments: dict[str, list[Any]] = {
+        "loop_drive": [array, integer],
+        "loop_run": [array, array, integer, integer],
+        "loop_pools": [array, integer],
+        "loop_push": [array, integer],
+        "loop_start": [array, array, integer],
+        "loop_note": [array, array, *[integer] * 4, ctypes.c_double, array],
+        "loop_columns": [*[integer] * 3, array, array],
+        "loop_count_turnings": [array, ctypes.c_double, integer, array, array, array],
+    }
+    for name, kinds in arguments.items():
+        function = getattr(loaded, name)
+        function.argtypes, function.restype = kinds, integer
     return loaded
 
 
