@@ -43,7 +43,7 @@ has made."""
 BRANCHES = 8
 """Most programs of a jump."""
 MOST_REGISTERS = 1 << 17
-"""Numbers of a program: those of jumps have some thousands."""
+"""Most numbers of a program; that of a top that begins to roll has 2,200."""
 NUMBERS, STATE = 24, 40
 """Most numbers that a change may pass to the tables, and variables where its phase ended."""
 START = "start"

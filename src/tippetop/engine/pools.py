@@ -59,6 +59,8 @@ LANES = 8
 EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
 SETTLED = Status.SETTLED.code
+NO_EXIT = -2
+"""The event of a top whose phase has not ended by an exit, as in the loop."""
 PATIENCE = 2
 """As in `jump_programs`, but lower: many tops make the same jumps."""
 
@@ -223,9 +225,11 @@ class Pools:
         ended = list[int]()
         looks = list[int]()
         for slot in called:
-            if self.of_tops.lane["status"][slot] == SETTLED:
+            status = self.of_tops.lane["status"][slot]
+            goes_on = status == RUNNING or self.tops["event"][slot] != NO_EXIT
+            if status == SETTLED:
                 looks.append(slot)
-            elif self.attend(slot):
+            elif not goes_on or self.attend(slot):
                 ended.append(slot)
         return ended, looks
 
