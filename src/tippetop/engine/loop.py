@@ -183,7 +183,7 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
     numbers = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
     of_lanes = *np.zeros((7, lanes)), *np.zeros((4, lanes), np.int64)
-    motion = Motion(*np.zeros((2, variables, lanes)), *numbers, *of_lanes)
+    motion = Motion._make([*np.zeros((2, variables, lanes)), *numbers, *of_lanes])
     motion.slots[:] = np.arange(lanes)
     return motion
 

@@ -322,8 +322,8 @@ class HybridPools(Pools, HybridDriver):
         for solver in solvers:
             solver.b = solver.phase.parameters(body)
         part = slice(slot, slot + 1)
-        rows = (array[slot] for array in self.rows[:3])
-        self.set_output(Rows(*rows, self.rows.filled[part], False))
+        times, states, phases = (array[slot] for array in self.rows[:3])
+        self.set_output(Rows(times, states, phases, self.rows.filled[part], False))
         self.slot = slot
         self.top = top = self.tops[slot]
         clock = {name: self.tops[name][part] for name in ("high", "low")}

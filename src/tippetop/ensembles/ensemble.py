@@ -7,7 +7,7 @@ import itertools
 import os
 import threading
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import partial
 from typing import Any
@@ -137,7 +137,7 @@ def measure(
     return measured
 
 
-def _run_all(workers: list[Callable], queue: Iterator[int], stop: threading.Event) -> None:
+def _run_all(workers: Sequence[Callable], queue: Iterator[int], stop: threading.Event) -> None:
     """Integrate the tops of a queue on a thread each; stop all if one fails, or on Ctrl-C."""
     if len(workers) == 1:
         workers[0](queue)
