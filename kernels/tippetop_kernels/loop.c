@@ -127,12 +127,12 @@ typedef struct {
 
     /* Motion */
     real *state, *before, *pars, *tc;
-    integer *in_lane, *slots;
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
+    integer *in_lane, *slots;
     integer *ended_by;   /* the event that ended the present step */
     integer *steps_before; /* steps of a run before those of its tally */
 
-    /* EventRows, Tallies, PassageLog, Samples */
+    /* EventRows, Tallies, Log of passages, Log of samples */
     const Event *event_rows;
     const Number *numbers;
     const integer *axis_rows;
@@ -809,41 +809,43 @@ typedef struct {
     integer what, a, b;
 } Line;
 
-/* Operations, in the order of `mechanics.lines`. A program ends where a comparison is not as
-   expected. MOTION follows that of loop b; its inputs begin at register a, and its results are this
-   and the following lines. */
-enum {
-    ADD,
-    SUBTRACT,
-    MULTIPLY,
-    DIVIDE,
-    POWER,
-    NEGATIVE,
-    SQRT,
-    ABSOLUTE,
-    MAXIMUM,
-    EXP,
-    LOG,
-    ARCTAN2,
-    SIN,
-    COS,
-    LESS,
-    LESS_EQUAL,
-    EQUAL,
-    UNIT,
-    EXPECT,
-    MOTION,
-    RESULT
-};
+/* The operations of arithmetic, in the order of `mechanics.lines`, and their results, of a and b;
+   UNIT needs an int `exponent`. */
+#define ARITHMETIC(X)            \
+    X(ADD, a + b)                \
+    X(SUBTRACT, a - b)           \
+    X(MULTIPLY, a * b)           \
+    X(DIVIDE, a / b)             \
+    X(POWER, pow(a, b))          \
+    X(NEGATIVE, -a)              \
+    X(SQRT, sqrt(a))             \
+    X(ABSOLUTE, fabs(a))         \
+    X(MAXIMUM, MAX(a, b))        \
+    X(EXP, exp(a))               \
+    X(LOG, log(a))               \
+    X(ARCTAN2, atan2(a, b))      \
+    X(SIN, sin(a))               \
+    X(COS, cos(a))               \
+    X(LESS, a < b)               \
+    X(LESS_EQUAL, a <= b)        \
+    X(EQUAL, a == b)             \
+    X(UNIT, (frexp(a, &exponent), ldexp(1, exponent)))
 
-/* The program of a jump. Registers begin with the inputs: the numbers of the body, the
-   time and the time left, the signs of event functions and the state. Constants and the results of
-   lines follow. From `out` on they are what phase `next` begins with (see `begin_functions`); from
-   `after` on, the time that it lasts, the time that the change takes, event functions in that time,
-   and the numbers of tables. */
+#define NAME(operation, result) operation,
+#define WRITE(operation, result) case operation: *to = result; break;
+
+/* A program ends where a comparison is not as expected. MOTION follows that of loop b; its inputs
+   begin at register a, and its results are this and the following lines. */
+enum { ARITHMETIC(NAME) EXPECT, MOTION, RESULT };
+
+/* The program of a jump, which all runs share. Registers begin with the inputs: the numbers of the
+   body, the time and the time left, the signs of event functions and the state. Constants and the
+   results of lines follow. From `out` on they are what phase `next` begins with (see
+   `begin_functions`), after the event functions in the time that the change takes; from `after` on,
+   the time that the phase lasts, that time, and the numbers of tables. */
 typedef struct Program {
     const Line *lines;
-    real *registers;
+    const real *constants;
     const integer *events; /* that it logs, that happen in it, and whose extremes may be in it */
     const struct Program *other; /* to be tried next, if a comparison is not as expected */
     integer length, result, out, after, next, number, logged, passed, ranged;
@@ -854,10 +856,11 @@ enum { JUMP_PARTS = 8, POINTS = JUMP_PARTS + 1 };
 
 /* Jumps of the tops of a system. */
 typedef struct {
-    const Loop *const *loops;     /* of phases, then of motions */
+    const Loop *const *loops;     /* of phases, then of motions; NULL where none is compiled */
     const Program *const *programs; /* (phases, events + 1), the last by the clock; or none */
     const Event *events;
-    real *made; /* of each change of a run: time, number of the program, then the last registers */
+    real *registers; /* of the program that is executed */
+    real *made; /* of each change of a run: time, event, number of the program, last registers */
     real chatter;
     integer length, width, numbers; /* changes made; their numbers; those of a body */
 } Jumps;
@@ -866,16 +869,13 @@ typedef struct {
    phase; the event at the end of the next steps; the phase, and the event that ended it. */
 typedef struct {
     real high, low, end, until, stop, began;
-    integer stops_by, phase, event, steps, waits, short_phases;
+    integer stops_by, phase, event, steps, short_phases;
+    real *state;      /* of a top that is in no lane */
+    const real *body; /* its numbers */
 } Top;
 
-/* A run of several phases, for `loop_run`: see `engine.jump_programs`. */
-typedef struct {
-    Jumps jumps;
-    Top *top;
-    const real *body;
-    integer most;
-} Phases;
+/* How a phase ends that no event ends: by a stall; or the run ends, or goes on. */
+enum { BY_STALL = -1, NO_EXIT = -2 };
 
 /* Begin a phase or a motion: signs and zeros of its event functions. Its state follows them. */
 static const real *begin_functions(const Loop *l, integer lane, const real *start) {
@@ -918,41 +918,22 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
-/* Write the result of an operation on a and b, in their type, to *to; it needs an int `exponent`. */
-#define ARITHMETIC                                 \
-    case ADD: *to = a + b; break;                  \
-    case SUBTRACT: *to = a - b; break;             \
-    case MULTIPLY: *to = a * b; break;             \
-    case DIVIDE: *to = a / b; break;               \
-    case POWER: *to = pow(a, b); break;            \
-    case NEGATIVE: *to = -a; break;                \
-    case SQRT: *to = sqrt(a); break;               \
-    case ABSOLUTE: *to = fabs(a); break;           \
-    case MAXIMUM: *to = MAX(a, b); break;          \
-    case EXP: *to = exp(a); break;                 \
-    case LOG: *to = log(a); break;                 \
-    case ARCTAN2: *to = atan2(a, b); break;        \
-    case SIN: *to = sin(a); break;                 \
-    case COS: *to = cos(a); break;                 \
-    case LESS: *to = a < b; break;                 \
-    case LESS_EQUAL: *to = a <= b; break;          \
-    case EQUAL: *to = a == b; break;               \
-    case UNIT:                                     \
-        frexp(a, &exponent);                       \
-        *to = ldexp(1, exponent);                  \
-        break;
-
-/* Execute a program. Return whether comparisons are as expected, and no number is divided by 0. */
-static bool execute(const Program *c, const Loop *const *loops) {
-    real *r = c->registers, *to = r + c->result;
+/* Execute a program. Return whether comparisons are as expected, no number is divided by 0, and the
+   loops of its motions are known. */
+static bool execute(const Jumps *j, const Program *c) {
+    real *r = j->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
         if ((line->what == DIVIDE && b == 0) || (line->what == EXPECT && (a != 0) != (b != 0)))
             return false;
         switch (line->what) {
-        ARITHMETIC
-        case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
+        ARITHMETIC(WRITE)
+        case MOTION:
+            if (j->loops[(integer)b] == NULL)
+                return false;
+            follow_motion(j->loops[(integer)b], r + line->a, to);
+            break;
         }
     }
     return true;
@@ -961,16 +942,16 @@ static bool execute(const Program *c, const Loop *const *loops) {
 /* Execute lines on n columns of 80-bit numbers; `first` is the register of the first line's result.
    Return the number of lines executed: those before a MOTION, or all. Return -1 if a comparison is
    not as expected. */
-int loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
+integer loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
     long double *to = r + first * n;
     for (const Line *line = lines; line < lines + length; line++) {
         if (line->what == MOTION)
-            return (int)(line - lines);
+            return line - lines;
         for (integer i = 0; i < n; i++, to++) {
             long double a = r[line->a * n + i], b = r[line->b * n + i];
             int exponent;
             switch (line->what) {
-            ARITHMETIC
+            ARITHMETIC(WRITE)
             case EXPECT:
                 if ((a != 0) != (b != 0))
                     return -1;
@@ -978,49 +959,52 @@ int loop_columns(integer length, integer first, integer n, const Line *lines, lo
             }
         }
     }
-    return (int)length;
+    return length;
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
-   Return it; NULL if there is none, or what follows is not finite. */
+   Return it; NULL if there is none, as for a stall, or what follows is not finite. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
-                                    const real *body, const real *state) {
+                                    const real *state) {
     integer events = l->events, numbers = j->numbers;
+    if (j->programs == NULL || t->event < 0)
+        return NULL;
     const Program *c = j->programs[t->phase * (events + 1) + t->event];
+    real *r = j->registers, *signs = r + numbers + 2, *constants = signs + events + l->variables;
+    memcpy(r, t->body, numbers * sizeof(real));
+    r[numbers] = t->high;
+    r[numbers + 1] = t->end - t->high;
+    for (integer e = 0; e < events; e++)
+        signs[e] = function(l, e, lane)->sign;
+    copy(l->variables, state, 1, signs + events, 1);
     for (; c != NULL; c = c->other) {
-        real *r = c->registers;
-        memcpy(r, body, numbers * sizeof(real));
-        r[numbers] = t->high;
-        r[numbers + 1] = t->end - t->high;
-        for (integer e = 0; e < events; e++)
-            r[numbers + 2 + e] = function(l, e, lane)->sign;
-        copy(l->variables, state, 1, r + numbers + 2 + events, 1);
-        if (execute(c, j->loops))
+        copy(r + c->result - constants, c->constants, 1, constants, 1);
+        if (j->loops[c->next] != NULL && execute(j, c))
             break;
     }
     if (c == NULL)
         return NULL;
     real finite = 0;
     for (integer k = c->out; k < c->after; k++)
-        finite += 0.0 * c->registers[k];
-    return finite == 0 && c->registers[c->after + 1] >= 0 ? c : NULL;
+        finite += 0.0 * r[k];
+    return finite == 0 && r[c->after + 1] >= 0 ? c : NULL;
 }
 
 /* Note what a change from a state logs, and what happens in it until `time`. */
-static void note_change(const Loop *l, integer lane, const Event *events, const Program *c,
-                        real when, real time, const real *state, const real *ranges) {
-    const real *signs = c->registers + c->out;
+static void note_change(const Jumps *j, const Loop *l, integer lane, const Program *c, real when,
+                        real time, const real *state) {
+    const real *signs = j->registers + c->out, *ranges = signs - c->ranged * POINTS;
     for (integer k = 0; k < c->logged + c->passed; k++) {
         integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
         if (l->log_room > 0)
             copy(l->variables, state, 1, l->logged_states + l->logged[0] * l->width, 1);
-        loop_note(l, events + e, e, l->slots[lane], sign, l->in_lane[lane], when, state);
+        loop_note(l, j->events + e, e, l->slots[lane], sign, l->in_lane[lane], when, state);
     }
     for (integer k = 0; k < c->ranged; k++, ranges += POINTS) {
         integer e = c->events[c->logged + c->passed + k];
         Function *f = function(l, e, lane);
         for (int i = 0; i < POINTS; i++) {
-            real value = ranges[i] * events[e].scale;
+            real value = ranges[i] * j->events[e].scale;
             for (int side = 0; side < 2; side++)
                 if (side ? value > f->extremes[1] : value < f->extremes[0]) {
                     f->extremes[side] = value;
@@ -1032,33 +1016,32 @@ static void note_change(const Loop *l, integer lane, const Event *events, const 
 
 /* Change the phase of the top in a lane in the state where the phase ended. Return the state in
    which the next phase begins; NULL if the caller must change it. */
-static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *body,
-                          const real *state) {
+static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *state) {
     bool lasts = t->until > t->began;
     if (lasts && t->high - t->began < j->chatter * fmax(t->began, 1))
         return NULL;
-    const Program *c = execute_first(j, t, l, lane, body, state);
+    const Program *c = execute_first(j, t, l, lane, state);
     if (c == NULL)
         return NULL;
-    const real *more = c->registers + c->after, *ranges = more + 2;
+    const real *more = j->registers + c->after;
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
         return NULL;
-    note_change(l, lane, j->events, c, when, time, state, ranges);
+    note_change(j, l, lane, c, when, time, state);
     if (j->made != NULL) {
         real *made = j->made + j->length++ * j->width;
         made[0] = when;
-        made[1] = (real)c->number;
-        copy(2, more, 1, made + 2, 1);
-        copy(j->width - 4, ranges + c->ranged * POINTS, 1, made + 4, 1);
+        made[1] = (real)t->event;
+        made[2] = (real)c->number;
+        copy(j->width - 3, more, 1, made + 3, 1);
     }
     t->phase = c->next;
     t->high = t->began = time;
     t->until = t->stop = MIN(t->end, time + more[0]);
     t->stops_by = l->events;
     t->short_phases = lasts ? 0 : t->short_phases;
-    return begin_functions(l, lane, c->registers + c->out);
+    return begin_functions(l, lane, j->registers + c->out);
 }
 
 /* A phase ends in this last part of a run only where the run does. */
@@ -1070,10 +1053,12 @@ static bool ends_phase(Top *t, const Loop *l, integer lane) {
     const Tally *tally = tally_of(l, lane);
     bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
     bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
-    t->high = goes_on ? l->high[lane] : tally->t;
+    t->high = tally->t;
     t->low = goes_on ? l->low[lane] : 0;
-    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : -1;
-    return within || by_clock;
+    t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : NO_EXIT;
+    if (tally->status == STALLED)
+        t->event = BY_STALL;
+    return t->event != NO_EXIT;
 }
 
 /* Is a phase that ends now the last: is at most AT_END of the run left? */
@@ -1082,38 +1067,34 @@ static bool is_at_end(const Top *t) {
 }
 
 /* Change the phase of a run where it has ended. Return false if the caller must do it. */
-static bool change_phase(Phases *p) {
-    Top *t = p->top;
-    const Loop *l = p->jumps.loops[t->phase];
+static bool change_phase(Jumps *j, Top *t) {
+    const Loop *l = j->loops[t->phase];
     bool within = l->tallies->upto < 1;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     if (!ends_phase(t, l, 0) || full || is_at_end(t))
         return false;
     integer last = l->logged[0] -= within;
     const real *state = within ? l->logged_states + last * l->width : l->state;
-    state = change(&p->jumps, t, l, 0, p->body, state);
+    state = change(j, t, l, 0, state);
     if (state == NULL) {
         l->logged[0] += within;
         return false;
     }
-    begin_lane(p->jumps.loops[t->phase], 0, t->high, 0, t->until, state);
+    begin_lane(j->loops[t->phase], 0, t->high, 0, t->until, state);
     return true;
 }
 
-/* Make at most `most` steps of the present phase and of those that follow. Return their number. */
-integer loop_run(Phases *p, integer most) {
+/* Make at most `most` steps of the present phase of a run, and of at most `changes` that follow.
+   Return their number. */
+integer loop_run(Jumps *j, Top *t, integer most, integer changes) {
     integer steps = 0;
     do
-        steps += loop_drive(p->jumps.loops[p->top->phase], most - steps);
-    while (steps < most && change_phase(p) && p->jumps.length < p->most);
+        steps += loop_drive(j->loops[t->phase], most - steps);
+    while (steps < most && change_phase(j, t) && j->length < changes);
     return steps;
 }
 
 /* --- many tops in lanes: a pool of lanes for each phase, with a queue of tops --- */
-
-/* What a top waits for: a lane; the caller, who makes its change, decides whether it has settled,
-   or puts the end of its next step; or nothing. */
-enum { A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING };
 
 typedef struct {
     const Loop *loop;          /* none in a phase that no top has entered */
@@ -1127,20 +1108,24 @@ typedef struct {
     Jumps jumps;
     Pool *pools;
     integer *queues; /* (phases, room) rings */
-    Top *tops;       /* (room,), as all that follows */
-    real *states;    /* (room, width) */
-    const real *bodies; /* (room, numbers) */
-    integer *called; /* tops that wait for the caller, or for nothing */
-    integer phases, room, width;
-    integer calls, possible; /* how many these are; steps of lanes that were possible */
+    Top *tops;
+    integer *called; /* tops that are in no queue: the caller looks at their status and event */
+    integer phases, room; /* room for tops */
+    integer calls; /* how many these are */
 } Pools;
 
-/* Append a top to the queue of its phase, where it waits for a lane. */
+/* Append a top to the queue of its phase, where it waits for a lane. Call it instead if it may have
+   settled where this phase begins; if it was called, the caller has looked. */
 void loop_push(Pools *p, integer top) {
-    integer phase = p->tops[top].phase;
-    Pool *pool = p->pools + phase;
-    p->queues[phase * p->room + (pool->first + pool->count++) % p->room] = top;
-    p->tops[top].waits = A_LANE;
+    const Top *t = p->tops + top;
+    Pool *pool = p->pools + t->phase;
+    Tally *tally = pool->loop->tallies + top;
+    bool begins = tally->status != SETTLED && tally->steps == 0;
+    if (begins && has_settled(pool->loop, tally, t->steps, t->high)) {
+        tally->status = SETTLED;
+        p->called[p->calls++] = top;
+    } else
+        p->queues[t->phase * p->room + (pool->first + pool->count++) % p->room] = top;
 }
 
 /* Put the next top of the queue of a phase into a lane, which is empty. */
@@ -1149,46 +1134,36 @@ static void enter_lane(const Pools *p, integer phase, integer lane) {
     const Loop *l = pool->loop;
     integer top = p->queues[phase * p->room + pool->first], n = l->lanes;
     const Top *t = p->tops + top;
-    const real *body = p->bodies + top * p->jumps.numbers;
     pool->first = (pool->first + 1) % p->room;
     pool->count--;
     pool->occupied++;
     l->slots[lane] = top;
     for (integer k = 0; k < l->parameters; k++)
-        l->pars[k * n + lane] = body[pool->parameters[k]];
+        l->pars[k * n + lane] = t->body[pool->parameters[k]];
     l->in_lane[lane] = top * p->phases + phase;
     l->steps_before[lane] = t->steps;
-    begin_lane(l, lane, t->high, t->low, t->stop, p->states + top * p->width);
+    begin_lane(l, lane, t->high, t->low, t->stop, t->state);
 }
 
 /* Change the phase of a top in a lane, whose state is known. Return whether a program could. */
-static bool change_top(Pools *p, const Loop *l, integer lane, integer top) {
-    Top *t = p->tops + top;
-    real *state = p->states + top * p->width;
-    const real *body = p->bodies + top * p->jumps.numbers;
-    const real *next = change(&p->jumps, t, l, lane, body, state);
-    if (next == NULL)
-        return false;
-    copy(p->jumps.loops[t->phase]->variables, next, 1, state, 1);
-    return true;
+static bool change_top(Jumps *j, Top *t, const Loop *l, integer lane) {
+    const real *next = change(j, t, l, lane, t->state);
+    if (next != NULL)
+        copy(j->loops[t->phase]->variables, next, 1, t->state, 1);
+    return next != NULL;
 }
 
 /* Begin the first phase of a top, whose jump is noted by a loop. Return whether a program could. */
-bool loop_start(Pools *p, const Loop *l, integer top) {
+integer loop_start(Pools *p, const Loop *l, integer top) {
     l->slots[0] = top;
-    if (!change_top(p, l, 0, top))
-        return false;
-    for (integer e = 0; e < l->events; e++) {
-        const Event *event = p->jumps.events + e;
-        if (event->lasting && function(l, e, 0)->sign == (real)event->direction)
-            tally_of(l, 0)->lasts_since = 0;
-    }
-    loop_push(p, top);
-    return true;
+    bool is_changed = change_top(&p->jumps, p->tops + top, l, 0);
+    if (is_changed)
+        loop_push(p, top);
+    return is_changed;
 }
 
-/* Take a top out of its lane, change its phase if that has ended, and let it wait for what it needs
-   next. */
+/* Take a top out of its lane, and change its phase if that has ended; call it if that needs the
+   caller, or if it ends. */
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;
@@ -1198,25 +1173,21 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
     bool within = tally->upto < 1, ends = ends_phase(t, l, lane);
     if (within)
         state_at(l, lane, tally->t, l->out);
-    copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, p->states + top * p->width, 1);
-    t->waits = NOTHING;
+    copy(l->variables, (within ? l->out : l->state) + lane, l->lanes, t->state, 1);
+    bool is_changed = false;
     if (ends && is_at_end(t)) {
         tally->status = FINISHED;
         tally->t = t->end;
-    } else if (ends || tally->status == STALLED) {
+        t->event = NO_EXIT;
+    } else if (ends) {
         t->steps += tally->steps;
         tally->steps = 0;
-        bool is_changed = tally->status != STALLED && change_top(p, l, lane, top);
-        bool may_end = is_changed && has_settled(l, tally, t->steps, t->high);
-        t->waits = may_end ? A_LOOK : is_changed ? A_LANE : A_CHANGE;
-    } else if (tally->status == SETTLED)
-        t->waits = A_LOOK;
-    else if (tally->status == RUNNING)
-        t->waits = AN_END;
+        is_changed = change_top(&p->jumps, t, l, lane);
+    }
     l->in_lane[lane] = -1;
     l->slots[lane] = p->room;
     pool->occupied--;
-    if (t->waits == A_LANE)
+    if (is_changed)
         loop_push(p, top);
     else
         p->called[p->calls++] = top;
@@ -1248,16 +1219,11 @@ integer loop_pools(Pools *p, integer most) {
                 if (tally_of(l, lane)->status != RUNNING) /* a phase that ends where it begins */
                     leave_lane(p, phase, lane);
             }
-        integer made = loop_drive(l, pool->by_steps ? 1 : most - steps);
-        steps += made;
-        p->possible += made * l->lanes;
-        bool ended = false;
+        steps += loop_drive(l, pool->by_steps ? 1 : most - steps);
         for (integer lane = 0; lane < l->lanes; lane++)
-            if (l->in_lane[lane] >= 0 && (pool->by_steps || tally_of(l, lane)->status != RUNNING)) {
+            if (l->in_lane[lane] >= 0 && (pool->by_steps || tally_of(l, lane)->status != RUNNING))
                 leave_lane(p, phase, lane);
-                ended = true;
-            }
-        if (!ended && is_full(l)) /* the caller makes room */
+        if (is_full(l)) /* the caller makes room */
             break;
         if (pool->count + pool->occupied < l->lanes)
             phase = fullest(p);

@@ -14,7 +14,7 @@ from tippetop.engine.integrator import compiled_from
 from tippetop.engine.loop import Loop, Motion, _Loop, library, new_motion, structure
 from tippetop.engine.status import Status
 from tippetop.engine.stepper import Called
-from tippetop.engine.tallies import Rules, event_rows, new_log, new_samples, new_tallies
+from tippetop.engine.tallies import Rules, event_rows, new_log, new_tallies
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def test_an_error_in_a_called_step_reaches_the_caller() -> None:
     nothing, motion = event_rows([], [], []), new_motion(1, 0, 1, 1)
     motion.end[0] = 1.0
     tallies, rules = new_tallies(nothing, np.ones((0, 1))), Rules(np.inf, 1 << 62, 8, 0)
-    loop = Loop(motion, nothing, tallies, new_log(0, 1), new_samples(0, 0), rules, Broken())
+    loop = Loop(motion, nothing, tallies, new_log(0, 1), new_log(0, 0), rules, Broken())
     with pytest.raises(KeyboardInterrupt):
         loop.drive(100)
     assert tallies.lane["status"] == Status.NON_FINITE.code

@@ -14,12 +14,11 @@ from tippetop.engine.loop import Loop, new_motion
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
     EventRows,
-    PassageLog,
+    Log,
     Rules,
     Tallies,
     event_rows,
     new_log,
-    new_samples,
     new_tallies,
 )
 from tippetop.mechanics.event import Event, Kept
@@ -78,7 +77,7 @@ def followed(
     tcs: np.ndarray,
     signs: np.ndarray,
     rules: Rules = NO_RULES,
-    log: PassageLog | None = None,
+    log: Log | None = None,
 ) -> Tallies:
     """The tallies after these steps, of tops whose functions have these signs at the start,
     (events, lanes).
@@ -94,7 +93,7 @@ def continued(
     times: np.ndarray,
     tcs: np.ndarray,
     rules: Rules = NO_RULES,
-    log: PassageLog | None = None,
+    log: Log | None = None,
 ) -> None:
     """Takes more steps in."""
     motion = new_motion(*tcs.shape[1:2], 0, *tcs.shape[2:])
@@ -105,7 +104,7 @@ def continued(
         rows,
         tallies,
         log or new_log(0, len(tcs[0])),
-        new_samples(0, 0),
+        new_log(0, 0),
         rules,
         Given(steps),
     )
@@ -191,7 +190,7 @@ def passages_of(
     functions: list[Polynomial],
     times: np.ndarray = SIX,
     on_zero: bool = False,
-) -> tuple[Tallies, PassageLog]:
+) -> tuple[Tallies, Log]:
     """The tally and the log of one run; at the start its functions have the signs that they have
     there.
     """

@@ -3,6 +3,7 @@
 import functools
 import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -56,7 +57,9 @@ def some(case: str, n: int = 12, **columns: np.ndarray) -> Problems:
 
 def alone(tops: Problems) -> Outcomes:
     outcomes = Outcomes(tops)
-    _, valid = hybrid_tops.checked_tops(outcomes, lambda: None)
+    for fault in hybrid_tops.checked_tops(tops)[1]:
+        outcomes.refuse(*fault)
+    valid = outcomes.status != Status.INVALID.code
     hybrid_tops.run_each(outcomes, np.flatnonzero(valid).tolist(), lambda: None)
     with np.errstate(all="ignore"):
         _conclude(outcomes)
@@ -206,15 +209,16 @@ def test_only_what_has_no_line_is_left_to_python(monkeypatch) -> None:
 def test_a_stop_ends_the_pools_soon(monkeypatch) -> None:
     tops = some("hops", 64)
     ensemble.measure(tops, threads=1)  # compiles
-    found: list[lanes.Lanes] = []
+    found: list[partial] = []
     monkeypatch.setattr(ensemble, "_run_all", lambda workers, *_: found.extend(workers))
     ensemble.measure(tops, threads=1)
     (worker,) = found
-    thread = threading.Thread(target=worker.run, args=(iter(range(64)),))
+    measured, group, *_, stop = worker.args
+    thread = threading.Thread(target=worker, args=(iter(range(64)),))
     thread.start()
-    while thread.is_alive() and not worker.pools.record.possible:
+    while thread.is_alive() and not group.possible:
         time.sleep(0.001)
-    worker.stop.set()
+    stop.set()
     thread.join(0.5)
     assert not thread.is_alive()
-    assert (worker.outcomes.status == 0).any()  # it has not followed all tops
+    assert (measured.status == 0).any()  # it has not followed all tops

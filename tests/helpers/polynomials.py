@@ -13,7 +13,6 @@ from tippetop.engine.tallies import (
     Rules,
     event_rows,
     new_log,
-    new_samples,
     new_tallies,
 )
 from tippetop.mechanics.event import Event
@@ -65,7 +64,7 @@ def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
         rows,
         tallies,
         new_log(0, 1),
-        new_samples(0, 0),
+        new_log(0, 0),
         rules,
         Given([(0.0 * h, h, c[None])]),
     )

@@ -27,15 +27,12 @@ from ..columns import Arrays
 from .integrator import Compiled
 from .loop import MOST_COEFFICIENTS, NO_ROWS, Loop, Rows, new_motion
 from .status import Status
-from .stepper import Stepper
 from .tallies import (
     EventRows,
-    PassageLog,
+    Log,
     Rules,
-    Samples,
     Tallies,
     new_log,
-    new_samples,
     new_tallies,
 )
 
@@ -113,26 +110,27 @@ RULES = Rules(np.inf, ENDLESS, EVERY, FIRST)
 class Workspace:
     """The integrator of one phase with its arrays, and the loop that is bound to them.
 
-    `Driver` makes one, `HybridDriver` one for each phase.
+    `Driver` makes one, `HybridDriver` one for each phase, `PoolOfOne` one for its lanes.
 
     Parameters
     ----------
     run
-        The driver, whose tallies, log and samples all its workspaces share.
+        Has `found`, the tallies, log and samples that all its workspaces share, `rules`, `lanes`,
+        and `stepper_of`, where there is no machine code.
     compiled
         The integrator.
     rows
         The events.
     """
 
-    def __init__(self, run: "Driver", compiled: Compiled, rows: EventRows):
+    def __init__(self, run: Any, compiled: Compiled, rows: EventRows):
         """Allocate the arrays of an integrator, and bind the loop to them."""
         made = compiled.integrator
         self.compiled = compiled
         self.rows = rows
-        self.stepper: Any = run.stepper_of(compiled)
+        self.stepper: Any = compiled.machine or run.stepper_of(compiled)
         self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, run.lanes)
-        found = run.findings()
+        found: tuple[Tallies, Log, Log] = run.found
         self.loop = Loop(self.motion, rows, *found, run.rules, self.stepper)
 
 
@@ -160,6 +158,7 @@ class Driver:
 
     lanes = 1
     rules = RULES
+    found: tuple[Tallies, Log, Log]  # what the loops of all phases write
     ended: Status | None = None  # how the run ends before its first step
     sentence = ""  # why the contact ended the run, where it did
 
@@ -184,13 +183,6 @@ class Driver:
         self.set_state(start, (self.number(0), self.number(0)))
         self.set_end(end)
 
-    def stepper_of(self, code: Compiled) -> Stepper:
-        """Return the object or machine code that makes the steps of an integrator.
-
-        `Workspace` calls it; a driver of wider numbers overrides it.
-        """
-        return code.machine
-
     def allocate_tallies(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
         """Allocate the tallies, log and samples that all phases of a run share.
 
@@ -202,7 +194,8 @@ class Driver:
         self.all_events = rows
         self.set_tallies(new_tallies(rows, functions))
         self.log = new_log(room, width, number)
-        self.samples = new_samples(STEPS_PER_SLICE + 2, width, number)
+        self.samples = new_log(STEPS_PER_SLICE + 2, width, number, np.int64)
+        self.found = self.tallies, self.log, self.samples
         is_double = number in (float, np.float64)
         # of passages, in the working precision
         self.times = self.log.rows["time"] if is_double else np.zeros(room, number)
@@ -217,13 +210,6 @@ class Driver:
         self.status, self.steps, self.upto, self.tiny, self.time = (
             view(tallies.lane[name]) for name in names
         )
-
-    def findings(self) -> tuple[Tallies, PassageLog, Samples]:
-        """Return the arrays into which the loop of a phase writes: tallies, log and samples.
-
-        `Workspace` binds a loop to them; pools of tops, which have others, override it.
-        """
-        return self.tallies, self.log, self.samples
 
     def set_output(self, rows: Rows) -> None:
         """Set the arrays into which the next steps write their rows; none are written yet."""
@@ -259,7 +245,7 @@ class Driver:
         sampled = slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
         self.deliver_rows()
-        phases = events["phase"], self.samples.top[sampled], self.motion.in_lane
+        phases = events["phase"], self.samples.rows[sampled], self.motion.in_lane
         states = (
             self.log.states[logged],
             self.samples.states[sampled],

@@ -58,7 +58,7 @@ from .loop import library
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
-from .tallies import begin_lasting, event_rows
+from .tallies import event_rows, lasts_from_start
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
@@ -380,6 +380,17 @@ class PhaseSolver:
         functions = self.formulas.functions(*self.variables.split(state), b)
         return functions[[*self.events].index(number)]
 
+    def points(self, series: Callable, began: Any, end: Any, b: Any) -> dict[int, tuple]:
+        """Return the event functions at JUMP_PARTS + 1 times of a jump to this phase, by number.
+
+        `series` is a function of the time, from `began` to `end`; b the parameters of the phase.
+        """
+        points = []
+        for k in range(JUMP_PARTS + 1):
+            state = series(began + (end - began) * k / JUMP_PARTS)
+            points.append(self.formulas.functions(*self.variables.split(state), b))
+        return dict(zip(self.events, zip(*points, strict=True), strict=True))
+
     def notes(self, number: int, before: Any, state: Any, b: Any) -> bool:
         """Return whether event `number` is logged if a jump from phase `before` passes its zero.
 
@@ -533,7 +544,8 @@ class HybridDriver(Driver):
         self._start(tuple(self.problem.start().tolist()))
         self.first = self.present()
         if self.series:
-            self.first = self.rows_of(np.array([self.solver.at]), self.series(self.number(0)))
+            first = np.resize(self.series(self.number(0)), (1, self.width))
+            self.first = self.rows_of(np.array([self.solver.at]), first)
 
     def _start(self, state: tuple) -> None:
         """Make the jump from the start, at time 0, to the first phase.
@@ -563,7 +575,7 @@ class HybridDriver(Driver):
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
             self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
-        begin_lasting(self.tallies, self.all_events)
+        self.tallies.lane["lasts_since"] = lasts_from_start(self.tallies.functions, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
 
@@ -810,19 +822,17 @@ class HybridDriver(Driver):
         Return the values of the event functions at its start.
         """
         solver = self.solver
-        every = []
-        for time in (began + (end - began) * k / JUMP_PARTS for k in range(JUMP_PARTS + 1)):
-            state = self.series(time)[0]
-            values = solver.formulas.functions(*solver.variables.split(state), solver.b)
-            every.append(values)
-            for number, value in zip(solver.events, values, strict=True):
-                event = self.all_events.events[number]
-                known = self.functions[number]
+        points = solver.points(lambda time: self.series(time)[0], began, end, solver.b)
+        for number, values in points.items():
+            event = self.all_events.events[number]
+            known = self.functions[number]
+            for k, value in enumerate(values if event["extremes"] else ()):
                 scaled = float(value) * event["scale"]
                 for side, is_beyond in enumerate((np.less, np.greater)):
-                    if event["extremes"] and is_beyond(scaled, known["extremes"][side]):
-                        known["extremes"][side], known["times"][side] = scaled, time
-        return every[0]
+                    if is_beyond(scaled, known["extremes"][side]):
+                        known["extremes"][side] = scaled
+                        known["times"][side] = began + (end - began) * k / JUMP_PARTS
+        return [first for first, *_ in points.values()]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log event `number`, whose function passed zero in the jump from `before` at time `now`.
@@ -847,10 +857,7 @@ class HybridDriver(Driver):
         `slots` are those of the tops, (k,), where a loop has many.
         """
         variables = self.problem.variables
-        as_rows = states[:, : self.variables]
-        rows = np.empty((len(phases), self.variables), self.number)
-        known = phases == len(self.phases)
-        rows[known, : as_rows.shape[1]] = as_rows[known]
+        rows = states[:, : self.variables].copy()
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal

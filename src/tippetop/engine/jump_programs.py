@@ -6,15 +6,17 @@ takes 0.2 to 0.5 ms, its arithmetic some microseconds, and a bouncing top jumps 
 The jump is therefore recorded once, by numbers that write down each operation (`mechanics.lines`),
 and the loop repeats this straight-line program with other numbers. A comparison that turns out
 otherwise ends a program; then one that was recorded on another branch is tried, and at last Python
-makes the jump. All have the same bits, so it does not matter when a program is recorded.
+makes the jump. All have the same bits, so it does not matter when a program is recorded. The runs
+of a system share the programs of its jumps.
 
 Symbols
     jump      a `hybrid.Jump`; solver, to: the `PhaseSolver` of the phase that ends, of the next
-    number    of an event: its index among all events of the run; of a program: its index in `known`
+    number    of an event: its index among all events of the run; of a program: among its jump's
     lines     the operations of a program; registers: its numbers: inputs, constants, results
 """
 
 import ctypes
+import threading
 import weakref
 from functools import partial
 from itertools import chain, islice
@@ -25,6 +27,7 @@ import numpy as np
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves
 from .loop import filled, library
+from .tallies import record_type
 
 
 PER_SLICE = 256
@@ -39,6 +42,8 @@ PATIENCE = 16
 has made."""
 BRANCHES = 8
 """Most programs of a jump."""
+MOST_REGISTERS = 1 << 17
+"""Most numbers of a program; that of a top that begins to roll has 2,200."""
 NUMBERS, STATE = 24, 40
 """Most numbers that a change may pass to the tables, and variables where its phase ended."""
 START = "start"
@@ -51,7 +56,7 @@ class _Program(NamedTuple):
     """The structure `Program` of `loop.c`: a program, and the effects of its jump."""
 
     lines: np.ndarray
-    registers: np.ndarray
+    constants: np.ndarray
     events: np.ndarray
     other: int
     length: int
@@ -65,12 +70,15 @@ class _Program(NamedTuple):
     ranged: int
 
 
-_REALS = [(name, float) for name in ("high", "low", "end", "until", "stop", "began")]
-_NAMES = "stops_by", "phase", "event", "steps", "waits", "short_phases"
-TOP_RECORD = np.dtype([*_REALS, *((name, int) for name in _NAMES)])
+TOP_RECORD = record_type(
+    float="high low end until stop began",
+    int="stops_by phase event steps short_phases",
+    uint="state body",
+)
 """A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
-phase, internal; the event at the end of the next steps; the phase, and the event that ended it;
-steps before those of its tally; phases in a row that were too short.
+phase, internal; the event at the end of the next steps; the phase, and the event that ended it, or
+a number below 0; steps before those of its tally; phases in a row that were too short; addresses of
+its state and of the numbers of its body.
 """
 
 
@@ -80,6 +88,7 @@ class Jumps(NamedTuple):
     loops: np.ndarray
     programs: np.ndarray
     events: np.ndarray
+    registers: np.ndarray
     made: np.ndarray
     chatter: float
     length: int
@@ -87,24 +96,15 @@ class Jumps(NamedTuple):
     numbers: int
 
 
-class _Phases(NamedTuple):
-    """The structure `Phases` of `loop.c`: a run of several phases."""
-
-    jumps: Jumps
-    top: np.ndarray
-    body: np.ndarray
-    most: int
-
-
 class JumpProgram(NamedTuple):
     """The recorded program of a jump, which serves every run of its system."""
 
     code: _Program
-    motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
+    structure: Any  # the same in C
+    regions: list[str]  # of impacts
     phase: str  # the next one
     cause: str  # of the change; empty if the table of phases gets no row
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
-    jump: Any
 
 
 class JumpPrograms:
@@ -116,32 +116,26 @@ class JumpPrograms:
     ----------
     run
         A `HybridDriver`.
-
-    Attributes
-    ----------
-    known
-        The programs of this run, by the number that the loop reports.
     """
 
     patience = PATIENCE
+    lock = threading.Lock()
 
     def __init__(self, run: Any):
         """Allocate the table in which the loop looks up programs; it is empty."""
         self.run = weakref.proxy(run)
-        self.events = run.clock_number
-        self.known = list[JumpProgram]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
-        # by phase and event, the last by the clock: its programs, and where the first one is; the
-        # start comes after all phases
-        self.programs = [list[Any]() for _ in range((len(run.phases) + 1) * (self.events + 1))]
-        self.table = np.zeros(len(self.programs), np.uint64)
-        self.made = np.zeros((PER_SLICE, 4 + NUMBERS + STATE))
+        # by phase and event, the last by the clock: where its first program is; the start comes
+        # after all phases
+        self.table = np.zeros((len(run.phases) + 1, run.clock_number + 1), np.uint64)
+        self.made = np.zeros((PER_SLICE, 5 + NUMBERS + STATE))
         # of the body and its contact, the constant inputs of programs
         self.body = np.array([*leaves(run.world.body), run.world.rules.e_n])
         self.top = np.zeros(1, TOP_RECORD)
-        arrays = self.loops, self.table, run.all_events.events, self.made
+        registers = np.empty(MOST_REGISTERS)
+        arrays = self.loops, self.table, run.all_events.events, registers, self.made
         self.jumps = Jumps(*arrays, CHATTER, 0, self.made.shape[1], len(self.body))
-        self.record: Any = filled(_Phases(self.jumps, self.top, self.body, 0))
+        self.record: Any = filled(self.jumps)
 
     def add_loop(self, place: int, loop: Any) -> None:
         """Let programs use a loop by its number `place`: of a phase, or after them of a motion."""
@@ -158,41 +152,39 @@ class JumpPrograms:
         is_due = jump.calls >= self.patience and not jump.calls & (jump.calls - 1)
         if is_due and len(jump.programs) < BRANCHES:
             written = self._traced(jump, *given)
-            known = {program.code.lines.tobytes() for program in jump.programs}
-            if written and written.code.lines.tobytes() not in known:
-                jump.programs.append(written)
+            with self.lock:
+                known = {program.code.lines.tobytes() for program in jump.programs}
+                if written and written.code.lines.tobytes() not in known:
+                    written.structure.number = len(known)
+                    if known:
+                        jump.programs[-1].structure.other = ctypes.addressof(written.structure)
+                    jump.programs.append(written)
         self.register(self.run.solver, jump)
 
     def register(self, solver: Any, jump: Any) -> None:
-        """Enter the new programs of a jump into the table of the loop, for the exit of this phase.
+        """Enter the programs of a jump into the table of the loop, for the exit of this phase.
 
-        Each phase that they lead to is compiled.
+        Each phase and motion that they lead to is compiled, so that the loop can enter it.
         """
         run = self.run
         event = run.endings[jump.exit.event]
-        if event < 0:  # a stall, which Python follows
+        if event < 0 or not jump.programs:  # a stall, which Python follows
             return
-        number = solver.at * (self.events + 1) + event
-        taken = self.programs[number]
-        for program in jump.programs[len(taken) :]:
-            run.solver_of(program.phase)  # compiles it, so that the loop can enter it
-            for place, region in program.motions:
-                self.add_loop(place, run.impacts.driver(region).loop)
-            registers = program.code.registers.copy()
-            change = program.code._replace(registers=registers, number=len(self.known))
-            self.known.append(program._replace(code=change))
-            made: Any = filled(change)
-            if taken:
-                taken[-1].other = ctypes.addressof(made)
-            else:
-                self.table[number] = ctypes.addressof(made)
-            taken.append(made)
+        self.table[solver.at, event] = ctypes.addressof(jump.programs[0].structure)
+        for program in jump.programs:
+            run.solver_of(program.phase)
+            for region in program.regions:
+                self.add_loop(self.place_of(region), run.impacts.driver(region).loop)
+
+    def place_of(self, region: str) -> int:
+        """Return the number of the loop of the motions in a region of impacts."""
+        return len(self.run.phases) + [*self.run.impacts.stages].index(region)
 
     def _traced(self, jump: Any, state: tuple, world: Any) -> JumpProgram | None:
         """Record the program of a jump; return None if it does more than begin a phase."""
         run = self.run
         solver = run.solver
-        motions = list[tuple[int, str]]()
+        regions = list[str]()
         state = state[: len(solver.workspace.motion.state)]
         signs = tuple(run.functions["sign"].tolist())
         given = world.body, (world.rules.e_n,), (run.end - world.left, world.left), signs, state
@@ -203,9 +195,8 @@ class JumpPrograms:
 
             It replaces that method, so it has the same arguments and results.
             """
-            place = len(run.phases) + [*run.impacts.stages].index(region)
-            motions.append((place, region))
-            return program.call(place, partial(run.impacts.piece, region), *given)
+            regions.append(region)
+            return program.call(self.place_of(region), partial(run.impacts.piece, region), *given)
 
         body, (e_n,), (now, left), signs, state = program.inputs
         struck = partial(world.struck, piece=followed)
@@ -217,12 +208,13 @@ class JumpPrograms:
             if n.ends or to.sampled or len(numbers) > NUMBERS:
                 return None
             sides, zeros, passed = to.begins(n, values, signs)
-            ranged: list = []
-            ranges: list = []
+            ranges = dict[int, tuple]()
             if n.series:
                 if passed or not n.delay < left:
                     return None
-                ranged, ranges = _ranged(n, to, now, body)
+                series = lambda time: to.variables.join(*n.series(time - now))  # noqa: E731
+                points = to.points(series, now, now + n.delay, to.phase.parameters(body))
+                ranges = {k: values for k, values in points.items() if to.events[k].extremes}
             if passed:
                 b = solver.phase.parameters(body)
                 passed = [k for k in passed if to.notes(k, solver, state, b)]
@@ -234,25 +226,21 @@ class JumpPrograms:
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
         times = n.lasts, n.delay
         ended = state[: len(solver.variables.names)]
-        results = [*sides, *zeros, *after, *pad, *times, *ranges, *numbers, *ended]
+        ranged = [*chain(*ranges.values())]
+        results = [*ranged, *sides, *zeros, *after, *pad, *times, *numbers, *ended]
         first = program.joined(results)
         lines = program.code()
-        constants = [*program.constants.values()]
+        constants = np.array([*program.constants.values()])
         result = program.count + len(constants)
-        registers = np.zeros(result + len(lines) + NUMBERS + STATE)
-        registers[program.count : result] = constants
-        out = first.place + len(constants)
+        if result + len(lines) + NUMBERS + STATE > MOST_REGISTERS:
+            return None
+        out = first.place + len(constants) + len(ranged)
         places = result, out, out + 2 * len(sides) + len(after) + len(pad), to.at, 0
-        events = [run.numbers[name] for name in n.logged], passed, ranged
+        events = [run.numbers[name] for name in n.logged], passed, [*ranges]
         every = np.array([*chain(*events)], np.int64)
-        return JumpProgram(
-            _Program(lines, registers, every, 0, len(lines), *places, *map(len, events)),
-            motions,
-            n.phase,
-            n.cause,
-            [(name, len(row)) for name, rows in n.rows.items() for row in rows],
-            jump,
-        )
+        code = _Program(lines, constants, every, 0, len(lines), *places, *map(len, events))
+        tables = [(name, len(row)) for name, rows in n.rows.items() for row in rows]
+        return JumpProgram(code, filled(code), regions, n.phase, n.cause, tables)
 
     def drive(self, steps: int, changes: int) -> int:
         """Make at most `steps` steps and `changes` changes of phase; return the number of steps.
@@ -265,14 +253,15 @@ class JumpPrograms:
             solver.workspace.loop.fill(run.output)
         until = run.motion.end[0]
         ends = run.end, until, until, run.began
-        self.top[0] = 0.0, 0.0, *ends, run.ending, run.solver.at, 0, 0, 0, run.short_phases
-        record.jumps.length = 0
-        record.most = changes
-        steps = library().loop_run(ctypes.byref(record), steps)
+        begun = run.ending, run.solver.at, 0, 0, run.short_phases
+        self.top[0] = 0.0, 0.0, *ends, *begun, 0, self.body.ctypes.data
+        record.length = 0
+        steps = library().loop_run(ctypes.byref(record), self.top.ctypes.data, steps, changes)
         solver = run.solver
         began = run.began
-        for time, number, lasts, delay, *numbers in self.made[: record.jumps.length].tolist():
-            program = self.known[int(number)]
+        for time, event, number, lasts, delay, *numbers in self.made[: record.length].tolist():
+            jump = solver.exits[int(event)]
+            program = jump.programs[int(number)]
             rest = iter(numbers)
             before = solver
             solver = run.solvers[program.phase]
@@ -280,31 +269,13 @@ class JumpPrograms:
                 run.tables.begin(time, solver, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
-            run.keep_interval(before, began, time, rest, program.jump)
+            run.keep_interval(before, began, time, rest, jump)
             began = min(time + delay, run.end)
             run.until = began + lasts
-        if record.jumps.length:
+        if record.length:
             run.set_phase(solver, began)
             run.short_phases = int(self.top["short_phases"][0])
             run.series = None
-            run.changes += record.jumps.length
+            run.changes += record.length
             run.end_next()
         return steps
-
-
-def _ranged(n: Any, to: Any, now: Any, body: Any) -> tuple[list[int], list]:
-    """Return the events whose extremes may lie in the delay of n, and their functions there.
-
-    They are numbers of events, and JUMP_PARTS + 1 values of each, one event after the other. n
-    begins the phase `to` at the time `now`.
-    """
-    b = to.phase.parameters(body)
-    time = now + n.delay
-    points = []
-    for k in range(JUMP_PARTS + 1):
-        after = now + (time - now) * k / JUMP_PARTS - now
-        state = to.variables.join(*n.series(after))
-        points.append(to.formulas.functions(*to.variables.split(state), b))
-    each = zip(to.events.items(), zip(*points, strict=True), strict=True)
-    ranges = {number: values for (number, event), values in each if event.extremes}
-    return [*ranges], [*chain(*ranges.values())]

@@ -25,7 +25,7 @@ import tippetop_kernels
 from ..errors import BuildError
 from ..mechanics.event import NOISE_FLOOR
 from .stepper import Called, Loaded, Stepper
-from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Rules, Samples, Tallies
+from .tallies import CONFIRMS, WAITS, EventRows, Log, Rules, Tallies
 
 
 MOST_COEFFICIENTS = 64
@@ -39,8 +39,6 @@ class Motion(NamedTuple):
     before: np.ndarray  # (variables, lanes) where the present step began
     pars: np.ndarray  # (parameters, lanes)
     tc: np.ndarray  # (variables, order + 1, lanes) Taylor coefficients of the present step
-    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
-    slots: np.ndarray  # (lanes,) where the tally of this top is
     high: np.ndarray  # (lanes,) time
     low: np.ndarray
     start_high: np.ndarray  # (lanes,) time where the present step began
@@ -48,6 +46,8 @@ class Motion(NamedTuple):
     end: np.ndarray  # (lanes,) of the run
     limit: np.ndarray  # (lanes,) the longest step that is allowed
     h: np.ndarray  # (lanes,) the step that was made
+    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
+    slots: np.ndarray  # (lanes,) where the tally of this top is
     ended_by: np.ndarray  # (lanes,) the event that ended it; -1: none
     steps_before: np.ndarray  # (lanes,) steps of a top before those of its tally
 
@@ -94,8 +94,8 @@ class _Loop(NamedTuple):
     motion: Motion
     rows: EventRows
     tallies: Tallies
-    log: PassageLog
-    samples: Samples
+    log: Log
+    samples: Log
     # (2, order + 1, lanes) which convert coefficients in time to those in time over h
     factors: np.ndarray
     out: np.ndarray  # (variables, lanes) a state
@@ -163,28 +163,29 @@ def library() -> ctypes.CDLL:
         )
     integer = ctypes.c_int64
     array = ctypes.c_void_p
-    loaded.loop_note.argtypes = [array, array, *[integer] * 4, ctypes.c_double, array]
-    loaded.loop_push.argtypes = [array, integer]
-    loaded.loop_start.argtypes = [array, array, integer]
-    loaded.loop_start.restype = ctypes.c_bool
-    for function in (loaded.loop_drive, loaded.loop_run, loaded.loop_pools):
-        function.restype = integer
-        function.argtypes = [array, integer]
-    loaded.loop_columns.argtypes = [*[integer] * 3, array, array]
-    loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, integer, array, array, array]
+    arguments: dict[str, list[Any]] = {
+        "loop_drive": [array, integer],
+        "loop_run": [array, array, integer, integer],
+        "loop_pools": [array, integer],
+        "loop_push": [array, integer],
+        "loop_start": [array, array, integer],
+        "loop_note": [array, array, *[integer] * 4, ctypes.c_double, array],
+        "loop_columns": [*[integer] * 3, array, array],
+        "loop_count_turnings": [array, ctypes.c_double, integer, array, array, array],
+    }
+    for name, kinds in arguments.items():
+        function = getattr(loaded, name)
+        function.argtypes, function.restype = kinds, integer
     return loaded
 
 
 def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion:
     """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
-    state, before = np.zeros((2, variables, lanes))
-    pars = np.zeros((parameters, lanes))
-    tc = np.zeros((variables, size, lanes))
-    in_lane, ended_by, steps_before = np.zeros((3, lanes), np.int64)
-    high, low, start_high, start_low, end, limit, h = np.zeros((7, lanes))
-    times = high, low, start_high, start_low, end, limit, h
-    slots = np.arange(lanes)
-    return Motion(state, before, pars, tc, in_lane, slots, *times, ended_by, steps_before)
+    numbers = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
+    of_lanes = *np.zeros((7, lanes)), *np.zeros((4, lanes), np.int64)
+    motion = Motion._make([*np.zeros((2, variables, lanes)), *numbers, *of_lanes])
+    motion.slots[:] = np.arange(lanes)
+    return motion
 
 
 class Loop:
@@ -207,8 +208,8 @@ class Loop:
         motion: Motion,
         rows: EventRows,
         tallies: Tallies,
-        log: PassageLog,
-        samples: Samples,
+        log: Log,
+        samples: Log,
         rules: Rules,
         stepper: Stepper,
     ):
@@ -229,7 +230,7 @@ class Loop:
             width = 0  # the stepper keeps states: the loop writes all of them to one place
             log = log._replace(states=self.out)
             samples = samples._replace(states=self.out)
-        lengths = map(len, (tallies.lane, rows.events, rows.axis, log.rows, samples.top))
+        lengths = map(len, (tallies.lane, rows.events, rows.axis, log.rows, samples.rows))
         sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
         arrays = np.empty((2, size, lanes)), self.out, tape
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS

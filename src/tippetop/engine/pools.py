@@ -20,6 +20,7 @@ Symbols
 
 import ctypes
 import threading
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -28,7 +29,7 @@ import numpy as np
 from ..errors import InputError
 from ..mechanics.operand import leaves, refill
 from ..problem import Problem, Problems
-from .driver import ENDLESS, STATUSES
+from .driver import ENDLESS, RUNNING, STATUSES
 from .hybrid import QUIET, HybridDriver, PhaseSolver, assembled
 from .jump_programs import TOP_RECORD, Jumps
 from .loop import (
@@ -43,12 +44,13 @@ from .status import Status
 from .stepper import Loaded
 from .tallies import (
     EventRows,
-    PassageLog,
+    Log,
     Rules,
-    Samples,
     Tallies,
+    lasts_from_start,
     new_log,
     new_tallies,
+    record_type,
 )
 
 
@@ -56,16 +58,14 @@ LANES = 8
 """As fast as 32, and they compile in 1 s instead of 6."""
 EVERY = 64
 """Steps of a top between two samples, and between two looks whether it has settled."""
+SETTLED = Status.SETTLED.code
+NO_EXIT = -2
+"""The event of a top whose phase has not ended by an exit, as in the loop."""
 PATIENCE = 2
 """As in `jump_programs`, but lower: many tops make the same jumps."""
-A_LANE, A_CHANGE, A_LOOK, AN_END, NOTHING = range(5)
-"""What a top waits for: a lane; its change, by Python; a look whether it has settled; the end of
-its next step, in a phase that Python samples; nothing."""
 
 
-_PLACES = [(name, np.uint64) for name in ("loop", "parameters")]
-_COUNTS = [(name, int) for name in ("by_steps", "first", "count", "occupied")]
-POOL_RECORD = np.dtype([*_PLACES, *_COUNTS])
+POOL_RECORD = record_type(uint="loop parameters", int="by_steps first count occupied")
 
 
 class _Pools(NamedTuple):
@@ -75,14 +75,10 @@ class _Pools(NamedTuple):
     pools: np.ndarray
     queues: np.ndarray
     tops: np.ndarray
-    states: np.ndarray
-    bodies: np.ndarray
     called: np.ndarray
     phases: int
     room: int
-    width: int
     calls: int
-    possible: int
 
 
 class Tops(NamedTuple):
@@ -131,10 +127,13 @@ def new_tops(
     width = pools.log.states.shape[1]
     states = np.zeros((n, width))
     states[:, : len(problems.start)] = problems.start.T
+    bodies = np.ascontiguousarray(bodies.T)
+    for name, array in ("state", states), ("body", bodies):
+        records[name] = array.ctypes.data + array.strides[0] * np.arange(n)
     phases = np.zeros((n, count), np.int64)
     made = (times < 0).sum(axis=1)
     output = Rows(times, np.full((n, count, width), np.nan), phases, made, False, count)
-    return Tops(records, states, np.ascontiguousarray(bodies.T), tallies, output)
+    return Tops(records, states, bodies, tallies, output)
 
 
 class Pools:
@@ -155,8 +154,9 @@ class Pools:
     lanes = LANES
     variables: int
     all_events: EventRows
-    log: PassageLog
-    samples: Samples
+    log: Log
+    samples: Log
+    found: tuple[Tallies, Log, Log]
     rows_of: Any
 
     def share(self, tops: Tops, thread: int, phases: int = 1, programs: Any = None) -> None:
@@ -175,30 +175,17 @@ class Pools:
         """
         self.tops, self.states, self.bodies, self.of_tops, self.rows = tops
         self.failures: dict[int, str] = {}
-        self.over: list[int] = []  # tops that ended where they began
+        self.possible = 0  # steps of lanes
         self.parameters: dict[int, np.ndarray] = {}
         self.empty = len(self.tops) + thread  # place of the tally of empty lanes
         self.called = np.zeros(self.empty, np.int64)
         self.pools = np.zeros(phases, POOL_RECORD)
         queues = np.zeros((phases, self.empty), np.int64)
-        events = self.all_events.events
-        none = np.zeros(len(events) + 1, np.uint64)
-        numbers = self.bodies.shape[1]
-        jumps = programs.jumps if programs else Jumps(none, none, events, none, 0.0, 0, 0, numbers)
-        self.arrays = _Pools(  # must outlive the structure
-            jumps._replace(made=none[:0]),
-            self.pools,
-            queues,
-            self.tops,
-            self.states,
-            self.bodies,
-            self.called,
-            phases,
-            self.empty,
-            self.states.shape[1],
-            calls=0,
-            possible=0,
-        )
+        none = np.zeros(0)
+        jumps = programs.jumps if programs else Jumps(none, none, none, none, none, 0.0, 0, 0, 0)
+        arrays = self.pools, queues, self.tops, self.called
+        # must outlive the structure
+        self.arrays = _Pools(jumps._replace(made=none), *arrays, phases, self.empty, calls=0)
         self.record: Any = filled(self.arrays)
         self.record_at = ctypes.addressof(self.record)
 
@@ -209,20 +196,22 @@ class Pools:
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
-    def start(self, slot: int) -> None:
-        """Begin the first phase of the top in a slot; pools of several phases override it."""
-        self.push(slot)
+    def start(self, new: np.ndarray) -> list[int]:
+        """Begin the first phases of the tops in some slots, (k,); return those that end there."""
+        for slot in new.tolist():
+            self.push(slot)
+        return []
 
     def push(self, slot: int) -> None:
         """Append the top in a slot to the queue of its phase, `tops["phase"]`."""
         library().loop_push(self.record_at, slot)
 
-    def attend(self, slot: int) -> int:
-        """Make a jump that the loop cannot make; without phases there is none.
+    def attend(self, slot: int) -> bool:
+        """Make a jump that the loop cannot make; return whether the top has ended.
 
-        Return what the top waits for next: A_LANE, A_LOOK or NOTHING.
+        Without phases there is none.
         """
-        return NOTHING
+        return True
 
     @QUIET
     def step(self, most: int) -> tuple[list[int], list[int]]:
@@ -230,19 +219,18 @@ class Pools:
 
         Return the tops that have ended, and those that may have settled.
         """
+        self.possible += self.lanes * library().loop_pools(self.record_at, most)
+        called = self.called[: self.record.calls].tolist()
         self.record.calls = 0
-        library().loop_pools(self.record_at, most)
-        ended = self.over
-        self.over = []
+        ended = list[int]()
         looks = list[int]()
-        for slot in self.called[: self.record.calls].tolist():
-            waits = self.tops["waits"][slot]
-            if waits in (A_CHANGE, AN_END):
-                waits = self.attend(slot)
-            if waits == A_LANE:
-                self.push(slot)
-            else:
-                (looks if waits == A_LOOK else ended).append(slot)
+        for slot in called:
+            status = self.of_tops.lane["status"][slot]
+            goes_on = status == RUNNING or self.tops["event"][slot] != NO_EXIT
+            if status == SETTLED:
+                looks.append(slot)
+            elif not goes_on or self.attend(slot):
+                ended.append(slot)
         return ended, looks
 
     def rows_in(self, tops: np.ndarray) -> np.ndarray:
@@ -287,20 +275,17 @@ class HybridPools(Pools, HybridDriver):
         """Set the arrays of the tops; see `Pools.share`."""
         phases = len(self.phases)
         self.share(tops, thread, phases, self.jump_programs)
+        self.tops["event"], self.tops["phase"] = self.clock_number, phases
         motion = new_motion(self.variables, 0, 1, 1)
-        found = self.findings()
+        self.found = self.of_tops, new_log(0, self.width), self.samples
         none = Loaded(None, 0, 0, False, 0)
-        self.notes = Loop(motion, self.all_events, *found, self.rules, none)
+        self.notes = Loop(motion, self.all_events, *self.found, self.rules, none)
         variables = SimpleNamespace(names=())
         self.before: Any = SimpleNamespace(
             at=phases, workspace=self.notes.record, variables=variables, sampled={}
         )
 
     # --- lanes of phases -------------------------------------------------------------------------
-
-    def findings(self) -> tuple[Tallies, PassageLog, Samples]:
-        """Return the tallies of all tops, an unused log, and the common samples."""
-        return self.of_tops, new_log(0, self.width), self.samples
 
     def add_solver(self, solver: PhaseSolver) -> None:
         """Add a phase, which gets a pool."""
@@ -317,15 +302,13 @@ class HybridPools(Pools, HybridDriver):
 
     # --- one top ---------------------------------------------------------------------------------
 
-    def start(self, slot: int) -> None:
-        """Make the jump of a top to its first phase, by a program or by Python."""
-        self.tops["event"][slot] = self.clock_number
-        self.tops["phase"][slot] = len(self.phases)
-        if not library().loop_start(self.record_at, self.notes.place, slot):
-            if self.attend(slot) == NOTHING:
-                self.over.append(slot)
-            else:
-                self.push(slot)
+    def start(self, new: np.ndarray) -> list[int]:
+        """Make the jumps of tops to their first phases, by programs or by Python."""
+        begin = partial(library().loop_start, self.record_at, self.notes.place)
+        over = [slot for slot in new.tolist() if not begin(slot) and self.attend(slot)]
+        signs = self.of_tops.functions[:, new]
+        self.of_tops.lane["lasts_since"][new] = lasts_from_start(signs, self.all_events)
+        return over
 
     def _load(self, slot: int) -> None:
         """Load a top from its slot into the driver: the methods of `HybridDriver` act on it.
@@ -338,21 +321,20 @@ class HybridPools(Pools, HybridDriver):
         solvers = list(self.solvers.values())
         for solver in solvers:
             solver.b = solver.phase.parameters(body)
-        times, states, phases, filled, *_ = self.rows
-        self.set_output(
-            Rows(times[slot], states[slot], phases[slot], filled[slot : slot + 1], False)
-        )
+        part = slice(slot, slot + 1)
+        times, states, phases = (array[slot] for array in self.rows[:3])
+        self.set_output(Rows(times, states, phases, self.rows.filled[part], False))
         self.slot = slot
         self.top = top = self.tops[slot]
-        clock = self.tops[slot : slot + 1]
-        of_top = {"state": self.states[slot][:, None], "high": clock["high"], "low": clock["low"]}
-        self.motion = self.of_top = self.notes.record.motion._replace(**of_top)
+        clock = {name: self.tops[name][part] for name in ("high", "low")}
+        self.motion = self.of_top = self.notes.record.motion._replace(
+            state=self.states[slot][:, None], **clock
+        )
         self.solver = next((one for one in solvers if one.at == top["phase"]), self.before)
         self.ended = None
         names = ["began", "until", "short_phases", "end"]
         self.began, self.until, self.short_phases, self.end = top[names].item()
-        self.set_tallies(Tallies(*(array[..., slot : slot + 1] for array in self.of_tops)))
-        self.workspace = self.solver.workspace
+        self.set_tallies(Tallies(*(array[..., part] for array in self.of_tops)))
         self.last = self.state.copy()
 
     def _store(self) -> None:
@@ -364,35 +346,31 @@ class HybridPools(Pools, HybridDriver):
         top["began"], top["phase"] = self.began, self.solver.at
         top["short_phases"] = self.short_phases
         self.series = None
-        self.logged[0] = 0
         self.tables.rows.clear()
 
-    def attend(self, slot: int) -> int:
+    def attend(self, slot: int) -> bool:
         """Start a top, make its jump, or set the end of its next step in a sampled phase.
 
-        Return what the top waits for next, as `Pools.attend`.
+        Return whether it has ended; otherwise it is in a queue.
         """
         self._load(slot)
-        top = self.top
-        if top["waits"] == AN_END:
-            top["stop"], top["stops_by"] = self.next_end()
-            return A_LANE
+        ends = None
         try:
             if self.solver is self.before:
                 self._start(tuple(self.last.tolist()))
                 ends = self.ended
-            else:
-                jump = self.solver.exits.get(top["event"])
+            elif self.status[0] != RUNNING:
+                jump = self.solver.exits.get(self.top["event"])
                 ends = self._change(jump, self.clock[0]) if jump else STATUSES[self.status[0]]
         except InputError as error:
             self.failures[slot] = error.sentences[0]
             ends = Status.INVALID
         self._store()
-        if ends is not None:
-            self.status[0] = ends.code
-            return NOTHING
-        lasted = self.clock[0] - self.tally["lasts_since"]
-        return A_LOOK if top["steps"] % EVERY == 0 and lasted > self.rules.settled_for else A_LANE
+        if ends is None:
+            self.push(slot)
+            return False
+        self.status[0] = ends.code
+        return True
 
     def parameters_in(self, slots: np.ndarray, solver: PhaseSolver) -> Any:
         """Return the parameters b of the phase of a solver for the tops in slots: numbers (k,)."""

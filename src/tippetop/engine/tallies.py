@@ -71,6 +71,12 @@ _LANE: dict[str, Any] = {
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
 
 
+def record_type(**kinds: str) -> np.dtype:
+    """Return the type of a record of C: the names of its fields by kind, in the order of both."""
+    fields = [(name, kind) for kind, names in kinds.items() for name in names.split()]
+    return np.dtype(fields, align=True)
+
+
 _FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high")]
 FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
 """The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
@@ -87,11 +93,13 @@ class Tallies(NamedTuple):
     kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
 
 
-_EVENT = [(name, int) for name in ("row", "shift", "direction", "ends", "sense", "first", "last")]
-_FLAGS = [(name, bool) for name in ("lasting", "extremes", "watched", "ranged")]
-EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS], align=True)
+EVENT_RECORD = record_type(
+    int="row shift direction ends sense first last",
+    float="scale offset",
+    bool="lasting extremes watched ranged",
+)
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
-NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
+NUMBER_RECORD = record_type(int="what direction")
 
 
 def event_rows(
@@ -154,16 +162,18 @@ def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     known["on_zero"] = np.abs(functions) < ON_ZERO
     known["extremes"], known["times"] = (np.inf, -np.inf), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
-    tallies = Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
-    begin_lasting(tallies, rows)
-    return tallies
+    lane["lasts_since"] = lasts_from_start(known, rows)
+    return Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
 
 
-def begin_lasting(tallies: Tallies, rows: EventRows) -> None:
-    """Let events last from the start of the run, if their functions have the sign for it there."""
+def lasts_from_start(functions: np.ndarray, rows: EventRows) -> np.ndarray:
+    """Return 0 for runs in which an event lasts from the start, (lanes,); NaN for others.
+
+    It lasts if its function, one of the records (events, lanes), has the sign for it there.
+    """
     lasting, direction = (rows.events[name][:, None] for name in ("lasting", "direction"))
-    lasts = lasting & (tallies.functions["sign"] == direction)
-    tallies.lane["lasts_since"] = np.where(lasts.any(axis=0), 0.0, math.nan)
+    lasts = lasting & (functions["sign"] == direction)
+    return np.where(lasts.any(axis=0), 0.0, math.nan)
 
 
 CONFIRMS, WAITS = 1, 2
@@ -172,37 +182,24 @@ from now on.
 """
 
 
-class PassageLog(NamedTuple):
-    """The log of zeros of event functions, those of a lane in order; of length 0 if unused."""
-
-    filled: np.ndarray  # (1,) how many there are
-    rows: np.ndarray  # (n,) records
-    states: np.ndarray  # (n, variables) in the working precision
-
-
 # internal; number of the event; of the crossing, +1 rising; the phase of a run, or the top that is
 # in the lane; whether the axis passes a pole there
-_NUMBERS = [(name, int) for name in ("event", "sign", "phase", "lane")]
-_PASSAGE = [("time", float), *_NUMBERS, ("at_pole", bool)]
-PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
+PASSAGE_RECORD = record_type(float="time", int="event sign phase lane", bool="at_pole")
 
 
-def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
-    """Return an empty log with room for `length` passages, with states of type `number`."""
-    rows = np.empty(length, PASSAGE_RECORD)
-    states = np.empty((length, variables), number)
-    return PassageLog(np.zeros(1, np.int64), rows, states)
+class Log(NamedTuple):
+    """Rows with states that the loop appends.
 
+    They are zeros of event functions, those of a lane in order; or samples, ends of steps at which
+    the invariants are compared with the start.
+    """
 
-class Samples(NamedTuple):
-    """States at some ends of steps, at which the invariants are compared with the start."""
-
-    filled: np.ndarray  # (1,)
-    top: np.ndarray  # (n,) whose state it is
+    filled: np.ndarray  # (1,) how many there are
+    rows: np.ndarray  # (n,) passages; of samples, whose state it is: their phase or top
     states: np.ndarray  # (n, variables) in the working precision
 
 
-def new_samples(length: int, variables: int, number: Any = float) -> Samples:
-    """Return empty samples with room for `length` states of type `number`."""
-    filled, top = (np.zeros(n, np.int64) for n in (1, length))
-    return Samples(filled, top, np.empty((length, variables), number))
+def new_log(length: int, variables: int, number: Any = float, row: Any = PASSAGE_RECORD) -> Log:
+    """Return an empty log with room for `length` rows, with states of type `number`."""
+    states = np.empty((length, variables), number)
+    return Log(np.zeros(1, np.int64), np.empty(length, row), states)

@@ -1,26 +1,28 @@
 """Integrate many tops of one scenario in memory, on several threads.
 
-`Problems` go in, `Outcomes` come out; each thread has its `Lanes`, all share a queue of tops.
+`Problems` go in, `Outcomes` come out; each thread has its pools, all share a queue of tops.
 """
 
 import itertools
 import os
 import threading
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..engine.observables import event_functions
 from ..engine.pools import HybridPools, Pools, bodies_of, new_tops
+from ..engine.status import Status
 from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
 from ..runs.growth import growth
 from .hybrid_tops import checked_tops, problem_of, run_each
-from .lanes import MOST_STEPS, Lanes, PoolOfOne
+from .lanes import MOST_STEPS, PoolOfOne, run_tops
 from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude
 from .top_events import log_events
 
@@ -81,16 +83,19 @@ def measure(
     turns = getattr(tops.base.form.orientation, "psi", None)  # not in a plane, with a signed theta
     is_hybrid = tops.base.system.is_hybrid
     begun = tops
-    valid = tops.valid
     if is_hybrid:
         mu = np.broadcast_to(tops.given("friction").get("mu", 1.0), (tops.n,))
         alone = (mu == 0) & (mu != 0).any()  # they have other phases
         alone |= not turns or tops.base.contact is None or events
-        begun, valid = checked_tops(measured, ended)
+        begun, faults = checked_tops(tops)
+        for top, sentence in faults:
+            measured.refuse(top, sentence)
+            ended()
         functions = np.full((tops.n, 1), np.nan)
     else:
         functions = event_functions(tops)
         alone = _ends_at_start(tops, functions)
+    valid = measured.status != Status.INVALID.code
     numbers = np.flatnonzero(valid & ~alone)
     if len(numbers):
         bodies = bodies_of(begun) if is_hybrid else tops.pars
@@ -107,9 +112,9 @@ def measure(
         every = new_tops(groups[0], n, begun, functions, bodies, measured.times)
         for thread, group in enumerate(groups):
             group.join(every, thread)
-        workers = [Lanes(measured, group, ended, room, stop) for group in groups]
+        workers = [partial(run_tops, measured, group, ended, room, stop) for group in groups]
         _run_all(workers, iter(numbers.tolist()), stop)
-        possible = sum(worker.pools.record.possible for worker in workers)
+        possible = sum(group.possible for group in groups)
         measured.occupancy = int(measured.columns["steps"].sum()) / max(1, possible)
     if measured.passages:
         log_events(measured)
@@ -132,14 +137,14 @@ def measure(
     return measured
 
 
-def _run_all(workers: list[Lanes], queue: Iterator[int], stop: threading.Event) -> None:
+def _run_all(workers: Sequence[Callable], queue: Iterator[int], stop: threading.Event) -> None:
     """Integrate the tops of a queue on a thread each; stop all if one fails, or on Ctrl-C."""
     if len(workers) == 1:
-        workers[0].run(queue)
+        workers[0](queue)
         return
     with ThreadPoolExecutor(len(workers)) as pool:
         try:
-            for done in as_completed([pool.submit(worker.run, queue) for worker in workers]):
+            for done in as_completed([pool.submit(worker, queue) for worker in workers]):
                 done.result()
         finally:
             stop.set()

@@ -1,4 +1,4 @@
-"""Integrate tops one after the other, each by an `Integration` instead of a lane.
+"""Integrate tops one after the other, each as a run of its own instead of in a lane.
 
 For tops that lanes cannot follow, such as those of user-defined systems with phases.
 """
@@ -13,8 +13,7 @@ from ..errors import InputError
 from ..mechanics.contact.surroundings import dotted_numbers
 from ..mechanics.units import SECOND
 from ..problem import TURN, Problem, Problems
-from ..runs.integration import Integration
-from ..runs.sinks import Memory
+from ..runs.run import solve
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import SWINGS, Outcomes
@@ -60,28 +59,21 @@ def problem_of(tops: Problems, top: int) -> Problem:
     )
 
 
-def checked_tops(outcomes: Outcomes, ended: Callable[[], None]) -> tuple[Problems, np.ndarray]:
-    """Return all tops with the gaps at which they begin, and which of them are valid, (n,).
+def checked_tops(tops: Problems) -> tuple[Problems, list[tuple[int, str]]]:
+    """Return all tops with the gaps at which they begin, and the faults of others than `checked`.
 
-    Parameters
-    ----------
-    outcomes
-        A row per top; invalid ones are marked.
-    ended
-        Called for each top that turns out to be invalid.
+    A fault is the number of a top, and a sentence.
     """
-    tops = outcomes.tops
+    faults = []
     gaps = np.full(tops.n, np.nan)
     for top in np.flatnonzero(tops.valid).tolist():
         problem = problem_of(tops, top)
-        if faults := [*problem.clashes(), *contact_faults(problem)]:
-            outcomes.refuse(top, faults[0])
-            ended()
-        else:
-            gaps[top] = problem.initial.get("gap", 0.0)
+        gaps[top] = problem.initial.get("gap", 0.0)
+        some = *problem.clashes(), *contact_faults(problem)
+        faults += [(top, sentence) for sentence in some[:1]]
     if touches(tops.base) and "initial.gap" not in tops.columns:
         tops = replace(tops, columns={**tops.columns, "initial.gap": gaps})
-    return tops, np.isfinite(gaps)
+    return tops, faults
 
 
 def run_each(
@@ -111,21 +103,16 @@ def run_each(
 def _run(outcomes: Outcomes, top: int, logs: bool) -> None:
     """Run a top and write its row of `outcomes`, in internal units; `logs`: and its events."""
     problem = problem_of(outcomes.tops, top)
-    internal = outcomes.times[top]
-    wanted = internal >= 0
-    times = internal[wanted] * problem.unit(SECOND)
-    integration = Integration(replace(problem, times=ListedTimes(times)))
-    memory = Memory()
-    memory.keeps_rows = bool(wanted.any())
-    integration.run(memory)
-    if memory.states:
-        made = np.concatenate(memory.states)
-        outcomes.rows[top, np.flatnonzero(wanted)[: len(made)]] = made
+    second = problem.unit(SECOND)
+    times = outcomes.times[top]
+    wanted = np.flatnonzero(times >= 0)
+    run = solve(replace(problem, times=ListedTimes(times[wanted] * second)))
+    outcomes.rows[top, wanted[: len(run.rows)]] = run.rows
     if logs:
-        outcomes.events[top] = memory.table()
-    end = integration.progress()
+        outcomes.events[top] = run.events
+    end = run.progress
     values = {
-        "t_end": end.t_end / problem.unit(SECOND),
+        "t_end": end.t_end / second,
         "steps": end.steps,
         "normal_force_min": end.force.least,
         "normal_force_max": end.force.most,
@@ -134,9 +121,8 @@ def _run(outcomes: Outcomes, top: int, logs: bool) -> None:
     }
     for name in outcomes.columns.keys() & values.keys():
         outcomes.columns[name][top] = values[name]
-    assert end.status is not None
-    outcomes.status[top] = end.status.code
-    outcomes.final[:, top] = end.last[0]
+    outcomes.status[top] = run.status.code
+    outcomes.final[:, top] = run.final
     outcomes.settled[top] = end.settled_since is not None
     for name, worst in end.drift.items():
         outcomes.drift[name][top] = worst

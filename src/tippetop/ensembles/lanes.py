@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from ..engine.driver import Workspace
 from ..engine.expressions import formulas_of
-from ..engine.loop import MOST_COEFFICIENTS, Loop, count_turnings, new_motion
+from ..engine.loop import MOST_COEFFICIENTS, count_turnings
 from ..engine.observables import Observables, values_of
 from ..engine.pools import HybridPools, Pools, Tops
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import EventRows, Rules, looked_for, new_log, new_samples
+from ..engine.tallies import EventRows, Rules, looked_for, new_log
 from ..engine.taylor import compiled_when
 from ..problem import Problem, Problems
 from ..runs.event_log import settled_since
@@ -68,7 +69,7 @@ class PoolOfOne(Pools):
         logged = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
         self.all_events = rows
         self.variables = len(tops.start)
-        self.samples = new_samples(SAMPLES * self.lanes if reads("drift") else 0, width)
+        self.samples = new_log(SAMPLES * self.lanes if reads("drift") else 0, width, row=int)
         self.log = new_log(2 * logged * events, width)
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, most, EVERY, 0)
@@ -76,19 +77,23 @@ class PoolOfOne(Pools):
     def join(self, tops: Tops, thread: int) -> None:
         """Set the arrays of the tops, and add the pool; see `Pools.share`."""
         self.share(tops, thread)
-        made = self.code.integrator
-        numbers = len(made.pars)
-        motion = new_motion(len(made.state), numbers, made.order + 1, self.lanes)
-        found = self.of_tops, self.log, self.samples
-        self.loop = Loop(motion, self.all_events, *found, self.rules, self.code.machine)
-        self.add_pool(0, self.loop, range(numbers))
+        self.found = self.of_tops, self.log, self.samples
+        self.workspace = Workspace(self, self.code, self.all_events)
+        self.add_pool(0, self.workspace.loop, range(len(self.workspace.motion.pars)))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
         """Return states of tops as rows (k, variables); see `HybridDriver.rows_of`."""
         return states[:, : self.variables]
 
 
-class Lanes:
+def run_tops(
+    outcomes: Outcomes,
+    pools: Any,
+    ended: Callable[[], None],
+    room: int,
+    stop: threading.Event,
+    queue: Iterator[int],
+) -> None:
     """Integrate tops of a common queue on one thread, and write their outcomes.
 
     Parameters
@@ -96,146 +101,127 @@ class Lanes:
     outcomes
         A row per top; the rows of tops that end here are written.
     pools
-        Those of this thread, with the arrays of all tops.
+        The `PoolOfOne` or `HybridPools` of this thread, with the arrays of all tops.
     ended
         Called whenever a top has ended.
     room
-        Number of tops that may be under way.
+        Number of tops that may be under way, at most ROOM.
     stop
-        Set it to end `run` soon, whether its tops have ended or not.
+        Set it to return soon, whether the tops have ended or not.
+    queue
+        Numbers of tops, which threads share.
     """
+    is_hybrid = isinstance(pools, HybridPools)
+    room = min(room, ROOM)
+    under_way = 0
+    done = list[int]()
+    is_more = True
+    while not stop.is_set():
+        over = list[int]()
+        if is_more and under_way <= 0.75 * room:
+            new = np.array([*islice(queue, room - under_way)], int)
+            under_way += len(new)
+            is_more = under_way == room
+            over = pools.start(new)
+            if is_hybrid:  # the first phase begins after a jump
+                outcomes.begin(pools.rows_in(new).T, new)
+        if not under_way:
+            break
+        others, looks = pools.step(MOST_DRIVEN)
+        over += others
+        for top in looks:
+            if _stays(outcomes.tops, pools, top):
+                over.append(top)
+                continue
+            if not is_hybrid:
+                pools.of_tops.lane["lasts_since"][top] = np.nan
+            pools.push(top)
+        for _ in over:
+            ended()
+        under_way -= len(over)
+        done += over
+        if any(2 * some.filled[0] > len(some.states) for some in (pools.log, pools.samples)):
+            _look(outcomes, pools)
+    _look(outcomes, pools)
+    _write(outcomes, pools, np.array(done, int))
 
-    def __init__(
-        self,
-        outcomes: Outcomes,
-        pools: HybridPools | PoolOfOne,
-        ended: Callable[[], None],
-        room: int,
-        stop: threading.Event,
-    ):
-        """Set up lanes; no top has begun."""
-        self.outcomes = outcomes
-        self.pools: Any = pools
-        self.ended = ended
-        self.tops = outcomes.tops
-        self.room = min(room, ROOM)
-        self.stop = stop
-        self.is_hybrid = self.tops.base.system.is_hybrid
 
-    def run(self, queue: Iterator[int]) -> None:
-        """Integrate tops of a queue, which threads may share, until it is empty."""
-        pools = self.pools
-        under_way = 0
-        done = list[int]()
-        is_more = True
-        while not self.stop.is_set():
-            if is_more and under_way <= 0.75 * self.room:
-                new = np.array([*islice(queue, self.room - under_way)], int)
-                under_way += len(new)
-                is_more = under_way == self.room
-                for top in new.tolist():
-                    pools.start(top)
-                if self.is_hybrid:  # the first phase begins after a jump
-                    self.outcomes.begin(pools.rows_in(new).T, new)
-            if not under_way:
-                break
-            ended, looks = pools.step(MOST_DRIVEN)
-            for top in looks:
-                if self._stays(top):
-                    pools.of_tops.lane["status"][top] = Status.SETTLED.code
-                    ended.append(top)
-                    continue
-                if not self.is_hybrid:
-                    pools.of_tops.lane["lasts_since"][top] = np.nan
-                pools.push(top)
-            for _ in ended:
-                self.ended()
-            under_way -= len(ended)
-            done += ended
-            found = pools.log, pools.samples
-            if any(2 * some.filled[0] > len(some.states) for some in found):
-                self._look()
-        self._look()
-        self._write(np.array(done, int))
+def _stays(tops: Problems, pools: Any, top: int) -> bool:
+    """Return whether a top that may have settled has done so for good."""
+    problem = problem_of(tops, top)
+    view = Observables(problem)
+    last = pools.rows_in(np.array([top]))
+    is_settled = settled_since(view, pools.of_tops.lane[top], last) is not None
+    return is_settled and stays(problem, view.evaluate(last))
 
-    # --- rows of tops ----------------------------------------------------------------------------
 
-    def _stays(self, top: int) -> bool:
-        """Return whether a top that may have settled has done so for good."""
-        pools = self.pools
-        problem = problem_of(self.tops, top)
-        view = Observables(problem)
-        last = pools.rows_in(np.array([top]))
-        is_settled = settled_since(view, pools.of_tops.lane[top], last) is not None
-        return is_settled and stays(problem, view.evaluate(last))
+def _look(outcomes: Outcomes, pools: Any) -> None:
+    """Compare the invariants of sampled states with the start, and empty samples and log.
 
-    def _look(self) -> None:
-        """Compare the invariants of sampled states with the start, and empty samples and log.
+    The loop stops where they are full, so it is called after each `step`.
+    """
+    if count := int(pools.samples.filled[0]):
+        tops, phases = np.divmod(pools.samples.rows[:count], len(pools.pools))
+        rows = pools.rows_of(phases, pools.samples.states[:count], tops)
+        outcomes.look(rows.T, tops)
+        pools.samples.filled[0] = 0
+    if count := int(pools.log.filled[0]):
+        found = pools.log.rows, pools.log.states
+        outcomes.passages.append(tuple(array[:count].copy() for array in found))
+        pools.log.filled[0] = 0
 
-        The loop stops where they are full, so it is called after each `step`.
-        """
-        pools = self.pools
-        if count := int(pools.samples.filled[0]):
-            tops, phases = np.divmod(pools.samples.top[:count], len(pools.pools))
-            rows = pools.rows_of(phases, pools.samples.states[:count], tops)
-            self.outcomes.look(rows.T, tops)
-            pools.samples.filled[0] = 0
-        if count := int(pools.log.filled[0]):
-            found = pools.log.rows, pools.log.states
-            self.outcomes.passages.append(tuple(array[:count].copy() for array in found))
-            pools.log.filled[0] = 0
 
-    def _write(self, tops: np.ndarray) -> None:
-        """Write the rows of `outcomes` of these tops, which have ended."""
-        pools = self.pools
-        outcomes = self.outcomes
-        columns = outcomes.columns
-        status = pools.of_tops.lane["status"][tops]
-        outcomes.status[tops] = status
-        for top, sentence in pools.failures.items():
-            outcomes.refuse(top, sentence)
-        tops = tops[status != Status.INVALID.code]
-        final = pools.rows_in(tops).T
-        outcomes.final[:, tops] = final
-        if self.is_hybrid:
-            outcomes.look(final, tops)
-        rows = pools.rows
-        place, row = np.nonzero(np.isfinite(rows.states[tops, :, 0]))
-        made = tops[place], row
-        phases = rows.phases[made] % len(pools.pools)
-        outcomes.rows[made] = pools.rows_of(phases, rows.states[made], tops[place])
+def _write(outcomes: Outcomes, pools: Any, tops: np.ndarray) -> None:
+    """Write the rows of `outcomes` of these tops, which have ended."""
+    is_hybrid = isinstance(pools, HybridPools)
+    problems = outcomes.tops
+    columns = outcomes.columns
+    status = pools.of_tops.lane["status"][tops]
+    outcomes.status[tops] = status
+    for top, sentence in pools.failures.items():
+        outcomes.refuse(top, sentence)
+    tops = tops[status != Status.INVALID.code]
+    final = pools.rows_in(tops).T
+    outcomes.final[:, tops] = final
+    if is_hybrid:
+        outcomes.look(final, tops)
+    rows = pools.rows
+    place, row = np.nonzero(np.isfinite(rows.states[tops, :, 0]))
+    made = tops[place], row
+    phases = rows.phases[made] % len(pools.pools)
+    outcomes.rows[made] = pools.rows_of(phases, rows.states[made], tops[place])
 
-        theta = values_of(self.tops, final, tops)["theta"]
-        for top, angle in zip(tops.tolist(), theta, strict=True):  # the turning that waits
-            count_turnings(pools.of_tops.lane[top:], np.zeros(1), angle)
-        tallies = pools.of_tops.lane[tops]
-        columns["t_end"][tops] = tallies["t"]
-        columns["steps"][tops] = pools.tops["steps"][tops] + tallies["steps"]
-        for name in SWINGS:
-            columns[name][tops] = tallies[name]
+    theta = values_of(problems, final, tops)["theta"]
+    for top, angle in zip(tops.tolist(), theta, strict=True):  # the turning that waits
+        count_turnings(pools.of_tops.lane[top:], np.zeros(1), angle)
+    tallies = pools.of_tops.lane[tops]
+    columns["t_end"][tops] = tallies["t"]
+    columns["steps"][tops] = pools.tops["steps"][tops] + tallies["steps"]
+    for name in SWINGS:
+        columns[name][tops] = tallies[name]
 
-        functions = pools.of_tops.functions[:, tops]
-        kept = iter(pools.of_tops.kept[:, tops])
-        settled = ~slides(self.tops, final, tops)
-        if self.is_hybrid:
-            settled &= ~np.isnan(tallies["lasts_since"])
-        for k, event in enumerate(self.tops.base.system.events):
-            if event.lasting:
-                settled &= functions["sign"][k] * event.direction > 0
-            for number in event.kept:
-                values = next(kept)
-                if event.lasting and number.what != "count":  # it did not last to the end
-                    values[~settled] = np.nan
-                columns[number.name][tops] = values
-        outcomes.settled[tops] = settled
-        outcomes.lasts_since[tops] = tallies["lasts_since"]
-        events = pools.all_events.events
-        names = dict(enumerate(event.extremes for event in self.tops.base.system.events))
-        for k in np.flatnonzero(events["extremes"]).tolist():
-            values = functions["extremes"][k].T / events["scale"][k]
-            for end, best, found in zip(("min", "max"), (np.fmin, np.fmax), values, strict=True):
-                column = columns[f"{names.get(k) or 'normal_force'}_{end}"]
-                column[tops] = best(column[tops], found)
+    functions = pools.of_tops.functions[:, tops]
+    kept = iter(pools.of_tops.kept[:, tops])
+    settled = ~slides(problems, final, tops)
+    if is_hybrid:
+        settled &= ~np.isnan(tallies["lasts_since"])
+    for k, event in enumerate(problems.base.system.events):
+        if event.lasting:
+            settled &= functions["sign"][k] * event.direction > 0
+        for number in event.kept:
+            values = next(kept)
+            if event.lasting and number.what != "count":  # it did not last to the end
+                values[~settled] = np.nan
+            columns[number.name][tops] = values
+    outcomes.settled[tops] = settled
+    outcomes.lasts_since[tops] = tallies["lasts_since"]
+    events = pools.all_events.events
+    names = dict(enumerate(event.extremes for event in problems.base.system.events))
+    for k in np.flatnonzero(events["extremes"]).tolist():
+        values = functions["extremes"][k].T / events["scale"][k]
+        for end, best, found in zip(("min", "max"), (np.fmin, np.fmax), values, strict=True):
+            column = columns[f"{names.get(k) or 'normal_force'}_{end}"]
+            column[tops] = best(column[tops], found)
 
 
 def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:

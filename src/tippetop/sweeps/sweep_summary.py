@@ -14,7 +14,6 @@ from ..columns import counted
 from ..engine.status import Status
 from ..ensembles import ensemble
 from ..ensembles.hybrid_tops import checked_tops
-from ..ensembles.outcomes import Outcomes
 from ..store import root
 from ..store.root import column
 from .plan import Plan
@@ -147,8 +146,7 @@ def faults_of(plan: Plan, invalid: np.ndarray) -> list[str]:
     """Return sentences on why the first of the tops `invalid`, numbers (k,), are invalid."""
     some = invalid[:FAULTS]
     tops = ensemble.vary(plan.base, plan.columns(some))
-    outcomes = Outcomes(tops)
+    faults = tops.checked[1]
     if plan.base.system.is_hybrid:
-        checked_tops(outcomes, lambda: None)  # adds the faults of the contact to the outcomes
-    faults = *tops.checked[1], *outcomes.faults
+        faults = faults + checked_tops(tops)[1]  # those of the contact
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]
