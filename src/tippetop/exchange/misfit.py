@@ -72,6 +72,8 @@ class Misfit:
             for group, seen in observation.groups.items()
         }
         self.rows = len(observation.t)
+        # Residuals, SI, of another scenario that explains the measurements
+        self.rival: Arrays = {}
         self.last: Any = (None,)  # the points that were read last, and what was found
 
     def residuals(self, points: np.ndarray, rows: int) -> np.ndarray:
@@ -162,6 +164,16 @@ class Misfit:
         most = max(self.weights[group] * size for group, size in self.rounding.items())
         squares = float((weight * residuals**2).sum())
         return squares / max(float(weight.sum()) - free, 1.0) + len(residuals) * most**2
+
+    def excess(self, cost: float, rows: int | None = None) -> float:
+        """Return by how many variances of the rival's noise a cost is larger than the rival's.
+
+        Both are costs of the first rows, or of all. NaN without a rival.
+        """
+        squares = [(self.weights[group] * off) ** 2 for group, off in self.rival.items()]
+        known = sum(np.nansum(each[:rows]) for each in squares)
+        variance = sum(map(np.nansum, squares)) / self.observation.count
+        return float((cost - known) / variance) if self.rival else np.nan
 
     def size(self, residuals: np.ndarray) -> float:
         """Return the residual beyond which a robust loss grows more slowly: the median size."""
