@@ -200,7 +200,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
     motion = {"t": t, "marker": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
-    (off,) = observation.predictions([free])["marker"]
+    (off,) = observation.predictions(free)["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}
     run = tt.run("inverting", parameters=body, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)

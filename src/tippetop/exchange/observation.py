@@ -192,10 +192,11 @@ class Observation:
         rules = map(self.rule, begin)
         return Space(begin, [*map(scale_of, rules, begin.values(), self.units)], within)
 
-    def predictions(self, points: Sequence[dict[str, float]], rows: slice = slice(None)) -> Arrays:
+    def predictions(self, points: Mapping[str, Any], rows: slice = slice(None)) -> Arrays:
         """Compute the residuals of each group, (points, rows, parts), SI.
 
-        They are NaN in gaps, and where the motion cannot be computed.
+        They are NaN in gaps, and where the motion cannot be computed. `points` are values of the
+        free numbers, SI, (points,) by name, or one of each.
         """
         read = self._read(points, self.t[rows])
         return {
@@ -210,19 +211,20 @@ class Observation:
         """
         return _drawn(self.groups)
 
-    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
+    def curves(self, values: Mapping[str, float]) -> tuple[np.ndarray, Arrays]:
         """Return predictions as a figure shows them: times [s], and curves by group.
 
         The times are evenly spread over those of the measurements, which `dots` returns.
         """
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
-        read = self._read([values], t)
+        read = self._read(values, t)
         return t, _drawn({group: self._predicted_rows(group, read)[0] for group in self.groups})
 
-    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
-        """Return columns (points, rows, ...) by name, SI, at times t (points, rows) [s]."""
-        own = {name: np.array([values[name] for values in points]) for name in self.own}
-        clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
+    def _read(self, points: Mapping[str, Any], t: np.ndarray) -> Arrays:
+        """Return columns (points, rows, ...) by name, SI, at times t (rows,) of the table [s]."""
+        own = {name: np.atleast_1d(points[name]) for name in self.own}
+        scale, offset = np.atleast_1d(points.get(CLOCK, 1.0), points.get(OFFSET, 0.0))
+        clock = scale[:, None] * t + offset[:, None]
         return self.predicted.read(own, clock, self.columns)
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
