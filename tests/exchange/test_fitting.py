@@ -176,7 +176,7 @@ def test_jacobians_are_the_exact_derivatives() -> None:
     t = np.array([0.01, 0.05, 0.11])
     seen = {"t": t, "theta": np.full(3, 0.2), "omega3": np.zeros(3), "place": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
-    observation.predicted.refine()
+    observation.refine()
     space = observation.space()
     _, (slopes,) = Misfit(observation, space, "linear").at(np.zeros((1, 6)), 3)
     run = tt.load("inverting", [f"run.output_times={t.tolist()}"], 0.11)

@@ -8,6 +8,7 @@ import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,18 +16,17 @@ import numpy as np
 
 from ..arguments import PlainData
 from ..columns import Arrays
-from ..engine.instruments import INSTRUMENTS, instruments_of
 from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.contact.surroundings import groups_of
 from ..mechanics.operand import Vector
-from ..problem import Problem, Problems
+from ..problem import Problem
 from ..runs.run import Solution, solve, with_rows_at
 from ..runs.shape import lies, lowest
 from .headers import CAMERA, KIND, UNITS
 from .motion import Convention, angle_in_picture, in_body_axes, motion
 from .motion_table import read
-from .predictions import ACCELEROMETER, at_chip
+from .predictions import ACCELEROMETER, at_chip, columns_at, followed
 from .residuals import residuals
 from .simulators import attitude_of, columns_of, gravity
 
@@ -119,7 +119,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
             for name in theirs
             if CAMERA.fullmatch(name)
         }
-    if "accelerometer" in theirs and "orientation" in columns:
+    if "accelerometer" in theirs:
         columns["accelerometer"] = specific_force(run, columns, convention.chip)
     known = {"t"} | theirs.keys() & columns
     if lost := [f"`{name}`" for name in table.columns if KIND.get(name, name) not in known]:
@@ -170,13 +170,8 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
     """
     problem = run.problem
     if problem.contact is None:
-        tops = Problems.vary(problem, {"run.until": run.times[-1:]}, orientation=True)
-        values = instruments_of(tops, run.rows.T, np.zeros(len(run.times), int))
-        felt: Arrays = {}
-        for name in ACCELEROMETER:
-            parts, unit, *_ = INSTRUMENTS[name]
-            felt[name] = np.stack([values[part] for part in parts], axis=1) * problem.unit(unit)
-        return at_chip(felt, chip)
+        exact = followed(replace(problem, precision="double"), ())
+        return at_chip(columns_at(exact, {}, run.times[None], ACCELEROMETER), chip)[0]
     if any(chip):
         raise InputError(
             f"`chip` must be 0,0,0 to be compared where the contact may change, but is {chip}."

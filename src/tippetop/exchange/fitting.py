@@ -248,8 +248,8 @@ def judged(
         limits = scale.inside(value) + quantile * width * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
-        low, high = map(scale.outside, limits)
-        estimates[name] = Estimate(value, errors[0], low, high, errors[1])
+        low, high = scale.outside(limits).tolist()
+        estimates[name] = Estimate(float(value), errors[0], low, high, errors[1])
     met = ends[0].searches
     reasons = []
     if hopeless and met < MET:

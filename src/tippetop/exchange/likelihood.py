@@ -38,7 +38,7 @@ class LogLikelihood:
     def __init__(self, observation: Observation):
         """Prepare the predictions, and keep the start and the unit of each free number."""
         self._observation = observation
-        observation.predicted.refine()
+        observation.refine()
         self.free = observation.free
         self.start = np.array([*observation.start().values()])
         self._units = np.array(observation.units)

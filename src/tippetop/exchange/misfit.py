@@ -139,7 +139,7 @@ class Misfit:
     def refine(self) -> None:
         """Let predictions have the tolerance of the scenario, rather than a coarser one."""
         self.last = (None,)
-        self.observation.predicted.refine()
+        self.observation.refine()
 
     def left(self, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
         """Return the residuals at a point, SI, and their root mean squares, by group."""

@@ -8,6 +8,7 @@ free numbers. A group is a kind of measurement, such as `theta`, `axis` or `acce
 from __future__ import annotations
 
 import copy
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from ..scenario import build
 from .headers import CAMERA, UNITS
 from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
 from .motion_table import read as read_table
-from .predictions import ACCELEROMETER, Predictions, at_chip
+from .predictions import ACCELEROMETER, TOLERANCE, at_chip, columns_at, followed
 from .residuals import residuals
 from .scales import FAR, Space, scale_of
 
@@ -143,7 +144,7 @@ class Observation:
         """Return the same measurements under another scenario, whose numbers are not free."""
         other = copy.copy(self)
         other._predict(problem, ())
-        other.predicted.refine()
+        other.refine()
         return other
 
     def tables(self, values: Mapping[str, float]) -> PlainData:
@@ -166,7 +167,14 @@ class Observation:
             )
         self.problem = problem
         self.own = tuple(own)
-        self.predicted = Predictions(problem, own)
+        self.exact = followed(problem, own)
+        self.predicted = dataclasses.replace(
+            self.exact, tolerance=max(TOLERANCE, problem.tolerance)
+        )
+
+    def refine(self) -> None:
+        """Predict with the tolerance of the scenario from now on, rather than a coarser one."""
+        self.predicted = self.exact
 
     def rule(self, name: str) -> Number:
         """Return the `Number` of a free number: its unit and interval."""
@@ -225,7 +233,7 @@ class Observation:
         own = {name: np.atleast_1d(points[name]) for name in self.own}
         scale, offset = np.atleast_1d(points.get(CLOCK, 1.0), points.get(OFFSET, 0.0))
         clock = scale[:, None] * t + offset[:, None]
-        return self.predicted.read(own, clock, self.columns)
+        return columns_at(self.predicted, own, clock, self.columns)
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts), from columns `read`."""

@@ -57,8 +57,7 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
         u = columns["axis"]
         L = columns["L"]
         inertia = contact.tip_inertia(body)
-        spin = (L * u).sum(axis=1)[:, None]
-        w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
+        w = angular_velocity(u, L, body._replace(I1=inertia))
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
         rate = np.cross(w, u)
