@@ -477,6 +477,7 @@ class HybridDriver(Driver):
     changes = 0  # of phase, in a slice
     learns_start = False  # whether the jump to the first phase gets programs
     series: Any = None  # of the jump to the present phase, if it takes time
+    keeps_extremes = True  # of event functions
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -805,14 +806,15 @@ class HybridDriver(Driver):
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
-        """Update the extremes of event functions during a jump from time `began` to `end`.
+        """Update the extremes of event functions, if kept, in a jump from time `began` to `end`.
 
         Return the values of the event functions at its start.
         """
         solver = self.solver
         every = []
-        for time in (began + (end - began) * k / JUMP_PARTS for k in range(JUMP_PARTS + 1)):
-            state = self.series(time)[0]
+        parts = range(JUMP_PARTS + 1 if self.keeps_extremes else 1)
+        times = [began + (end - began) * k / JUMP_PARTS for k in parts]
+        for time, state in zip(times, self.series(*times), strict=True):
             values = solver.formulas.functions(*solver.variables.split(state), solver.b)
             every.append(values)
             for number, value in zip(solver.events, values, strict=True):
