@@ -200,8 +200,9 @@ def fit(
         scenario has `plane.tilt`, a table [air], or a law with a disc. False: of a computed motion.
     laws : list of str or mappings, optional
         Friction laws under which the film is fitted, by name, or as tables `friction`: the one that
-        explains it best is returned, and `laws` has all of them. Free numbers that a law lacks are
-        left out.
+        explains it best is returned, and `laws` has all of them. Where one explains the film,
+        searches under the others begin there, and end soon. Free numbers that a law lacks are left
+        out.
     marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
         axes [m].
