@@ -175,7 +175,7 @@ def test_jacobians_are_the_exact_derivatives() -> None:
     t = np.array([0.01, 0.05, 0.11])
     seen = {"t": t, "theta": np.full(3, 0.2), "omega3": np.zeros(3), "place": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), [*names, "time.offset", "time.scale"], seen)
-    observation.predicted.refine()
+    observation.refine()
     space = observation.space()
     _, (slopes,) = Misfit(observation, space, "linear").at(np.zeros((1, 6)), 3)
     run = tt.load("inverting", [f"run.output_times={t.tolist()}"], 0.11)
@@ -199,7 +199,7 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
     motion = {"t": t, "marker": np.zeros((3, 3))}
     observation = Observation(tt.load("inverting"), list(free), motion, arm)
-    (off,) = observation.predictions([free])["marker"]
+    (off,) = observation.predictions(free)["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}
     run = tt.run("inverting", parameters=body, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)

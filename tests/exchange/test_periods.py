@@ -23,13 +23,10 @@ def misfit(drift: float) -> Misfit:
     random = np.random.default_rng(3)
     seen = 0.1 * np.cos(RATE * T) + drift * T**2 + 0.01 * random.standard_normal(len(T))
 
-    def predictions(points: list, rows: slice = slice(None)) -> dict:
-        t = T[rows]
-        off = []
-        for values in points:
-            o, b = values[OFFSET], values["b"]
-            off.append(seen[rows] - (b + 0.1 * np.cos(RATE * (t + o)) + drift * (t + o) ** 2))
-        return {"theta": np.array(off)[:, :, None]}
+    def predictions(points: dict, rows: slice = slice(None)) -> dict:
+        t = T[rows] + points[OFFSET].reshape(-1, 1)
+        shown = points["b"].reshape(-1, 1) + 0.1 * np.cos(RATE * t) + drift * t**2
+        return {"theta": (seen[rows] - shown)[:, :, None]}
 
     groups = {"theta": seen[:, None]}
     observation = SimpleNamespace(

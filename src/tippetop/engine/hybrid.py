@@ -53,7 +53,7 @@ from .driver import (
 from .expressions import Formulas
 from .impacts import ImpactMotions
 from .integrator import Compiled
-from .jump_programs import CHATTER, JUMP_PARTS, PER_SLICE, START, JumpPrograms
+from .jump_programs import CHATTER, PER_SLICE, START, JumpPrograms, jump_times
 from .loop import library
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
@@ -380,15 +380,12 @@ class PhaseSolver:
         functions = self.formulas.functions(*self.variables.split(state), b)
         return functions[[*self.events].index(number)]
 
-    def points(self, series: Callable, began: Any, end: Any, b: Any) -> dict[int, tuple]:
-        """Return the event functions at JUMP_PARTS + 1 times of a jump to this phase, by number.
+    def points(self, states: Iterable, b: Any) -> dict[int, tuple]:
+        """Return the event functions in `states` of a jump to this phase, by number.
 
-        `series` is a function of the time, from `began` to `end`; b the parameters of the phase.
+        The states are those at `jump_times`; b are the parameters of the phase.
         """
-        points = []
-        for k in range(JUMP_PARTS + 1):
-            state = series(began + (end - began) * k / JUMP_PARTS)
-            points.append(self.formulas.functions(*self.variables.split(state), b))
+        points = [self.formulas.functions(*self.variables.split(state), b) for state in states]
         return dict(zip(self.events, zip(*points, strict=True), strict=True))
 
     def notes(self, number: int, before: Any, state: Any, b: Any) -> bool:
@@ -488,6 +485,7 @@ class HybridDriver(Driver):
     changes = 0  # of phase, in a slice
     learns_start = False  # whether the jump to the first phase gets programs
     series: Any = None  # of the jump to the present phase, if it takes time
+    keeps_extremes = True  # of event functions
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -817,21 +815,21 @@ class HybridDriver(Driver):
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
-        """Update the extremes of event functions during a jump from time `began` to `end`.
+        """Update the extremes of event functions, if kept, in a jump from time `began` to `end`.
 
         Return the values of the event functions at its start.
         """
         solver = self.solver
-        points = solver.points(lambda time: self.series(time)[0], began, end, solver.b)
+        times = jump_times(began, end)[: None if self.keeps_extremes else 1]
+        points = solver.points(self.series(*times), solver.b)
         for number, values in points.items():
             event = self.all_events.events[number]
             known = self.functions[number]
-            for k, value in enumerate(values if event["extremes"] else ()):
+            for time, value in zip(times, values if event["extremes"] else (), strict=False):
                 scaled = float(value) * event["scale"]
                 for side, is_beyond in enumerate((np.less, np.greater)):
                     if is_beyond(scaled, known["extremes"][side]):
-                        known["extremes"][side] = scaled
-                        known["times"][side] = began + (end - began) * k / JUMP_PARTS
+                        known["extremes"][side], known["times"][side] = scaled, time
         return [first for first, *_ in points.values()]
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:

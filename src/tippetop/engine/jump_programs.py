@@ -52,6 +52,11 @@ JUMP_PARTS = 8
 """Parts of a jump that takes time, between which the extremes of event functions are sought."""
 
 
+def jump_times(began: Any, end: Any) -> list:
+    """Return times of a jump from `began` to `end`, at which extremes are sought: first `began`."""
+    return [began + (end - began) * k / JUMP_PARTS for k in range(JUMP_PARTS + 1)]
+
+
 class _Program(NamedTuple):
     """The structure `Program` of `loop.c`: a program, and the effects of its jump."""
 
@@ -212,8 +217,9 @@ class JumpPrograms:
             if n.series:
                 if passed or not n.delay < left:
                     return None
-                series = lambda time: to.variables.join(*n.series(time - now))  # noqa: E731
-                points = to.points(series, now, now + n.delay, to.phase.parameters(body))
+                times = jump_times(now, now + n.delay)
+                states = [to.variables.join(*n.series(time - now)) for time in times]
+                points = to.points(states, to.phase.parameters(body))
                 ranges = {k: values for k, values in points.items() if to.events[k].extremes}
             if passed:
                 b = solver.phase.parameters(body)

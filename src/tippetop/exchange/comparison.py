@@ -8,6 +8,7 @@ import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from ..runs.shape import lies, lowest
 from .headers import CAMERA, KIND, UNITS
 from .motion import Convention, angle_in_picture, in_body_axes, motion
 from .motion_table import read
-from .predictions import ACCELEROMETER, Predictions, at_chip
+from .predictions import ACCELEROMETER, at_chip, columns_at, followed
 from .residuals import residuals
 from .simulators import attitude_of, columns_of, gravity
 
@@ -169,9 +170,8 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
     """
     problem = run.problem
     if problem.contact is None:
-        predicted = Predictions(problem, ())
-        predicted.refine()
-        return at_chip(predicted.read({}, run.times[None], ACCELEROMETER), chip)[0]
+        exact = followed(replace(problem, precision="double"), ())
+        return at_chip(columns_at(exact, {}, run.times[None], ACCELEROMETER), chip)[0]
     if any(chip):
         raise InputError(
             f"`chip` must be 0,0,0 to be compared where the contact may change, but is {chip}."

@@ -30,6 +30,9 @@ from .search import Minimum, local_minimum, merge, search, starts_of, widen, win
 STARTS = 12
 # Searches that must have ended in the best minimum
 MET = 3
+# Searches that end equally far from data that another scenario explains, or are given up, after
+# which the others are left out; without such a scenario `MET`
+HOPELESS = 2
 # Greatest cost of searches that end equally far from the data, in units of the least one
 ALIKE = 1.25
 # Standard deviations of the sum of squared autocorrelations, and of the variance, beyond noise
@@ -53,7 +56,7 @@ def fit(
     starts: int,
     within: float,
     systematic: bool,
-    hopeless: int,
+    rival: Fit | None,
     progress: Report,
 ) -> Fit:
     """Fit the free numbers of an observation.
@@ -70,9 +73,9 @@ def fit(
         Plausible distance of the numbers from those of the scenario, relative.
     systematic
         Whether influences that the scenario lacks are estimated.
-    hopeless
-        Searches that are given up, or end equally far from the data, after which the others are
-        left out.
+    rival
+        A fit of another scenario that explains the measurements. Searches end where one explains
+        them as well, and sooner where they do not.
     progress
         Called with the numbers of windows that are done and that are expected.
 
@@ -90,6 +93,8 @@ def fit(
     misfit = Misfit(observation, space, loss)
     _refuse(misfit)
     widen(misfit)
+    misfit.rival = rival.residuals if rival else {}
+    hopeless = HOPELESS if rival else MET
     count = len(windows(misfit))
     ends: list[Minimum] = []
     costs: list[float] = []
@@ -112,7 +117,7 @@ def fit(
         costs += [end.cost for end in minima[:1] if end.searches]
         failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
         lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
-        if ends[0].searches >= MET or lost:
+        if ends[0].searches >= MET or lost or misfit.excess(ends[0].cost) < RIVAL / 2:
             break
     misfit.refine()
     if len(observation.groups) > 1:
@@ -243,8 +248,8 @@ def judged(
         limits = scale.inside(value) + quantile * width * np.array([-1, 1])
         if not scale.logarithmic:
             limits = np.clip(limits, scale.low, scale.high)
-        low, high = map(scale.outside, limits)
-        estimates[name] = Estimate(value, errors[0], low, high, errors[1])
+        low, high = scale.outside(limits).tolist()
+        estimates[name] = Estimate(float(value), errors[0], low, high, errors[1])
     met = ends[0].searches
     reasons = []
     if hopeless and met < MET:

@@ -21,8 +21,6 @@ from .periods import RIVAL
 
 # Plausible distance of the numbers under a further law from those under the first
 NEAR = 0.1
-# Searches under a law that end equally far from a film that another law explains
-HOPELESS = 2
 # Rows of the motion by whose sliding the coefficients of laws are compared
 ROWS = 200
 
@@ -71,7 +69,8 @@ def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
 def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     """Return the law that explains a film best, and a sentence about the others.
 
-    They are compared by the likelihood of independent noise as large as the residuals.
+    They are compared by the likelihood of independent noise as large as the residuals. Of laws that
+    explain it equally well, one whose searches met is returned.
     """
     scores = {}
     for name, fit in fits.items():
@@ -84,6 +83,7 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     }
     equal = [name for name, less in behind.items() if less < RIVAL / 2]
     worse = ", ".join(f"{name} by {less:.3g}" for name, less in behind.items() if name != best)
+    best = next((name for name in equal if fits[name].converged), best)
     if len(equal) > 1:
         names = f"{', '.join(equal[:-1])} and {equal[-1]}"
         sentence = f"the film cannot decide between {names}, which explain it equally well"

@@ -38,7 +38,7 @@ class LogLikelihood:
     def __init__(self, observation: Observation):
         """Prepare the predictions, and keep the start and the unit of each free number."""
         self._observation = observation
-        observation.predicted.refine()
+        observation.refine()
         self.free = observation.free
         self.start = np.array([*observation.start().values()])
         self._units = np.array(observation.units)
@@ -84,8 +84,8 @@ class LogLikelihood:
         which = np.flatnonzero(~np.any(broken, axis=0))
         for first in range(0, len(which), BLOCK):
             some = which[first : first + BLOCK]
-            rows = [dict(zip(self.free, p, strict=True)) for p in points[some].tolist()]
-            found[some] = self._sums(observation.predictions(rows))
+            given = dict(zip(self.free, points[some].T, strict=True))
+            found[some] = self._sums(observation.predictions(given))
         return found
 
     def _sums(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -8,7 +8,7 @@ Symbols
     residuals (points, numbers), measured minus predicted, weighted
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -72,6 +72,8 @@ class Misfit:
             for group, seen in observation.groups.items()
         }
         self.rows = len(observation.t)
+        # Residuals, SI, of another scenario that explains the measurements
+        self.rival: Arrays = {}
         self.last: Any = (None,)  # the points that were read last, and what was found
 
     def residuals(self, points: np.ndarray, rows: int) -> np.ndarray:
@@ -82,7 +84,7 @@ class Misfit:
         """
         key = points.tobytes(), rows
         if self.last[0] != key:  # a minimiser wants values first, then slopes
-            found = self.read(self.observation, [self.space.values(p) for p in points], rows)
+            found = self.read(self.observation, self.space.values(points), rows)
             self.last = key, *found
         _, middle, worst = self.last
         return np.where(np.isfinite(middle), middle, worst)
@@ -105,8 +107,8 @@ class Misfit:
             move = step * np.eye(free)[i]
             sides = np.concatenate([points[p] + move, points[p] - move])
             sides = np.clip(sides, low + step / 2, high - step / 2)  # inside the bounds
-            moved = [self.space.values(side) for side in sides]
-            after, before = np.split(self.read(self.observation, moved, rows)[0], 2)
+            moved, _ = self.read(self.observation, self.space.values(sides), rows)
+            after, before = np.split(moved, 2)
             change = after - before
             second = after + before - 2 * middle[p]
             smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
@@ -121,7 +123,7 @@ class Misfit:
         return residuals, jacobians
 
     def read(
-        self, observation: Observation, points: Sequence[dict[str, float]], rows: int
+        self, observation: Observation, points: Arrays, rows: int
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals of the first rows, (points, numbers), and their substitutes, (numbers,).
 
@@ -137,11 +139,11 @@ class Misfit:
     def refine(self) -> None:
         """Let predictions have the tolerance of the scenario, rather than a coarser one."""
         self.last = (None,)
-        self.observation.predicted.refine()
+        self.observation.refine()
 
     def left(self, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
         """Return the residuals at a point, SI, and their root mean squares, by group."""
-        found = self.observation.predictions([self.space.values(point)])
+        found = self.observation.predictions(self.space.values(point))
         parts = {group: off[0] for group, off in found.items()}
         return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
 
@@ -162,6 +164,17 @@ class Misfit:
         most = max(self.weights[group] * size for group, size in self.rounding.items())
         squares = float((weight * residuals**2).sum())
         return squares / max(float(weight.sum()) - free, 1.0) + len(residuals) * most**2
+
+    def excess(self, cost: float, rows: int | None = None) -> float:
+        """Return by how many variances of the rival's noise a cost is larger than the rival's.
+
+        Both are costs of the first rows, or of all. NaN without a rival.
+        """
+        if not self.rival:
+            return np.nan
+        squares = np.hstack([(self.weights[g] * off) ** 2 for g, off in self.rival.items()])
+        variance = np.nansum(squares) / self.observation.count
+        return float((cost - np.nansum(squares[:rows])) / variance)
 
     def size(self, residuals: np.ndarray) -> float:
         """Return the residual beyond which a robust loss grows more slowly: the median size."""

@@ -8,6 +8,7 @@ free numbers. A group is a kind of measurement, such as `theta`, `axis` or `acce
 from __future__ import annotations
 
 import copy
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from ..scenario import build
 from .headers import CAMERA, UNITS
 from .motion import angle_in_picture, convention_of, motion, place_of, theta_of, turned
 from .motion_table import read as read_table
-from .predictions import ACCELEROMETER, Predictions, at_chip
+from .predictions import ACCELEROMETER, TOLERANCE, at_chip, columns_at, followed
 from .residuals import residuals
 from .scales import FAR, Space, scale_of
 
@@ -143,7 +144,7 @@ class Observation:
         """Return the same measurements under another scenario, whose numbers are not free."""
         other = copy.copy(self)
         other._predict(problem, ())
-        other.predicted.refine()
+        other.refine()
         return other
 
     def tables(self, values: Mapping[str, float]) -> PlainData:
@@ -166,7 +167,14 @@ class Observation:
             )
         self.problem = problem
         self.own = tuple(own)
-        self.predicted = Predictions(problem, own)
+        self.exact = followed(problem, own)
+        self.predicted = dataclasses.replace(
+            self.exact, tolerance=max(TOLERANCE, problem.tolerance)
+        )
+
+    def refine(self) -> None:
+        """Predict with the tolerance of the scenario from now on, rather than a coarser one."""
+        self.predicted = self.exact
 
     def rule(self, name: str) -> Number:
         """Return the `Number` of a free number: its unit and interval."""
@@ -192,10 +200,11 @@ class Observation:
         rules = map(self.rule, begin)
         return Space(begin, [*map(scale_of, rules, begin.values(), self.units)], within)
 
-    def predictions(self, points: Sequence[dict[str, float]], rows: slice = slice(None)) -> Arrays:
+    def predictions(self, points: Mapping[str, Any], rows: slice = slice(None)) -> Arrays:
         """Compute the residuals of each group, (points, rows, parts), SI.
 
-        They are NaN in gaps, and where the motion cannot be computed.
+        They are NaN in gaps, and where the motion cannot be computed. `points` are values of the
+        free numbers, SI, (points,) by name, or one of each.
         """
         read = self._read(points, self.t[rows])
         return {
@@ -210,20 +219,21 @@ class Observation:
         """
         return _drawn(self.groups)
 
-    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, Arrays]:
+    def curves(self, values: Mapping[str, float]) -> tuple[np.ndarray, Arrays]:
         """Return predictions as a figure shows them: times [s], and curves by group.
 
         The times are evenly spread over those of the measurements, which `dots` returns.
         """
         t = np.linspace(self.t[0], self.t[-1], DRAWN)
-        read = self._read([values], t)
+        read = self._read(values, t)
         return t, _drawn({group: self._predicted_rows(group, read)[0] for group in self.groups})
 
-    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray) -> Arrays:
-        """Return columns (points, rows, ...) by name, SI, at times t (points, rows) [s]."""
-        own = {name: np.array([values[name] for values in points]) for name in self.own}
-        clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points])
-        return self.predicted.read(own, clock, self.columns)
+    def _read(self, points: Mapping[str, Any], t: np.ndarray) -> Arrays:
+        """Return columns (points, rows, ...) by name, SI, at times t (rows,) of the table [s]."""
+        own = {name: np.atleast_1d(points[name]) for name in self.own}
+        scale, offset = np.atleast_1d(points.get(CLOCK, 1.0), points.get(OFFSET, 0.0))
+        clock = scale[:, None] * t + offset[:, None]
+        return columns_at(self.predicted, own, clock, self.columns)
 
     def _predicted_rows(self, group: str, read: Arrays) -> np.ndarray:
         """Return the predictions of a group, (points, rows, parts), from columns `read`."""

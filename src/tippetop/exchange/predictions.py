@@ -26,68 +26,52 @@ MOST_STEPS = 60.0
 ACCELEROMETER = ("accelerometer", "gyroscope", "turning")
 
 
-class Predictions:
-    """Motions of a scenario whose free numbers have given values.
+def followed(problem: Problem, free: Sequence[str]) -> Problem:
+    """Return a scenario whose motion goes through its end and, if it is smooth, through lift-off.
 
-    They go through the end that the scenario has, and those of smooth motion through lift-off.
+    Raises InputError if it lacks a number of a name in `free`, of which initial ones need no value,
+    or its motion is not one of doubles from a start.
+    """
+    refuse(problem, free)
+    changes: Any = {} if problem.system.is_hybrid else {"on_liftoff": "continue"}
+    return dataclasses.replace(problem, stop_when="until", **changes)
+
+
+def columns_at(
+    problem: Problem, points: Mapping[str, np.ndarray], times: np.ndarray, names: Collection[str]
+) -> Arrays:
+    """Return columns (points, rows) or (points, rows, parts), SI, by name.
+
+    They are NaN where a motion cannot be computed.
 
     Parameters
     ----------
     problem
-        The scenario.
-    free
-        Dotted names of the free numbers; an initial number that is not given is 0.
-
-    Raises
-    ------
-    InputError
-        If the problem has no number of a name, or its motion is not one of doubles from a start.
+        The scenario, see `followed`.
+    points
+        Values of the free numbers, (points,) each, SI.
+    times
+        (points, rows) [s], ascending.
+    names
+        Of the columns.
     """
-
-    def __init__(self, problem: Problem, free: Sequence[str]):
-        refuse(problem, free)
-        self.is_smooth = not problem.system.is_hybrid
-        changes: Any = {"on_liftoff": "continue"} if self.is_smooth else {}
-        self.exact = dataclasses.replace(problem, stop_when="until", **changes)
-        self.problem = dataclasses.replace(self.exact, tolerance=max(TOLERANCE, problem.tolerance))
-
-    def refine(self) -> None:
-        """Predict with the tolerance of the scenario from now on."""
-        self.problem = self.exact
-
-    def read(
-        self, points: Mapping[str, np.ndarray], times: np.ndarray, names: Collection[str]
-    ) -> Arrays:
-        """Return columns (points, rows) or (points, rows, parts), SI, by name.
-
-        They are NaN where a motion cannot be computed.
-
-        Parameters
-        ----------
-        points
-            Values of the free numbers, (points,) each, SI.
-        times
-            (points, rows) [s], ascending.
-        names
-            Of the columns.
-        """
-        if not points:
-            points = {"run.until": times[:, -1]}
-        known = {*names}
-        by_momentum = not self.is_smooth or "x" in self.problem.system.angles._fields
-        by_momentum &= "accelerometer" not in known and not known.isdisjoint(IN_BODY)
-        if by_momentum:
-            known = {"orientation", "L"} | (known - IN_BODY.keys())
-        turning = not known.isdisjoint({"orientation", *IN_BODY})
-        tops = Problems.vary(self.problem, points, turning)
-        most = int(MOST_STEPS * (1 + times.max() / self.problem.unit(SECOND)))
-        read = rows_at_times(tops, times, known, most=most)
-        if by_momentum:
-            q = read["orientation"]
-            inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))
-            read["gyroscope"] = in_body_axes(q, read["L"]) / inertia.T[:, None]
-            read["omega"] = turned(q, read["gyroscope"])
-        return read
+    if not points:
+        points = {"run.until": times[:, -1]}
+    known = {*names}
+    by_momentum = problem.system.is_hybrid or "x" in problem.system.angles._fields
+    by_momentum &= "accelerometer" not in known and not known.isdisjoint(IN_BODY)
+    if by_momentum:
+        known = {"orientation", "L"} | (known - IN_BODY.keys())
+    turning = not known.isdisjoint({"orientation", *IN_BODY})
+    tops = Problems.vary(problem, points, turning)
+    most = int(MOST_STEPS * (1 + times.max() / problem.unit(SECOND)))
+    read = rows_at_times(tops, times, known, most=most)
+    if by_momentum:
+        q = read["orientation"]
+        inertia = moments(tops.body(lambda number: np.broadcast_to(number, tops.n)))
+        read["gyroscope"] = in_body_axes(q, read["L"]) / inertia.T[:, None]
+        read["omega"] = turned(q, read["gyroscope"])
+    return read
 
 
 def at_chip(read: Arrays, chip: Sequence[float]) -> np.ndarray:

@@ -5,10 +5,11 @@ Free numbers in SI units go in, coordinates of order one come out, and back agai
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..columns import Arrays
 from ..mechanics.contact.surroundings import STEEPEST
 from ..mechanics.number import Number
 
@@ -46,13 +47,9 @@ class Scale(NamedTuple):
         """Return the coordinate of a value in SI units."""
         return float(np.log(value)) if self.logarithmic else value / self.size
 
-    def outside(self, inside: float) -> float:
-        """Return the value, SI, of a coordinate: the inverse of `inside`."""
-        return (
-            math.exp(min(max(inside, -600.0), 600.0))
-            if self.logarithmic
-            else float(inside * self.size)
-        )
+    def outside(self, inside: Any) -> Any:
+        """Return the values, SI, of coordinates: the inverse of `inside`."""
+        return np.exp(np.clip(inside, -600, 600)) if self.logarithmic else inside * self.size
 
     def slope(self, value: float) -> float:
         """Return d value/d coordinate at a value, SI."""
@@ -144,18 +141,18 @@ class Space:
         low, high = self.bounds
         return np.clip(points, low + MARGIN, high - MARGIN)
 
-    def values(self, point: np.ndarray) -> dict[str, float]:
-        """Return the numbers of a point (free,), SI, by name."""
-        u = self.origin + self.width * point
+    def values(self, points: np.ndarray) -> Arrays:
+        """Return the numbers of points (..., free), SI, (...) by name."""
+        u = np.moveaxis(self.origin + self.width * points, -1, 0)
         values = [s.outside(x) for s, x in zip(self.scales, u, strict=True)]
         for i, k, swept, azimuth in self.pairs:
-            vector = complex(u[i], u[k])
+            vector = u[i] + 1j * u[k]
             if azimuth is not None:
-                r = abs(vector)
-                turn = vector / r if r else 1.0
-                values[i], values[k] = r, azimuth + float(np.angle(turn))
+                r = np.abs(vector)
+                turn = np.angle(vector)
+                values[i], values[k] = r, azimuth + turn
             else:
-                vector /= turn
+                vector = vector * np.exp(-1j * turn)
                 values[i], values[k] = vector.real, vector.imag / (r if swept else 1)
         return dict(zip(self.names, values, strict=True))
 
@@ -165,6 +162,5 @@ class Space:
         The result is (values, coordinates), both in the order of the free numbers.
         """
         steps = STEP * np.eye(len(point))
-        sides = np.concatenate([point + steps, point - steps])
-        ahead, behind = np.split(np.array([[*self.values(p).values()] for p in sides]), 2)
-        return (ahead - behind).T / (2 * STEP)
+        ahead, behind = (np.array([*self.values(point + s).values()]) for s in (steps, -steps))
+        return (ahead - behind) / (2 * STEP)

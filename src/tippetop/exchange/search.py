@@ -41,6 +41,8 @@ COARSE = 0.3
 LOOK = 6
 # Growth of the variance from one window to the next, beyond which they are tried again
 SURPRISE = 1.1
+# Growth of the variance beyond which a window of twice the rows is reached by way of a shorter one
+LOST = 2.0
 # Variances of the noise by which a dropped point is worse than the best one
 WORSE = 60.0
 # Variances of the noise between points that are the same
@@ -151,8 +153,8 @@ def search(
     """Return minima over all of the data, best first, to which starts (starts, free) lead.
 
     The best one alone counts as an end of the search. A search whose residuals are much larger than
-    the stated noise before its last window is given up: it returns its best point, which does not
-    count.
+    the stated noise, or than those of the rival, before its last window is given up: it returns its
+    best point, which does not count.
 
     `progress`: called with the number of windows that are done."""
     rows = windows(misfit)
@@ -160,7 +162,10 @@ def search(
     most = HOPELESS / MEDIAN * max(stated)
     least = np.inf
     looking = True
-    for n, window in enumerate(rows):
+    reached = rows[0]
+    ahead = rows[::-1]
+    while ahead:
+        window = ahead.pop()
         last = window == rows[-1]
         residuals = misfit.residuals(points, window)
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
@@ -175,15 +180,20 @@ def search(
             best = minima[0]
             if before.cost - best.cost < best.variance:
                 break
+        is_far = len(best.residual) >= SURE and misfit.size(best.residual) > most
+        if not last and (is_far or misfit.excess(best.cost, window) > WORSE):
+            (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
+            cost = float((residual**2).sum())
+            return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
+        if best.variance > LOST * least and window >= 2 * reached > 2:
+            ahead += [window, (reached + window) // 2]
+            continue
         kept = [s for s in minima if s.cost < best.cost + WORSE * best.variance][:BEAM]
         points = np.array([s.point for s in kept])
         looking = window < LOOK * rows[0] or len(kept) > 1 or best.variance > SURPRISE * least
         least = min(least, best.variance)
-        progress(n + 1)
-        if not last and len(best.residual) >= SURE and misfit.size(best.residual) > most:
-            (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
-            cost = float((residual**2).sum())
-            return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
+        reached = window
+        progress(int(np.searchsorted(rows, window, "right")))
     return [best._replace(searches=1), *kept[1:]]
 
 

@@ -37,8 +37,9 @@ class Start(NamedTuple):
 
 
 def start_of(problem: Problem) -> Start:
-    """Return the start of a body on the plane, in any form."""
-    columns = columns_of(replace(problem, columns=None), np.zeros(1), problem.start()[None])
+    """Return the start of a body on the plane, in any form, whatever columns a run would have."""
+    problem = replace(problem, columns=None, orientation=True)
+    columns = columns_of(problem, np.zeros(1), problem.start()[None])
     names = ("place", "orientation", "velocity", "omega")
     place, q, velocity, w = (columns[name][0] for name in names)
     return Start(place, q, velocity, in_body_axes(q, w))
@@ -56,8 +57,7 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
         u = columns["axis"]
         L = columns["L"]
         inertia = contact.tip_inertia(body)
-        spin = (L * u).sum(axis=1)[:, None]
-        w = L / inertia + (1 / body.I3 - 1 / inertia) * spin * u
+        w = angular_velocity(u, L, body._replace(I1=inertia))
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
         rate = np.cross(w, u)
@@ -107,8 +107,8 @@ def attitude_of(motion: Arrays, body: Any) -> Any:
 def text_of(problem: Problem, to: str) -> str:
     """Return the text of the file in the format `to`: "mjcf", "urdf" or "sdf".
 
-    Raises InputError for a planar body whose contact never opens, for a surface that the format
-    cannot express, or without orientation.
+    Raises InputError for a planar body whose contact never opens, and for a surface that the
+    format cannot express.
     """
     planar = "axis" not in problem.system.vectors and problem.contact is None
     if planar or not hasattr(problem.body(), "outline"):
@@ -121,8 +121,6 @@ def text_of(problem: Problem, to: str) -> str:
             "SDF have spheres and ellipsoids, URDF has spheres."
         )
     require_still(problem.tables, "a body for a simulator", tilted=True)
-    if not problem.orientation:
-        raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](Model(problem))
 
 

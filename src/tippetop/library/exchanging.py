@@ -200,8 +200,9 @@ def fit(
         scenario has `plane.tilt`, a table [air], or a law with a disc. False: of a computed motion.
     laws : list of str or mappings, optional
         Friction laws under which the film is fitted, by name, or as tables `friction`: the one that
-        explains it best is returned, and `laws` has all of them. Free numbers that a law lacks are
-        left out.
+        explains it best is returned, and `laws` has all of them. Where one explains the film,
+        searches under the others begin there, and end soon. Free numbers that a law lacks are left
+        out.
     marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
         axes [m].
@@ -237,31 +238,27 @@ def fit(
         raise InputError(f"`within` must be greater than 0, and at most 1, but is {within}.")
     flag("systematic", systematic)
 
-    def fitted(problem: Problem, names: Sequence[str], within: float, hopeless: int) -> Fitted:
+    def fitted(problem: Problem, names: Sequence[str], rival: Fitted | None = None) -> Fitted:
         """Fit these numbers of a problem, with the other arguments of `fit`.
 
-        `hopeless` is the number of searches given up after which the others are left out.
+        `rival` is a fit under another law that explains the film.
         """
+        near = min(within, law_choice.NEAR) if rival else within
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
-            result = fitting.fit(observation, loss, starts, within, systematic, hopeless, report)
+            result = fitting.fit(observation, loss, starts, near, systematic, rival, report)
         return Fitted(**vars(result))
 
     if not laws:
-        return fitted(problem, names, within, fitting.MET)
+        return fitted(problem, names)
     until = float(read(path_of("data", data), wrapped=False, track=film.get("track")).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
     for law in sorted(every, key=lambda law: law != problem.law.key):
-        one = law_choice.under(problem, law, until)
+        rival = next((other for other in fits.values() if other.is_noise), None)
+        one = law_choice.under(rival.problem if rival else problem, law, until)
         known = [n for n in names if n in one.rules or not n.startswith("friction.")]
-        explained = any(other.is_noise for other in fits.values())
-        hopeless = law_choice.HOPELESS if explained else fitting.MET
-        found = fitted(one, known, within, hopeless)
-        if not fits:  # the others begin where this one ended
-            problem = found.problem
-            within = min(within, law_choice.NEAR)
-        fits[one.law.key] = found
+        fits[one.law.key] = fitted(one, known, rival)
     best, sentence = law_choice.verdict(fits)
     chosen = fits[best]
     return replace(chosen, reasons=[*chosen.reasons, sentence], laws=fits)

@@ -74,12 +74,12 @@ def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
     """
     if problem.precision != "double":
         raise InputError(
-            f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".'
+            '`run.precision` must be "double" for derivatives and fits, but is '
+            f'"{problem.precision}".'
         )
     if problem.origin is not None:
         raise InputError(
-            "`initial.from` must not be given for derivatives: the end of another run has none "
-            "here."
+            "`initial.from` must not be given for derivatives and fits, which begin at a start."
         )
     added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
     known = [key for key in problem.rules if not key.startswith("run.")]
