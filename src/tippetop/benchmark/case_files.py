@@ -19,7 +19,6 @@ from ..arguments import path_of
 from ..columns import flag_words
 from ..exchange.fit_result import toml_of
 from ..exchange.simulators import DIGITS, formats_of, gravity, rounded_to_digits, text_of
-from ..mechanics.contact.outline import Ball
 from ..problem import Problem
 from ..runs import phases
 from ..runs.run import Solution
@@ -248,7 +247,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             "balls": {
                 name: {"offset": ball.c, "radius": ball.R}
                 for name, ball in problem.balls.items()
-                if isinstance(ball.outline, Ball) and ball.R
+                if ball.R and not ball.outline
             },
             "outline": _outline(problem),
             "fixed_point": body.c if problem.contact is None else None,
@@ -269,7 +268,7 @@ def _outline(problem: Problem) -> dict[str, Any] | None:
     """Return the surface of a body without balls: an ellipsoid, or its name and numbers."""
     outline = problem.body().outline
     surface = surface_of(problem.body())
-    if isinstance(outline, Ball):
+    if not outline:
         return None
     if len(surface.meridian):
         return {"kind": type(outline).__name__.lower(), **outline._asdict()}

@@ -14,9 +14,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.body import Touch, Turning, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact.body import Touch, Turning, arm, by_axis, touching_ball
 from ..mechanics.contact.frame import Frame
-from ..mechanics.contact.outline import Ball, Spheroid
+from ..mechanics.contact.outline import Spheroid
 from ..mechanics.contact.surroundings import dotted_numbers, surrounded_body
 from ..mechanics.friction import Frictionless
 from ..mechanics.operand import Vector
@@ -92,8 +92,8 @@ class Surface(NamedTuple):
 
 def surface_of(b: Any) -> Surface:
     """Return the surface of a body."""
-    outline = shape_of(b)
-    if isinstance(outline, Ball):
+    outline = b.outline
+    if not outline:
         return Surface(np.array([0.0, 0.0, b.c]), np.full(3, b.R))
     if isinstance(outline, Spheroid):
         half = np.array([outline.b, outline.b, outline.a])

@@ -46,7 +46,6 @@ from .contact_phases import (
 )
 from .first_slip import first_directions, first_slip
 from .frame import Asymmetric
-from .outline import Ball
 from .response import (
     around_torque,
     bias_vector,
@@ -201,7 +200,7 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     """
     v = x.velocity.z
     highest = x.height  # the centre of mass stays above the plane; of a ball, less
-    if isinstance(b.outline, Ball):
+    if not b.outline:
         highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
     g = mean_gravity(b)
     if b.around and b.around.shake:

@@ -23,9 +23,8 @@ from functools import partial
 from typing import Any
 
 from ..form import Domain, Form, Integral, Phase
-from ..operand import cos, sin
 from ..units import ONE
-from .body import Moving, axis, by_axis, by_scalars, filled, touching_ball
+from .body import filled, touching, touching_ball
 from .surroundings import COPY, at_present, joined_values
 
 
@@ -50,34 +49,27 @@ def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
     return CLOCK if "vibration" in around else ()
 
 
-def in_motion(x: Moving, b: Any) -> Any:
-    """Return the body as it is in a common state: its touching ball, and present gravity."""
-    return by_axis(x.u, at_present(b, x.carried))
+def present(known: Any, b: Any) -> Any:
+    """Return the body as it is now: its touching ball, and gravity and place of a moving plane.
 
-
-def in_state(q: Any, b: Any) -> Any:
-    """Return the body as it is in a state of a form, by its axis or by theta."""
-    b = at_present(b, q)
-    if hasattr(q, "uz"):
-        return by_axis(axis(q), b)
-    s = sin(q.theta)
-    return touching_ball(cos(q.theta), s * s, b)
+    `known` is a common state, or the state of a form.
+    """
+    return touching(known, at_present(b, getattr(known, "carried", known)))
 
 
 def by_states(function: Callable) -> Callable:
-    """Return function(q, ..., b) with the last argument b replaced by the body in the state q."""
-    return lambda q, *more: function(q, *more[:-1], in_state(q, more[-1]))
+    """Return function(known, ..., b) with the last argument b replaced by `present(known, b)`."""
+    return lambda known, *more: function(known, *more[:-1], present(known, more[-1]))
 
 
 def in_scalars(record: Any) -> Any:
-    """Return a record whose formula(s, b) gets the body in the present state instead of b.
+    """Return a record whose formula(s, b) gets the body with its touching ball instead of b.
 
-    `record` is an Event, a Quantity or a Domain, s the record of scalars of the state: its z
-    determines the ball that touches. A body without an outline stays as it is.
+    `record` is an Event, a Quantity or a Domain, s the record of scalars of the state.
     """
     formula = record.formula
     changed = record._replace if isinstance(record, Domain) else partial(replace, record)
-    return changed(formula=lambda s, b: formula(s, by_scalars(s, b)))
+    return changed(formula=lambda s, b: formula(s, touching(s, b)))
 
 
 def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
@@ -122,7 +114,7 @@ def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
     def enter(x: Any, b: Any) -> Any:
         """Return the state of the phase that begins in the common state x."""
         copies = joined_values(form.units, x.carried)
-        return type(form.units)(*phase.enter(x, in_motion(x, b)), *copies)
+        return type(form.units)(*phase.enter(x, present(x, b)), *copies)
 
     return replace(
         phase,
@@ -140,4 +132,4 @@ def jump_by_states(jump: Callable) -> Callable:
     They are taken once, before the jump: the axis does not turn during a jump, or only in a phase
     that the jump begins.
     """
-    return lambda x, world: jump(x, world._replace(body=tuple(in_motion(x, b) for b in world.body)))
+    return lambda x, world: jump(x, world._replace(body=tuple(present(x, b) for b in world.body)))

@@ -50,7 +50,7 @@ from .body import (
     angular_velocity,
     arm,
     arm2,
-    as_sphere,
+    as_ball,
     axis_rate,
     by_body,
     gained,
@@ -108,9 +108,9 @@ def inverse_times(u, x, b, less):
 
 def bent_bias(x, b):
     """Return `own_bias` of a body with an outline, which adds omega x (c' z' (3hat - z zhat))."""
-    bends = b.outline.bend * axis_rate(x, b).z
+    bends = b.bend * axis_rate(x, b).z
     moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
-    return plus(own_bias(x, as_sphere(b)), cross(angular_velocity(x, b), moves))
+    return plus(own_bias(x, as_ball(b)), cross(angular_velocity(x, b), moves))
 
 
 @by_body(of_outline=bent_bias, of_frame=frame.bias_vector)

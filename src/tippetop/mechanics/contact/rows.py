@@ -134,7 +134,7 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 def ball_of(q, b):
     """Return the body as a `Touch` of the ball that touches, by R and c of a row."""
-    return contact.as_sphere(b, R=q.radius, c=q.offset)
+    return contact.as_ball(b)._replace(R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
