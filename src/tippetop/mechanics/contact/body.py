@@ -81,13 +81,18 @@ def seen_from_other(b: Touch) -> Touch:
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
+def is_outlined(b: Any) -> bool:
+    """Return whether a body is one of revolution with an outline, not a ball."""
+    return isinstance(b, Touch) and bool(b.outline)
+
+
 def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     """Return the body with R and c of the ball by which it touches the plane at z = cos(theta).
 
     The ball has the curvature of the outline there; a sphere is returned as it is. s2 is
     sin(theta)^2, of which 1 - z^2 would lose digits.
     """
-    if isinstance(b, Asymmetric) or not b.outline:
+    if not is_outlined(b):
         return b
     f = at(z, s2, b.outline.height)
     return b._replace(R=f.value - z * f.first, c=-f.first, bend=-f.second, height=f.value)
@@ -103,6 +108,8 @@ def touching(known: Any, b: Touch) -> Touch:
 
     The body is returned as it is if the record lacks its inclination.
     """
+    if not is_outlined(b):
+        return b
     if hasattr(known, "s2"):
         return touching_ball(known.z, known.s2, b)
     if hasattr(known, "u"):
@@ -128,7 +135,7 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
 
         def choose(b: Any) -> Callable:
             """Return the formula for a body."""
-            other = of_frame if isinstance(b, Asymmetric) else b.outline and of_outline
+            other = of_outline if is_outlined(b) else isinstance(b, Asymmetric) and of_frame
             return other or of_sphere
 
         return update_wrapper(select(choose), formula(of_sphere))
@@ -301,9 +308,7 @@ def gap(x, b):
     return x.height - height_of(x.u, b)
 
 
-@by_body(
-    of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm
-)
+@by_body(of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm)
 def arm(u, b):
     """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
 

@@ -239,21 +239,9 @@ def bias_vector(x, b):
     return in_space(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
 
 
-def rolling(x, b):
-    """Return omega' and the force of the plane on a body that rolls, (3,) each along its axes."""
+def reaction(x, b):
+    """Return the force of the plane on a body that rolls, (3,) [N]."""
     a = local_arm(x.u, b)
     more = swing(x, b)
     w = turning(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
-    return w, times(b.m, minus(cross(a, w), more))
-
-
-def resting(x, b):
-    """Return the force of the plane on a body that rolls, (3,) in space, and a zero torque."""
-    _, F = rolling(x, b)
-    return in_space(F, x.u), times(0, F)
-
-
-def rolling_torque(x, b):
-    """Return L' of a body that rolls, in space, (3,) [N m]."""
-    w, _ = rolling(x, b)
-    return in_space(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)
+    return in_space(times(b.m, minus(cross(a, w), more)), x.u)

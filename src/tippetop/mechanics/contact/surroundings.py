@@ -303,6 +303,8 @@ def pushing(velocity: Any, none: Any, b: Any) -> Vector:
     It is that by gravity and, seen from a table, by its turning; `none` is a zero of the type of
     the numbers, and the velocity is needed on a table only.
     """
+    if not b.around:
+        return Vector(none, none, none)
     x, y = b.around.slope or (none, none)
     if b.around.table:
         turn = b.around.table.omega
