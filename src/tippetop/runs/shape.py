@@ -134,7 +134,7 @@ def lies(attitude: np.ndarray, b: Any) -> Any:
 def lowest(attitude: np.ndarray, b: Any) -> np.ndarray:
     """Return the lowest point from the centre of mass in space, (n, 3) [m]; see `lies`."""
     u = lies(attitude, b)
-    return np.stack(arm(u, b if hasattr(b, "I2") else by_axis(u, b)), axis=1)
+    return np.stack(arm(u, by_axis(u, b)), axis=1)
 
 
 def angular_velocity(attitude: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:

@@ -41,8 +41,8 @@ from .outline import at
 class Touch(NamedTuple):
     """A body seen from one of its balls: the argument `b` of formulas. The arm is c 3hat - R zhat.
 
-    `Top.seen` makes it, or `seen_from_balls` for a body with a stem. In a body with an outline R, c,
-    bend and height are () until `touching_ball` fills them in.
+    `Top.seen` makes it, or `seen_from_balls` for a body with a stem. R, c, bend and height of a
+    body with an outline are () until `touching_ball` fills them in.
     """
 
     m: Operand  # [kg]
@@ -56,7 +56,7 @@ class Touch(NamedTuple):
     lever: Operand = ()
     outline: Any = ()  # shape of a body that is no ball, see `outline`
     bend: Operand = ()  # c'(z) of an outline
-    height: Operand = ()  # R - c z of an outline; the difference cancels where a disc is nearly flat
+    height: Operand = ()  # R - c z of an outline: as a difference it would lose digits
     around: Any = ()  # record of `surroundings`
 
 
@@ -135,8 +135,9 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
 
         def choose(b: Any) -> Callable:
             """Return the formula for a body."""
-            other = of_outline if is_outlined(b) else isinstance(b, Asymmetric) and of_frame
-            return other or of_sphere
+            if not getattr(b, "outline", ()):
+                return of_sphere
+            return (of_outline if isinstance(b, Touch) else of_frame) or of_sphere
 
         return update_wrapper(select(choose), formula(of_sphere))
 
@@ -293,7 +294,7 @@ def height(z, b):
     return b.R - b.c * z
 
 
-@by_body(of_frame=frame.height)
+@by_body(of_frame=lambda u, b: -frame.arm(u, b).z)
 def height_of(u, b):
     """Return the height of the centre of mass of a body on the plane [m]; u is 3hat, or a Frame."""
     return height(u.z, b)

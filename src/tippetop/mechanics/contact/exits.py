@@ -46,6 +46,7 @@ from .contact_phases import (
 )
 from .first_slip import first_directions, first_slip
 from .frame import Asymmetric
+from .present_body import present
 from .response import (
     bias_vector,
     cone,
@@ -57,7 +58,6 @@ from .response import (
     stopping,
     turning,
 )
-from .present_body import present
 from .surroundings import joined_values, mean_gravity
 
 

@@ -128,11 +128,6 @@ def up(u: Frame) -> Vector:
     return Vector(*(axis.z for axis in u.axes))
 
 
-def of_rates(w, b):
-    """Return I w, (3,) [kg m^2/s], the momentum of an angular velocity w; both along the axes."""
-    return Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
-
-
 def over(v: Vector, moments: Vector) -> Vector:
     """Return v divided by `moments`, component by component."""
     return Vector(v.x / moments.x, v.y / moments.y, v.z / moments.z)
@@ -158,14 +153,10 @@ def arm(u, b):
     return in_space(local_arm(u, b), u)
 
 
-def height(u, b):
-    """Return the height of the centre of mass of a body on the plane [m]: minus z of the arm."""
-    return -arm(u, b).z
-
-
 def momentum(omega, u, b):
     """Return L = I omega in space, (3,) [kg m^2/s]; omega in space too."""
-    return in_space(of_rates(along_axes(omega, u), b), u)
+    w = along_axes(omega, u)
+    return in_space(Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z), u)
 
 
 def angular_velocity(x, b):

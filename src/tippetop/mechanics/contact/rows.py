@@ -117,7 +117,7 @@ def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
 
 # --- scalars ------------------------------------------------------------------------------------
 
-MOTION = (
+FIELDS = (
     *contact.Kinematics._fields,
     "v_u",  # v_A.3hat of the horizontal part
     "v_n",  # (3hat x v_A).zhat
@@ -126,8 +126,8 @@ MOTION = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
+    *NUMBERS,
 )
-FIELDS = (*MOTION, *NUMBERS)
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 

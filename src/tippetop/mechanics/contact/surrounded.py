@@ -39,6 +39,9 @@ from .surroundings import rules_of, surrounded_body
 NO_OUTLOOK = "theory is that of a level plane at rest in still air: it predicts nothing here"
 
 
+NO_THEORY: dict[str, Any] = dict.fromkeys(("landscape", "potential", "borders", "motion"))
+"""Fields of a System that are for a body that always touches a level plane at rest."""
+
 LOSSES = {
     "work": "energy taken by friction and surroundings since the start",
     "jellett_lost": "Jellett's integral taken by torques since the start",
@@ -64,12 +67,9 @@ def in_surroundings(system: System, around: tuple[str, ...]) -> System:
         body=surrounded_body(system.body),
         body_units=lambda friction: body_units(units, friction),
         surroundings=rules,
-        landscape=None,
-        potential=None,
         momenta=(),
         outlook=disturbed,
-        borders=None,
-        motion=None,
+        **NO_THEORY,
     )
 
 
