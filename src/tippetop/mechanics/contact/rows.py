@@ -68,8 +68,9 @@ Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
 OF_BALL = ("radius", "offset", "stem_gap", "jellett_taken")
-OF_FRAME = {name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
-FRAME_UNITS = state(FRAME, **VELOCITY, **OF_FRAME)
+FRAME_UNITS = state(
+    FRAME, **VELOCITY, **{name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
+)
 """Of a body without an axis of symmetry."""
 
 

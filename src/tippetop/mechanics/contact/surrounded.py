@@ -94,11 +94,13 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
     form = system.forms["vector"]
     angles = filled(**system.angles._asdict(), work=JOULE)
     start = system.start
-    lies, of_rows = FRAME, OF_ROW
+    lies: tuple[str, ...] = FRAME
+    of_rows = OF_ROW
     if "ix" not in form.units._fields:
         angles = filled(**angles._asdict(), jellett_lost=JELLETT)
         start = start_of(angles)
-        lies, of_rows = AXIS, ROW
+        lies = AXIS
+        of_rows = ROW
     known = form_of(without_slip((), lies=lies), "roll", angles, of_rows)
 
     def changed(records: Any) -> Any:
