@@ -247,7 +247,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             "balls": {
                 name: {"offset": ball.c, "radius": ball.R}
                 for name, ball in problem.balls.items()
-                if ball.R and not ball.outline
+                if not ball.outline and ball.R
             },
             "outline": _outline(problem),
             "fixed_point": body.c if problem.contact is None else None,
