@@ -437,7 +437,7 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
             case.form.scalars(case.state, b),
         )
         yield "lambda'", rate, -np.sum(m.L * case.derivative().arm, axis=0)
-        bend = contact.by_scalars(s, b).outline.bend if len(b.outline) else 0.0
+        bend = contact.touching(s, b).bend if b.outline else 0.0
         yield "lambda' by the bend", rate, -bend * s.z_dot * (L3 - m.u[2] * m.L[2])
     if "routh" in case.formulas:
         yield "D", case.quantity("routh"), L3 * root_of_d(m.u[2], b)
@@ -467,7 +467,7 @@ def main_equation(case: Case) -> Pairs:
     rate = b.m * np.sum(arm_speed[:2] * change.v[:2], axis=0)
     yield "E~'", case.along(lambda x: case.quantity("modified_energy", x)), rate
     s = case.form.scalars(q, b)
-    b = contact.by_scalars(s, b)
+    b = contact.touching(s, b)
     v_u = np.sum(m.u[:2] * change.v[:2], axis=0)  # (dv_A/dt).3hat
     v_n = m.u[0] * change.v[1] - m.u[1] * change.v[0]  # (zhat x 3hat).dv_A/dt
     yield "E~' as a formula", contact.modified_energy_rate(v_u, v_n, s, b), rate

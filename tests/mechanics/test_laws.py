@@ -132,7 +132,7 @@ DECOMPOSITION = {
     ("rolling-disc", "vector"): 167,
     ("rolling-disc", "euler"): 134,
     ("ellipsoid", "vector"): 322,
-    ("rolling-ellipsoid", "vector"): 248,
+    ("rolling-ellipsoid", "vector"): 261,
 }
 
 

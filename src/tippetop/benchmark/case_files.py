@@ -19,7 +19,6 @@ from ..arguments import PlainData, path_of
 from ..columns import flag_words
 from ..exchange.fit_result import toml_of
 from ..exchange.simulators import DIGITS, formats_of, gravity, rounded_to_digits, text_of
-from ..mechanics.contact.outline import Ball
 from ..runs import phases
 from ..runs.run import Solution
 from ..runs.shape import moments, surface_of
@@ -261,7 +260,7 @@ def _description(
             "balls": {
                 name: {"offset": ball.c, "radius": ball.R}
                 for name, ball in problem.balls.items()
-                if isinstance(ball.outline, Ball) and ball.R
+                if not ball.outline and ball.R
             },
             "outline": _outline(body),
             "fixed_point": body.c if problem.contact is None else None,
@@ -288,7 +287,7 @@ def _outline(body: Any) -> PlainData | None:
     """
     outline = body.outline
     surface = surface_of(body)
-    if isinstance(outline, Ball):
+    if not outline:
         return None
     if len(surface.meridian):
         return {"kind": type(outline).__name__.lower(), **outline._asdict()}

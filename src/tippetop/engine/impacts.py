@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Moving, Touch, as_ball, velocities
+from ..mechanics.contact.body import Moving, Touch, alone, velocities
 from ..mechanics.contact.frame import Asymmetric, Frame
 from ..mechanics.contact.impact_motion import CLOCK_RATE
 from ..mechanics.contact.response import work_of
@@ -132,7 +132,7 @@ class ImpactMotions:
         lies: Any = Frame if isinstance(body, Asymmetric) else Vector
         if lies is Vector:
             body = Touch(*(1.0,) * 6, law._make(law._fields))
-        self.pattern = lies(*(1.0,) * len(lies._fields)), refill(as_ball(body), repeat(1.0))
+        self.pattern = lies(*(1.0,) * len(lies._fields)), refill(alone(body), repeat(1.0))
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
@@ -204,7 +204,7 @@ class ImpactMotions:
         self.follow = piece or self.piece
         self.left = MOST_STEPS
         self.mode = "slip"
-        b = as_ball(b)  # which stays within an impact
+        b = alone(b)  # which stays within an impact
         (v, omega), none = velocities(x, b), 0 * x.height
         slip = v._replace(z=b.friction.patch * omega.z if self.law.regions else none)
         speed = unit_of(*v, slip.z)

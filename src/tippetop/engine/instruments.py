@@ -6,7 +6,7 @@ States of tops go in, values by name come out; `ensembles.rows_at_times` calls i
 import numpy as np
 
 from ..columns import Arrays
-from ..mechanics.contact.body import Touch, by_scalars, height
+from ..mechanics.contact.body import height, touching
 from ..mechanics.operand import Vector, cross, dot, minus, plus, times
 from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
 from ..problem import Problems
@@ -51,11 +51,11 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     omega = plus(cross(third, moves[2]), times(own.z, third))
     if not hasattr(carried, "x"):  # on a fixed tip
         place = times(-body.c, third)
-    elif isinstance(body, Touch):
-        y = getattr(carried, "y", 0 * carried.x)  # a planar motion has none
-        place = Vector(carried.x, y, height(scalars.z, by_scalars(scalars, body)))
     else:
-        place = Vector(carried.x, carried.y, scalars.height)
+        y = getattr(carried, "y", 0 * carried.x)  # a planar motion has none
+        by_row = hasattr(scalars, "height")
+        z = scalars.height if by_row else height(scalars.z, touching(scalars, body))
+        place = Vector(carried.x, y, z)
     x, y = (getattr(body, "around", ()) and body.around.slope) or (0.0, 0.0)
     force = minus(_rates(_rates(place)), Vector(x, y, -body.g))
     felt = (dot(axis, force) for axis in axes)

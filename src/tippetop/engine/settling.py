@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import Arrays
-from ..mechanics.contact.body import BALLS, Touch, by_scalars
+from ..mechanics.contact.body import BALLS, Touch, touching
 from ..mechanics.contact.contact_phases import PHASES
 from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.system import System
@@ -70,7 +70,7 @@ def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
             problems.variables.split(states.astype(float))[0], body
         )
         v2 = getattr(scalars, "v2", 0.0)  # a tip that is held has none
-        body = by_scalars(scalars, body)
+        body = touching(scalars, body)
         fast = v2 > SLIDES**2 * body.g * (body.R + np.abs(body.c))
     return np.broadcast_to(fast, states.shape[1])
 

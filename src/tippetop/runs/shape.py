@@ -14,9 +14,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.body import Touch, Turning, arm, by_axis, shape_of, touching_ball
+from ..mechanics.contact.body import Touch, Turning, arm, by_axis, touching_ball
 from ..mechanics.contact.frame import Frame
-from ..mechanics.contact.outline import Ball, Spheroid
+from ..mechanics.contact.outline import Spheroid
 from ..mechanics.contact.surroundings import dotted_numbers, surrounded_body
 from ..mechanics.friction import Frictionless
 from ..mechanics.operand import Vector
@@ -96,8 +96,8 @@ def surface_of(b: Any) -> Surface:
     Rows of a meridian are equal steps of the normal: `lowest` in `views/page/motion.js` finds a row
     by its number, without the points of the axis before and after.
     """
-    outline = shape_of(b)
-    if isinstance(outline, Ball):
+    outline = b.outline
+    if not outline:
         return Surface(np.array([0.0, 0.0, b.c]), np.full(3, b.R))
     if isinstance(outline, Spheroid):
         half = np.array([outline.b, outline.b, outline.a])
@@ -138,7 +138,7 @@ def lies(attitude: np.ndarray, b: Any) -> Any:
 def lowest(attitude: np.ndarray, b: Any) -> np.ndarray:
     """Return the lowest point from the centre of mass in space, (n, 3) [m]; see `lies`."""
     u = lies(attitude, b)
-    return np.stack(arm(u, b if hasattr(b, "I2") else by_axis(u, b)), axis=1)
+    return np.stack(arm(u, by_axis(u, b)), axis=1)
 
 
 def angular_velocity(attitude: np.ndarray, L: np.ndarray, b: Any) -> np.ndarray:

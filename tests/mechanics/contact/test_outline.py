@@ -12,7 +12,7 @@ from refusals import refusal
 from scipy.integrate import quad
 
 import tippetop as tt
-from tippetop.mechanics.contact.body import Bent, height, touching_ball
+from tippetop.mechanics.contact.body import Touch, height, touching_ball
 from tippetop.mechanics.contact.outline import Rim, Spheroid, at, root, shape_by
 from tippetop.mechanics.friction import Frictionless, Viscous
 from tippetop.mechanics.operand import Vector
@@ -39,12 +39,12 @@ Z = np.linspace(-0.99, 0.99, 68)
 STILL = {"at_pole": 0.0, "theta": 1.0, "phi_dot": 0.0}
 
 
-def body(shape: Any, **numbers: float) -> Bent:
+def body(shape: Any, **numbers: float) -> Touch:
     numbers = {"m": 1.0, "I1": 0.3, "I3": 0.4, "g": 1.0} | numbers
-    return Bent(R=(), c=(), friction=Frictionless(), outline=shape, **numbers)
+    return Touch(R=(), c=(), friction=Frictionless(), outline=shape, **numbers)
 
 
-def ball(z: Any, shape: Any) -> Bent:
+def ball(z: Any, shape: Any) -> Touch:
     return touching_ball(z, (1 - z) * (1 + z), body(shape))
 
 
@@ -106,19 +106,19 @@ def test_the_ball_changes_by_its_bend(shape: Any) -> None:
     """R' = z c', c' is the bend; both radii of curvature are positive."""
     b, ahead = ball(Z, shape), ball(Z + 1j * STEP, shape)
     for expected, found in (
-        (np.imag(ahead.c) / STEP, b.outline.bend),
-        (np.imag(ahead.R) / STEP, Z * b.outline.bend),
-        (np.imag(ahead.outline.bend) / STEP, -at(Z, (1 - Z) * (1 + Z), shape.height).parts[3]),
+        (np.imag(ahead.c) / STEP, b.bend),
+        (np.imag(ahead.R) / STEP, Z * b.bend),
+        (np.imag(ahead.bend) / STEP, -at(Z, (1 - Z) * (1 + Z), shape.height).parts[3]),
     ):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
     assert (b.R > 0).all()
-    assert (b.R - b.outline.bend * (1 - Z * Z) > -1e-12).all()
+    assert (b.R - b.bend * (1 - Z * Z) > -1e-12).all()
 
 
 def test_a_rim_of_a_point_and_a_round_spheroid_are_balls() -> None:
     for shape in (Rim(0.0, 2.0, 0.5), Spheroid(2.0, 2.0, 0.5)):
         b = ball(Z, shape)
-        np.testing.assert_allclose([b.R, b.c, b.outline.bend], [[2.0] * 68, [0.5] * 68, [0.0] * 68])
+        np.testing.assert_allclose([b.R, b.c, b.bend], [[2.0] * 68, [0.5] * 68, [0.0] * 68])
 
 
 @pytest.mark.parametrize("inverted", [False, True])

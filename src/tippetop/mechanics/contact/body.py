@@ -35,14 +35,14 @@ from ..units import (
 )
 from . import frame
 from .frame import Asymmetric, Frame
-from .outline import Ball, Place, at
+from .outline import at
 
 
 class Touch(NamedTuple):
     """A body seen from one of its balls: the argument `b` of formulas. The arm is c 3hat - R zhat.
 
-    `Top.seen` makes it, or `seen_from_balls` for a body with a stem. R and c are () in a body with
-    an outline, until `touching_ball` fills them in.
+    `Top.seen` makes it, or `seen_from_balls` for a body with a stem. R, c, bend and height of a
+    body with an outline are () until `touching_ball` fills them in.
     """
 
     m: Operand  # [kg]
@@ -54,14 +54,10 @@ class Touch(NamedTuple):
     friction: Any  # record of a law
     clearance: Operand = ()  # the other ball touches where this + lever cos(theta) = 0; (): none
     lever: Operand = ()
-    outline: Any = Ball()
+    outline: Any = ()  # shape of a body that is no ball, see `outline`
+    bend: Operand = ()  # c'(z) of an outline
+    height: Operand = ()  # R - c z of an outline: as a difference it would lose digits
     around: Any = ()  # record of `surroundings`
-
-
-class Bent(Touch):
-    """A body with an outline: a `Touch` whose touching ball depends on the inclination."""
-
-    __slots__ = ()
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
@@ -85,23 +81,21 @@ def seen_from_other(b: Touch) -> Touch:
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
+def is_outlined(b: Any) -> bool:
+    """Return whether a body is one of revolution with an outline, not a ball."""
+    return isinstance(b, Touch) and bool(b.outline)
+
+
 def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     """Return the body with R and c of the ball by which it touches the plane at z = cos(theta).
 
     The ball has the curvature of the outline there; a sphere is returned as it is. s2 is
     sin(theta)^2, of which 1 - z^2 would lose digits.
     """
-    if not isinstance(b, Bent):
+    if not is_outlined(b):
         return b
-    shape = shape_of(b)
-    f = at(z, s2, shape.height)
-    place = Place(shape, -f.second, f.value)
-    return b._replace(R=f.value - z * f.first, c=-f.first, outline=place)
-
-
-def shape_of(b: Touch) -> Any:
-    """Return the outline of a body: `Ball()` or its shape, also where it is in a `Place`."""
-    return getattr(b.outline, "shape", b.outline)
+    f = at(z, s2, b.outline.height)
+    return b._replace(R=f.value - z * f.first, c=-f.first, bend=-f.second, height=f.value)
 
 
 def by_axis(u: Any, b: Touch) -> Touch:
@@ -109,42 +103,56 @@ def by_axis(u: Any, b: Touch) -> Touch:
     return touching_ball(u.z, u.x * u.x + u.y * u.y, b)
 
 
-def by_scalars(s: Any, b: Touch) -> Touch:
-    """Return `touching_ball` of a body at the scalars s; the body as it is if they lack s2."""
-    return touching_ball(s.z, s.s2, b) if hasattr(s, "s2") else b
+def touching(known: Any, b: Touch) -> Touch:
+    """Return `touching_ball` of a body in a motion: scalars, a common state or the state of a form.
+
+    The body is returned as it is if the record lacks its inclination.
+    """
+    if not is_outlined(b):
+        return b
+    if hasattr(known, "s2"):
+        return touching_ball(known.z, known.s2, b)
+    if hasattr(known, "u"):
+        return by_axis(known.u, b)
+    if hasattr(known, "ux"):
+        return by_axis(axis(known), b)
+    if hasattr(known, "theta"):
+        s = sin(known.theta)
+        return touching_ball(cos(known.theta), s * s, b)
+    return b
 
 
 def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
     """Return a decorator: the formula of a sphere, which other bodies replace by their own.
 
-    The decorated formula is used for a `Touch`, `of_outline` for a `Bent`, `of_frame` for an
-    `Asymmetric` body; one that is missing is the same as of a sphere. All have the same arguments.
+    The decorated formula is used for a sphere, `of_outline` for a `Touch` with an outline,
+    `of_frame` for an `Asymmetric` body; one that is missing is the same as of a sphere. All have
+    the same arguments.
     """
-    others = {Bent: of_outline, Asymmetric: of_frame}
 
     def chosen(of_sphere: Callable) -> Any:
         """Return the function that chooses among the three."""
-        by_type = select(lambda body: others.get(type(body)) or of_sphere)
-        return update_wrapper(by_type, formula(of_sphere))
+
+        def choose(b: Any) -> Callable:
+            """Return the formula for a body."""
+            if not getattr(b, "outline", ()):
+                return of_sphere
+            return (of_outline if isinstance(b, Touch) else of_frame) or of_sphere
+
+        return update_wrapper(select(choose), formula(of_sphere))
 
     return chosen
 
 
-def as_sphere(b: Touch, **numbers: Any) -> Touch:
-    """Return a body with an outline as a plain `Touch` of the ball by which it touches.
-
-    `numbers` replace fields, such as R and c.
-    """
-    return Touch._make(b._replace(**numbers))
+def as_ball(b: Touch) -> Touch:
+    """Return a body with an outline as the ball by which it touches."""
+    return b._replace(outline=(), bend=(), height=())
 
 
-def as_ball(b: Any) -> Any:
-    """Return the body as impacts take it: without its other ball and surroundings.
-
-    A body with an outline becomes the ball by which it touches.
-    """
+def alone(b: Any) -> Any:
+    """Return the body as impacts take it: without its other ball, its outline and surroundings."""
     b = b._replace(clearance=(), lever=(), around=())
-    return b if isinstance(b, Asymmetric) else as_sphere(b, outline=Ball())
+    return b if isinstance(b, Asymmetric) else as_ball(b)
 
 
 def size(b: Any) -> Any:
@@ -152,7 +160,7 @@ def size(b: Any) -> Any:
 
     Of a ball it is max(R, |c|), so that a tip, R = 0, has one too.
     """
-    return max(b.R, abs(b.c)) if isinstance(b.outline, Ball) else shape_of(b).size
+    return b.outline.size if b.outline else max(b.R, abs(b.c))
 
 
 class Top(Record, abstract=True):
@@ -166,7 +174,7 @@ class Top(Record, abstract=True):
     resting: ClassVar[str]
 
     def seen(self, friction: Any) -> Any:
-        """Return the body as the `b` of formulas: a `Touch`, `Bent` or `Asymmetric`.
+        """Return the body as the `b` of formulas: a `Touch` or `Asymmetric`.
 
         `friction` is the record of a friction law.
         """
@@ -277,7 +285,7 @@ def gained(x: Moving, **integrals: Any) -> Moving:
 # --- geometry and velocities --------------------------------------------------------------------
 
 
-@by_body(of_outline=lambda z, b: b.outline.height)
+@by_body(of_outline=lambda z, b: b.height)
 def height(z, b):
     """Return the height of the centre of mass of a body on the plane, s_z = R - c z [m].
 
@@ -286,7 +294,7 @@ def height(z, b):
     return b.R - b.c * z
 
 
-@by_body(of_frame=frame.height)
+@by_body(of_frame=lambda u, b: -frame.arm(u, b).z)
 def height_of(u, b):
     """Return the height of the centre of mass of a body on the plane [m]; u is 3hat, or a Frame."""
     return height(u.z, b)
@@ -301,9 +309,7 @@ def gap(x, b):
     return x.height - height_of(x.u, b)
 
 
-@by_body(
-    of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.outline.height), of_frame=frame.arm
-)
+@by_body(of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm)
 def arm(u, b):
     """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
 
@@ -513,7 +519,7 @@ def contact_mobility(s, b):
     return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b) - height(s.z, b) * slip)
 
 
-@by_body(of_outline=lambda z_dot, b: b.g - b.outline.bend * (z_dot * z_dot))
+@by_body(of_outline=lambda z_dot, b: b.g - b.bend * (z_dot * z_dot))
 def pull(z_dot, b):
     """Return g - c' z'^2 [m/s^2]: gravity, less that by which an outline's ball changes."""
     return b.g
@@ -557,7 +563,7 @@ def push_u(s, b):
 def bent_bias_n(s, b):
     """Return `bias_n` of a body with an outline: that of a sphere, and more by the bend c'(z)."""
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
-    return bias_n(s, as_sphere(b)) + b.outline.bend * (s.z_dot * s.s2 * turn)
+    return bias_n(s, as_ball(b)) + b.bend * (s.z_dot * s.s2 * turn)
 
 
 @by_body(of_outline=bent_bias_n)

@@ -51,7 +51,6 @@ from .body import (
     state,
 )
 from .body_axes import carried_along
-from .frame import rolling_torque
 from .gliding import VectorState, axis, axis_rate, turning
 from .integrals import integral, place
 from .response import (
@@ -152,8 +151,7 @@ def on_ball(
         """Return the rates of a state q: 3hat', L' = a x F + torque, and `changes` of v_A."""
         by = acts(q, b)
         turn = plus(cross(arm(axis(q), b), by.force), by.torque)
-        if b.around:
-            turn = plus(turn, around_torque(turning(q), b))
+        turn = plus(turn, around_torque(turning(q), b))
         G = contact_acceleration(in_place(q, b), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
@@ -175,13 +173,12 @@ def on_ball(
         """Return the power that friction and surroundings take [W], the rate of `work`."""
         by = acts(q, b)
         power = by.drilled - dot(by.force, by.velocity)
-        return power + surroundings_power(leave(q, b), b) if b.around else power
+        return power + surroundings_power(leave(q, b), b)
 
     def jellett_lost(q, carried, b):
         """Return the rate at which torques take Jellett's integral [kg m^3/s^2]."""
         by = acts(q, b)
-        torque = plus(by.torque, around_torque(turning(q), b)) if b.around else by.torque
-        return dot(torque, arm(axis(q), b))
+        return dot(plus(by.torque, around_torque(turning(q), b)), arm(axis(q), b))
 
     integrals = (
         *place(lambda q, carried, b: leave(q, b).velocity),
@@ -239,11 +236,9 @@ def free_rates(q, b):
     3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat; surroundings add torque and push.
     """
     still = 0 * q.uz
-    torque = push = Vector(still, still, still)
-    if b.around:
-        push = pushing(moving(q).velocity, still, b)
-        torque = around_torque(turning(q), b)
-    return *axis_rate(q, b), *torque, push.x, push.y, still - b.g, q.rz_dot
+    x = moving(q)
+    push = pushing(x.velocity, still, b)
+    return *axis_rate(q, b), *around_torque(x, b), push.x, push.y, still - b.g, q.rz_dot
 
 
 def flight(lies: tuple[str, ...] = AXIS, surrounded: bool = False) -> Phase:
@@ -315,19 +310,7 @@ def without_slip(events: tuple, holds: Callable = resting, lies: tuple[str, ...]
     orientation.
     """
     forces = lambda x, q, b: holds(x, b)  # noqa: E731
-    phase = on_ball(state(lies), events, forces, zero_vector, lambda v: (), lambda q, G: ())
-    if lies is AXIS:
-        return phase
-
-    general = phase.form.rates
-
-    def rates(q, b):  # fewer products than a x F
-        """Return the rates of a body without an axis of symmetry, with fewer products."""
-        if b.around:
-            return general(q, b)
-        return type(phase.form.units)(*axis_rate(q, b), *rolling_torque(turning(q), b))
-
-    return replace(phase, forms=replace(phase.form, rates=rates))
+    return on_ball(state(lies), events, forces, zero_vector, lambda v: (), lambda q, G: ())
 
 
 CONE = ending(
@@ -618,8 +601,7 @@ def slide_on_both(law: Any, *names: str) -> Phase:
         The axis keeps its inclination, z'' = 0.
         """
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
-        if b.around:
-            swing = swing - cross(around_torque(x, b), x.u).z
+        swing = swing - cross(around_torque(x, b), x.u).z
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
     return replace(with_slip((*LEAVES, *ends_of(law, names)), pushed), axis_stays=True)

@@ -46,9 +46,8 @@ from .contact_phases import (
 )
 from .first_slip import first_directions, first_slip
 from .frame import Asymmetric
-from .outline import Ball
+from .present_body import present
 from .response import (
-    around_torque,
     bias_vector,
     cone,
     direction,
@@ -185,7 +184,7 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str, others: int = 
     roots = {}
     for k in touching(x, world):
         count = zeros if k == ball else others
-        while count < 4 and (rate := gap_rate(x, world.body[k], count)) == 0:
+        while count < 4 and (rate := gap_rate(x, world, k, count)) == 0:
             count += 1
         if count == 4 or rate < 0:
             return ended(x, ball, cause, "stalled", NO_WAY)
@@ -201,7 +200,7 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     """
     v = x.velocity.z
     highest = x.height  # the centre of mass stays above the plane; of a ball, less
-    if isinstance(b.outline, Ball):
+    if not b.outline:
         highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
     g = mean_gravity(b)
     if b.around and b.around.shake:
@@ -212,34 +211,27 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     return (v + sqrt(v * v + 2 * g * highest)) / g * (1 + 1e-6)
 
 
-def gap_rate(x: Moving, b: Any, order: int) -> Any:
+def gap_rate(x: Moving, world: Any, ball: int, order: int) -> Any:
     """Return the first, second or third time derivative of the gap of a ball in flight.
 
     The second is the vertical acceleration of the contact point without a force there; the third
     is its central difference over `DIFFERENCE`, of which the sign alone is exact.
     """
+    b = world.body[ball]
     if order == 1:
         return rise(x, b)
     if order == 2:
         return bias_vector(x, b).z
+    flight = world.phases[phase_name("flight", ball)]
+    _, _, series = with_constant_rates(x, world, flight)
 
     def gap_acceleration(time: float) -> Any:
-        """Return the acceleration of the gap after a short time.
+        """Return the acceleration of the gap after a short time."""
+        q, carried = series(time)
+        later = flight.leave(q, b)._replace(carried=carried)
+        return bias_vector(later, present(later, b)).z
 
-        It does not depend on the velocity.
-        """
-        u = moved(x.u, contact.axis_rate(x, b), time)
-        L = moved(x.L, around_torque(x, b), time) if b.around else x.L
-        body = contact.by_axis(u, b)
-        if b.around and b.around.shake:
-            _, c, s, rate = b.around.shake
-            known = x.carried
-            turns = s * known.clock_cos - c * known.clock_sin
-            body = body._replace(g=b.g + time * rate * turns)
-        return bias_vector(x._replace(u=u, L=L), body).z
-
-    later = gap_acceleration(DIFFERENCE)
-    return (later - gap_acceleration(-DIFFERENCE)) / (2 * DIFFERENCE)
+    return (gap_acceleration(DIFFERENCE) - gap_acceleration(-DIFFERENCE)) / (2 * DIFFERENCE)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
@@ -381,9 +373,18 @@ def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]
     return rates.w, rates.beta, phase.reaction(q, b).force.z
 
 
-def moved(record: Any, rates: Any, time: Any) -> Any:
-    """Return a record after a short time, each field being value + time rate."""
-    return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
+def with_constant_rates(x: Moving, world: Any, phase: Phase) -> tuple[Any, Any, Callable]:
+    """Return the state of a phase at x, its rates, and series(t) with constant rates, of a Next."""
+    b = world.body[phase.ball]
+    q = phase.enter(x, b)
+    rates = phase.form.rates(q, b)
+    carried = world.rates(phase, q, x.carried)
+
+    def moved(record: Any, rates: Any, time: Any) -> Any:
+        """Return a record after a short time, each field being value + time rate."""
+        return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
+
+    return q, rates, lambda t: (moved(q, rates, t), moved(x.carried, carried, t))
 
 
 def eighty_bits(value: Any) -> Any:
@@ -560,18 +561,10 @@ def stick(x: Moving, world: Any) -> Next:
     decides what follows.
     """
     phase = world.phase
-    b = world.body[world.phase.ball]
-    q = phase.enter(x, b)
-    rates = phase.form.rates(q, b)
-    carried = world.rates(phase, q, x.carried)
+    q, rates, series = with_constant_rates(x, world, phase)
     delay = -q.w / rates.w
-
-    def series(t: Any) -> tuple[Any, Any]:
-        """Return the state and integrals at a time since now, with constant rates."""
-        return moved(q, rates, t), moved(x.carried, carried, t)
-
     q_end, carried_end = series(delay)
-    x = phase.leave(q_end, b)._replace(carried=carried_end)
+    x = phase.leave(q_end, world.body[phase.ball])._replace(carried=carried_end)
     return Next(phase_name("slip", phase.ball), x, "", delay, series, lasts=0)
 
 

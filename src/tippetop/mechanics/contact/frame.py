@@ -128,11 +128,6 @@ def up(u: Frame) -> Vector:
     return Vector(*(axis.z for axis in u.axes))
 
 
-def of_rates(w, b):
-    """Return I w, (3,) [kg m^2/s], the momentum of an angular velocity w; both along the axes."""
-    return Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z)
-
-
 def over(v: Vector, moments: Vector) -> Vector:
     """Return v divided by `moments`, component by component."""
     return Vector(v.x / moments.x, v.y / moments.y, v.z / moments.z)
@@ -158,14 +153,10 @@ def arm(u, b):
     return in_space(local_arm(u, b), u)
 
 
-def height(u, b):
-    """Return the height of the centre of mass of a body on the plane [m]: minus z of the arm."""
-    return -arm(u, b).z
-
-
 def momentum(omega, u, b):
     """Return L = I omega in space, (3,) [kg m^2/s]; omega in space too."""
-    return in_space(of_rates(along_axes(omega, u), b), u)
+    w = along_axes(omega, u)
+    return in_space(Vector(b.I1 * w.x, b.I2 * w.y, b.I3 * w.z), u)
 
 
 def angular_velocity(x, b):
@@ -239,21 +230,9 @@ def bias_vector(x, b):
     return in_space(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
 
 
-def rolling(x, b):
-    """Return omega' and the force of the plane on a body that rolls, (3,) each along its axes."""
+def reaction(x, b):
+    """Return the force of the plane on a body that rolls, (3,) [N]."""
     a = local_arm(x.u, b)
     more = swing(x, b)
     w = turning(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
-    return w, times(b.m, minus(cross(a, w), more))
-
-
-def resting(x, b):
-    """Return the force of the plane on a body that rolls, (3,) in space, and a zero torque."""
-    _, F = rolling(x, b)
-    return in_space(F, x.u), times(0, F)
-
-
-def rolling_torque(x, b):
-    """Return L' of a body that rolls, in space, (3,) [N m]."""
-    w, _ = rolling(x, b)
-    return in_space(minus(of_rates(w, b), gyration(turns(x, b), b)), x.u)
+    return in_space(times(b.m, minus(cross(a, w), more)), x.u)

@@ -20,7 +20,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ..event import Event, Kept
-from ..form import Form, Phase, Quantity
+from ..form import Quantity
 from ..friction import Frictionless
 from ..number import Alternative, Number
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
@@ -105,31 +105,25 @@ ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 UNDEFINED_AT_POLES = (*gliding.UNDEFINED_AT_POLES, "psi")
 LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
 
-OWN = ("friction_force2", "v", "u", "up", "turns", "spin", "rotation")
-Scalars = type(filled(**dict.fromkeys((*rows.MOTION, *rows.OF_FRAME, *OWN))))
-"""As of other rows; v_A, how the body lies, zhat and omega x zhat along the half axes, omega_z,
-energy of rotation.
+OWN = ("motion", "up", "turns", "spin", "rotation")
+Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
+"""As of other rows; the common state, zhat and omega x zhat along the half axes, omega_z, energy of
+rotation.
 """
 
 
 def row_scalars(q: Any, b: Asymmetric) -> Any:
     """Return the `Scalars` of a row q."""
     x = moving(q)
-    u = x.u
-    up = frame.up(u)
+    up = frame.up(x.u)
     omega = frame.turns(x, b)
-    v = contact.contact_velocity(x, b)
-    power = 0 - dot(Vector(q.Fx, q.Fy, q.force), v) + q.drilled
     return Scalars(
-        *rows.motion(x, v, power, contact.gap(x, b), b),
-        *(getattr(q, name) for name in rows.OF_FRAME),
-        q.Fx * q.Fx + q.Fy * q.Fy,
-        v,
-        u,
+        *rows.row_scalars(q, b),
+        x,
         b.outline.half_axes(up),
         b.outline.half_axes(cross(omega, up)),
         dot(up, omega),
-        dot(omega, frame.along_axes(x.L, u)) / 2,
+        dot(omega, frame.along_axes(x.L, x.u)) / 2,
     )
 
 
@@ -151,43 +145,24 @@ OF_ROW = replace(
 # --- the forms of one phase ---------------------------------------------------------------------
 
 
-def form_of(phase: Phase, label: str, angles: Any) -> Form:
-    """Return the form of a body that stays in a phase.
-
-    `label` is one of `PHASES`, which numbers the phase in rows. `angles` are the fields of the
-    angles with their units: those that the scalars do not determine are integrals, and other
-    integrals of the phase are left out.
-    """
-    phase = replace(phase, label=label)
-
-    def scalars(q: Any, b: Asymmetric) -> Any:
-        """Return the `Scalars` of a state q of the phase."""
-        return row_scalars(rows.row(phase, q, (), b)[0], b)
-
-    return replace(
-        phase.form,
-        scalars=scalars,
-        of_angles=lambda e, s, z, b: phase.enter(begun(e, s, z, b), b),
-        to_angles=gliding.angles_by(angles, scalars),
-        integrals=tuple(one for one in phase.form.integrals if one.name in angles._fields),
-    )
-
-
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
     """Return the upward acceleration of the contact point per normal force [1/kg].
 
     It must be positive.
     """
-    force, torque = smooth_friction(s.v, s.v, s.z, b)
-    return gains(s.u, force, torque, b)[0].z
+    x = s.motion
+    v = contact.contact_velocity(x, b)
+    force, torque = smooth_friction(v, v, s.z, b)
+    return gains(x.u, force, torque, b)[0].z
 
 
 NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
 SLIDES = replace(
-    form_of(slip_under(Frictionless, lies=FRAME), "slip", ANGLES), domains=(NOT_JAMMED,)
+    rows.form_of(slip_under(Frictionless, lies=FRAME), "slip", ANGLES, OF_ROW),
+    domains=(NOT_JAMMED,),
 )
 """Under any law that is smooth in the velocity."""
-ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
+ROLLS = rows.form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES, OF_ROW)
 
 
 # --- columns and events -------------------------------------------------------------------------
@@ -195,7 +170,7 @@ ROLLS = form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES)
 
 def heading(s: Any, b: Asymmetric) -> Any:
     """Return the azimuth of half axis a [rad]."""
-    one, two, _ = s.u.axes
+    one, two, _ = s.motion.u.axes
     along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
     return atan2(along.y, along.x)
 
@@ -222,9 +197,7 @@ COMMON = (
     ),
 )
 QUANTITIES = (*COMMON, rows.FRICTION_POWER)
-_, HORIZONTAL, NEEDED = rolling.REACTION
-FRICTION_NEEDED = replace(NEEDED, formula=lambda s, b: rolling.horizontal_force(s, b) / s.force)
-ROLLING_QUANTITIES = (*COMMON, HORIZONTAL, FRICTION_NEEDED)
+ROLLING_QUANTITIES = (*COMMON, rows.HORIZONTAL, rows.FRICTION_NEEDED)
 
 OF_AXES = (
     Event(
@@ -250,6 +223,5 @@ OF_AXES = (
     gliding.EQUATOR,
     gliding.INVERTED,
 )
-LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
-ROLLING_EVENTS = (*OF_AXES, LIFTOFF)
+ROLLING_EVENTS = (*OF_AXES, rows.LIFTOFF)
 EVENTS = (*ROLLING_EVENTS, gliding.SETTLED)

@@ -299,8 +299,8 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
             "omega3": c.L3 / b.I3,
             "phi": azimuth(q, carried),
         }
-        if hasattr(c, "u"):
-            known["psi"] = psi_of_axes(*c.u.axes[::2])
+        if hasattr(c, "motion"):
+            known["psi"] = psi_of_axes(*c.motion.u.axes[::2])
         if hasattr(c, "v_u"):
             known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
         if hasattr(c, "rise"):

@@ -45,7 +45,7 @@ from .rows import (
     planar_theta_dot,
     row,
 )
-from .surrounded import LOSSES, disturbed, in_surroundings
+from .surrounded import LOSSES, NO_THEORY, disturbed, in_surroundings
 
 
 ABOVE = {
@@ -274,10 +274,7 @@ def opened(system: System, law: Any, balls: int, around: tuple[str, ...] = ()) -
         angles=angles,
         long_names=system.long_names | LONG_NAMES | (LOSSES if around else {}),
         integrals=("jellett",) if jellett else (),
-        landscape=None,
-        potential=None,
         outlook=disturbed if around else opening.outlook,
-        borders=None,
-        motion=None,
         contact=(law, balls, around),
+        **NO_THEORY,
     )

@@ -43,18 +43,6 @@ def root(x: Series) -> Series:
     return sqrt(x)
 
 
-class Ball(NamedTuple):
-    """The outline of a sphere, whose R and c are numbers of the body."""
-
-
-class Place(NamedTuple):
-    """The outline of a body where it touches, and how its ball changes there."""
-
-    shape: Any
-    bend: Operand  # c'(z)
-    height: Operand  # R - c z, which cancels where a disc is nearly flat
-
-
 class Spheroid(NamedTuple):
     """Half length a along the axis, half width b; the centre at c along 3hat."""
 

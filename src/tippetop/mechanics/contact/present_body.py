@@ -23,61 +23,46 @@ from functools import partial
 from typing import Any
 
 from ..form import Domain, Form, Integral, Phase
-from ..operand import cos, sin
-from ..units import ONE
-from .body import Moving, axis, by_axis, by_scalars, filled, touching_ball
+from ..units import RADIAN
+from .body import filled, touching, touching_ball
 from .surroundings import COPY, at_present, joined_values
 
 
-def clock(rate_of: Callable, name: str, first: int) -> Integral:
-    """Return the integral for the cosine or the sine of the phase of the vibration, no unit.
-
-    `name` is "clock_cos" or "clock_sin"; its rate is rate_of(q, 2 pi f) [1/s], its value at the
-    start `first`. The state q has copies of both, `at_clock_cos` and `at_clock_sin`.
-    """
-    rate = lambda q, carried, b: rate_of(q, b.around.shake.rate)  # noqa: E731
-    return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
-
-
-CLOCK = (
-    clock(lambda q, rate: -(rate * q.at_clock_sin), "clock_cos", 1),
-    clock(lambda q, rate: rate * q.at_clock_cos, "clock_sin", 0),
+CLOCK = Integral(
+    "clock",
+    RADIAN,
+    "phase 2 pi f t of the vibration",
+    lambda q, carried, b: b.around.shake.rate,
+    lambda data, s, z: 0 * z,
 )
 
 
 def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
     """Return the integrals that surroundings of these groups add: the phase of a vibration."""
-    return CLOCK if "vibration" in around else ()
+    return (CLOCK,) if "vibration" in around else ()
 
 
-def in_motion(x: Moving, b: Any) -> Any:
-    """Return the body as it is in a common state: its touching ball, and present gravity."""
-    return by_axis(x.u, at_present(b, x.carried))
+def present(known: Any, b: Any) -> Any:
+    """Return the body as it is now: its touching ball, and gravity and place of a moving plane.
 
-
-def in_state(q: Any, b: Any) -> Any:
-    """Return the body as it is in a state of a form, by its axis or by theta."""
-    b = at_present(b, q)
-    if hasattr(q, "uz"):
-        return by_axis(axis(q), b)
-    s = sin(q.theta)
-    return touching_ball(cos(q.theta), s * s, b)
+    `known` is a common state, or the state of a form.
+    """
+    return touching(known, at_present(b, getattr(known, "carried", known)))
 
 
 def by_states(function: Callable) -> Callable:
-    """Return function(q, ..., b) with the last argument b replaced by the body in the state q."""
-    return lambda q, *more: function(q, *more[:-1], in_state(q, more[-1]))
+    """Return function(known, ..., b) with the last argument b replaced by `present(known, b)`."""
+    return lambda known, *more: function(known, *more[:-1], present(known, more[-1]))
 
 
 def in_scalars(record: Any) -> Any:
-    """Return a record whose formula(s, b) gets the body in the present state instead of b.
+    """Return a record whose formula(s, b) gets the body with its touching ball instead of b.
 
-    `record` is an Event, a Quantity or a Domain, s the record of scalars of the state: its z
-    determines the ball that touches. A body without an outline stays as it is.
+    `record` is an Event, a Quantity or a Domain, s the record of scalars of the state.
     """
     formula = record.formula
     changed = record._replace if isinstance(record, Domain) else partial(replace, record)
-    return changed(formula=lambda s, b: formula(s, by_scalars(s, b)))
+    return changed(formula=lambda s, b: formula(s, touching(s, b)))
 
 
 def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
@@ -122,7 +107,7 @@ def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
     def enter(x: Any, b: Any) -> Any:
         """Return the state of the phase that begins in the common state x."""
         copies = joined_values(form.units, x.carried)
-        return type(form.units)(*phase.enter(x, in_motion(x, b)), *copies)
+        return type(form.units)(*phase.enter(x, present(x, b)), *copies)
 
     return replace(
         phase,
@@ -140,4 +125,4 @@ def jump_by_states(jump: Callable) -> Callable:
     They are taken once, before the jump: the axis does not turn during a jump, or only in a phase
     that the jump begins.
     """
-    return lambda x, world: jump(x, world._replace(body=tuple(in_motion(x, b) for b in world.body)))
+    return lambda x, world: jump(x, world._replace(body=tuple(present(x, b) for b in world.body)))

@@ -50,7 +50,7 @@ from .body import (
     angular_velocity,
     arm,
     arm2,
-    as_sphere,
+    as_ball,
     axis_rate,
     by_body,
     gained,
@@ -108,9 +108,9 @@ def inverse_times(u, x, b, less):
 
 def bent_bias(x, b):
     """Return `own_bias` of a body with an outline, which adds omega x (c' z' (3hat - z zhat))."""
-    bends = b.outline.bend * axis_rate(x, b).z
+    bends = b.bend * axis_rate(x, b).z
     moves = Vector(bends * x.u.x, bends * x.u.y, 0 * bends)
-    return plus(own_bias(x, as_sphere(b)), cross(angular_velocity(x, b), moves))
+    return plus(own_bias(x, as_ball(b)), cross(angular_velocity(x, b), moves))
 
 
 @by_body(of_outline=bent_bias, of_frame=frame.bias_vector)
@@ -139,7 +139,9 @@ ball changes.
 
 
 def around_torque(x, b):
-    """Return the torque of air and turntable on a body, (3,) [N m]; b.around must be given."""
+    """Return the torque of air and turntable on a body, (3,) [N m]; zero without surroundings."""
+    if not b.around:
+        return times(0, x.L)
     omega = angular_velocity(x, b)
     torque = braking(omega, b)
     if not b.around.table:
@@ -149,6 +151,8 @@ def around_torque(x, b):
 
 def surroundings_power(x, b):
     """Return the power that the surroundings take from a moving body [W]; x is a `Moving`."""
+    if not b.around:
+        return 0 * x.height
     omega = angular_velocity(x, b)
     push = pushing(x.velocity, 0 * omega.z, b)
     rises = (b.g - mean_gravity(b)) * x.velocity.z if b.around.shake else 0 * omega.z
@@ -213,19 +217,17 @@ def turning(u, b):
     """Return the effect of the torque that keeps Omega_z: t, 1/k_zz, and t^2/k_zz per k^2.
 
     t is the acceleration of the contact point per torque, along zhat x 3hat, and Omega_z' per
-    force; k_zz is Omega_z' per torque, regular at the poles. A point, which turns freely, has no
-    such torque: 1/k_zz is zero.
+    force; k_zz is Omega_z' per torque, regular at the poles.
     """
     more = 1 / b.I3 - 1 / b.I1
-    own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3
-    per = 1 / own if b.friction.regions else 0 * own
+    per = 1 / ((u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3)
     lever = b.c / b.I1 + b.R * u.z * more
     return Vector(-(lever * u.y), lever * u.x, 0 * u.z), per, lever**2 * per
 
 
 def impulses(u, v, Omega_z, b):
     """Return the impulses of force and torque (3,) that add v to v_A, and Omega_z to a disc."""
-    if isinstance(b, Asymmetric):  # a point, which turns freely
+    if not b.friction.regions:  # a point, which turns freely
         return mobility_inverse_times(u, v, b), times(0, v)
     along, per, less = turning(u, b)
     p = inverse_times(u, plus(v, times(-(Omega_z * per), along)), b, less)
@@ -236,6 +238,18 @@ def stopping(x, b):
     """Return the impulses of force and torque that stop the contact point, and a disc's turning."""
     v, omega = velocities(x, b)
     return impulses(x.u, times(-1, v), -omega.z, b)
+
+
+@formula
+def held_reaction(x, b):
+    """Return `reaction` by the acceleration without a force."""
+    return times(-1, mobility_inverse_times(x.u, bias_vector(x, b), b))
+
+
+reaction = select(
+    lambda b: frame.reaction if isinstance(b, Asymmetric) and not b.around else held_reaction
+)
+"""reaction(x, b) -> the force of the plane on a body that rolls, (3,) [N]."""
 
 
 def own_turn(x, b):
@@ -251,15 +265,13 @@ def resting(x, b):
 
     The caller compares them with `margin` or `cone`: friction may not be able to give them.
     """
-    framed = isinstance(b, Asymmetric)
-    if framed and not b.around:
-        return frame.resting(x, b)
-    free = 0 if framed else own_turn(x, b)
+    if b.friction.torque is None:
+        F = reaction(x, b)
+        return F, times(0, F)
     bias = bias_vector(x, b)
-    if b.around:
-        _, turns = gains(x.u, times(0, bias), around_torque(x, b), b)
-        free = free + turns.z
-    return held(x.u, bias, free, angular_velocity(x, b), b)
+    free = own_turn(x, b)
+    _, turns = gains(x.u, times(0, bias), around_torque(x, b), b)
+    return held(x.u, bias, free + turns.z, angular_velocity(x, b), b)
 
 
 def held(u, bias, free, omega, b):

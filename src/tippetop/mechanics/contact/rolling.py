@@ -37,7 +37,7 @@ from .gliding import (
     turning,
 )
 from .integrals import integral, place
-from .response import bias_vector, mobility_inverse_times
+from .response import reaction
 
 
 FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
@@ -95,12 +95,6 @@ def horizontal_force(s, b):
 def friction_needed(s, b):
     """Return |F_h|/F_z, the coefficient of Coulomb friction that rolling needs; s are `Scalars`."""
     return horizontal_force(s, b) / normal_force(s, b)
-
-
-@formula
-def reaction(x, b):
-    """Return the force of the plane F = m s'' + m g zhat, (3,) [N]; x is a `Turning`."""
-    return times(-1, mobility_inverse_times(x.u, bias_vector(x, b), b))
 
 
 @formula
@@ -262,16 +256,18 @@ OF_SYSTEM = of_system_at_rest(gliding.OF_SYSTEM) | {
 }
 """Fields of a System."""
 
+HORIZONTAL = Quantity(
+    "horizontal_force", "|F_h|", NEWTON, "horizontal part of the reaction", horizontal_force
+)
+FRICTION_NEEDED = Quantity(
+    "friction_needed",
+    "|F_h|/F_z",
+    ONE,
+    "Coulomb friction coefficient that rolling needs",
+    friction_needed,
+)
 REACTION = (
     Quantity("normal_force", "F_z", NEWTON, "normal force", normal_force),
-    Quantity(
-        "horizontal_force", "|F_h|", NEWTON, "horizontal part of the reaction", horizontal_force
-    ),
-    Quantity(
-        "friction_needed",
-        "|F_h|/F_z",
-        ONE,
-        "Coulomb friction coefficient that rolling needs",
-        friction_needed,
-    ),
+    HORIZONTAL,
+    FRICTION_NEEDED,
 )

@@ -19,7 +19,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..form import Form, Integral, Phase, Quantity
-from ..operand import Vector, dot
+from ..operand import Vector, dot, sqrt
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -30,7 +30,7 @@ from ..units import (
     WATT,
 )
 from . import body as contact
-from . import gliding
+from . import gliding, rolling
 from .body import (
     BALLS,
     FRAME,
@@ -68,8 +68,9 @@ Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
 OF_BALL = ("radius", "offset", "stem_gap", "jellett_taken")
-OF_FRAME = {name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
-FRAME_UNITS = state(FRAME, **VELOCITY, **OF_FRAME)
+FRAME_UNITS = state(
+    FRAME, **VELOCITY, **{name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
+)
 """Of a body without an axis of symmetry."""
 
 
@@ -102,7 +103,7 @@ def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
     if isinstance(b, Asymmetric):
         return filled_row(FRAME_UNITS, x, **numbers), b
     b = contact.by_axis(x.u, b)
-    reference = carried.jellett_reference
+    reference = getattr(carried, "jellett_reference", 0 * x.height)
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap = contact.gap(x, b)
@@ -117,7 +118,7 @@ def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
 
 # --- scalars ------------------------------------------------------------------------------------
 
-MOTION = (
+FIELDS = (
     *contact.Kinematics._fields,
     "v_u",  # v_A.3hat of the horizontal part
     "v_n",  # (3hat x v_A).zhat
@@ -126,38 +127,32 @@ MOTION = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
+    *NUMBERS,
 )
-FIELDS = (*MOTION, *NUMBERS)
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 
 
 def ball_of(q, b):
     """Return the body as a `Touch` of the ball that touches, by R and c of a row."""
-    return contact.as_sphere(b, R=q.radius, c=q.offset)
+    return contact.as_ball(b)._replace(R=q.radius, c=q.offset)
 
 
 def lowest_velocity(q, b):
-    """Return v_A of a row, (3,) [m/s]: the velocity of the lowest point of its ball."""
-    return contact.contact_velocity(moving(q, ()), ball_of(q, b))
-
-
-def motion(x, v, power, gap, b):
-    """Return the scalars MOTION, in order, of a common state x; v is v_A, (3,).
-
-    power: that friction takes [W]; gap: of the ball in contact [m].
-    """
-    moves = kinematics(x, contact.axis_rate(x, b), b)
-    return *moves, *slip_scalars(x.u, v), v.z, dot(x.velocity, x.velocity), power, gap
+    """Return v_A of a row, (3,) [m/s]: the velocity of the lowest point."""
+    return contact.contact_velocity(moving(q), b if "ix" in q._fields else ball_of(q, b))
 
 
 def row_scalars(q, b):
-    """Return the `Scalars` of a row q."""
+    """Return the `Scalars` of a row q; numbers of a ball are 0 without one."""
+    x = moving(q)
     v = lowest_velocity(q, b)
+    moves = kinematics(x, contact.axis_rate(x, b), b)
     power = q.drilled - (q.Fx * v.x + q.Fy * v.y)
-    gap = q.height - q.radius + q.offset * q.uz
-    numbers = (getattr(q, name) for name in NUMBERS)
-    return Scalars(*motion(moving(q, ()), v, power, gap, b), *numbers)
+    gap = contact.gap(x, b) if "ix" in q._fields else q.height - q.radius + q.offset * q.uz
+    numbers = (getattr(q, name, 0) for name in NUMBERS)
+    speed2 = dot(x.velocity, x.velocity)
+    return Scalars(*moves, *slip_scalars(x.u, v), v.z, speed2, power, gap, *numbers)
 
 
 # --- angles -------------------------------------------------------------------------------------
@@ -251,6 +246,33 @@ PLANAR_ROW = replace(
 )
 
 
+def form_of(phase: Phase, label: str, angles: Any, of_rows: Form) -> Form:
+    """Return the form of a body that stays in a phase.
+
+    `label` is one of `PHASES`, which numbers the phase in rows, and `of_rows` the form of these.
+    `angles` are the fields of the angles with their units: those that the scalars do not determine
+    are integrals, and other integrals of the phase are left out.
+    """
+    phase = replace(phase, label=label)
+
+    def scalars(q: Any, b: Any) -> Any:
+        """Return the scalars of a state q of the phase, those of its row."""
+        (alone,) = contact.seen_from_balls(b, ())
+        return of_rows.scalars(row(phase, q, (), alone)[0], b)
+
+    def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
+        """Return the state of the phase at angles."""
+        return phase.enter(moving(of_rows.of_angles(e, s, z, b)), b)
+
+    return replace(
+        phase.form,
+        scalars=scalars,
+        of_angles=of_angles,
+        to_angles=angles_by(angles, scalars),
+        integrals=tuple(one for one in phase.form.integrals if one.name in angles._fields),
+    )
+
+
 # --- columns ------------------------------------------------------------------------------------
 
 
@@ -269,6 +291,13 @@ ENERGY, MODIFIED_ENERGY, NORMAL_FORCE, FRICTION_POWER = map(
     gliding.QUANTITIES,
     (energy, of_ball(contact.modified_energy), lambda s, b: s.force, lambda s, b: s.power),
 )
+
+
+HORIZONTAL = replace(rolling.HORIZONTAL, formula=lambda s, b: sqrt(s.Fx * s.Fx + s.Fy * s.Fy))
+FRICTION_NEEDED = replace(
+    rolling.FRICTION_NEEDED, formula=lambda s, b: HORIZONTAL.formula(s, b) / s.force
+)
+LIFTOFF = replace(gliding.LIFTOFF, formula=NORMAL_FORCE.formula)
 
 
 def columns(jellett: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:

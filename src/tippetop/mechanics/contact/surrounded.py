@@ -16,21 +16,31 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from ..form import Form
 from ..system import Outlook, System
 from ..units import JELLETT, JOULE
-from . import rolling
-from .body import FRAME, axis_rate, filled, kinematics
+from .body import AXIS, FRAME, filled
 from .contact_phases import without_slip
-from .framed import FRICTION_NEEDED, LIFTOFF, form_of
-from .gliding import angles_by, start_of
+from .framed import OF_ROW
+from .gliding import start_of
 from .present_body import form_by_states
-from .rows import NORMAL_FORCE
+from .rows import (
+    ENERGY,
+    FRICTION_NEEDED,
+    HORIZONTAL,
+    LIFTOFF,
+    MODIFIED_ENERGY,
+    NORMAL_FORCE,
+    ROW,
+    form_of,
+)
 from .surroundings import rules_of, surrounded_body
 
 
 NO_OUTLOOK = "theory is that of a level plane at rest in still air: it predicts nothing here"
 
+
+NO_THEORY: dict[str, Any] = dict.fromkeys(("landscape", "potential", "borders", "motion"))
+"""Fields of a System that are for a body that always touches a level plane at rest."""
 
 LOSSES = {
     "work": "energy taken by friction and surroundings since the start",
@@ -57,12 +67,9 @@ def in_surroundings(system: System, around: tuple[str, ...]) -> System:
         body=surrounded_body(system.body),
         body_units=lambda friction: body_units(units, friction),
         surroundings=rules,
-        landscape=None,
-        potential=None,
         momenta=(),
         outlook=disturbed,
-        borders=None,
-        motion=None,
+        **NO_THEORY,
     )
 
 
@@ -71,32 +78,11 @@ def rolls(system: System) -> bool:
     return [*system.phases] == ["roll"] and bool(system.vectors)
 
 
-Scalars = type(filled(**dict.fromkeys((*rolling.FIELDS, "force"))))
-"""Those of a body in pure rolling, and the normal force."""
-
-
-def rolling_form(angles: Any) -> Form:
-    """Return the form of a body with an axis in pure rolling, in surroundings."""
-    phase = without_slip(())
-
-    def scalars(q: Any, b: Any) -> Any:
-        """Return the `Scalars` of a state q."""
-        x = phase.leave(q, b)
-        F = phase.reaction(q, b).force
-        v = x.velocity
-        seen = kinematics(x, axis_rate(x, b), b)
-        return Scalars(*seen, v.x**2 + v.y**2, F.x**2 + F.y**2, F.z)
-
-    return replace(
-        phase.form,
-        scalars=scalars,
-        of_angles=rolling.vector_of_angles,
-        to_angles=angles_by(angles, scalars),
-    )
-
-
-NEEDED = {one.name: one.formula for one in (NORMAL_FORCE, FRICTION_NEEDED, LIFTOFF)}
-"""Formulas that differ from those on a level plane in still air, by name."""
+CHANGED = {
+    one.name: one.formula
+    for one in (ENERGY, MODIFIED_ENERGY, NORMAL_FORCE, HORIZONTAL, FRICTION_NEEDED, LIFTOFF)
+}
+"""Formulas of the scalars of rows, by name."""
 
 
 @cache
@@ -108,18 +94,18 @@ def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
     form = system.forms["vector"]
     angles = filled(**system.angles._asdict(), work=JOULE)
     start = system.start
-    if "ix" in form.units._fields:
-        known = form_of(without_slip((), lies=FRAME), "roll", angles)
-    else:
+    lies: tuple[str, ...] = FRAME
+    of_rows = OF_ROW
+    if "ix" not in form.units._fields:
         angles = filled(**angles._asdict(), jellett_lost=JELLETT)
-        known = rolling_form(angles)
         start = start_of(angles)
+        lies = AXIS
+        of_rows = ROW
+    known = form_of(without_slip((), lies=lies), "roll", angles, of_rows)
 
     def changed(records: Any) -> Any:
-        """Return records of quantities or events, those named in NEEDED with its formulas."""
-        return tuple(
-            replace(one, formula=NEEDED[one.name]) if one.name in NEEDED else one for one in records
-        )
+        """Return records of quantities or events, those named in CHANGED with its formulas."""
+        return tuple(replace(one, formula=CHANGED.get(one.name, one.formula)) for one in records)
 
     return in_surroundings(system, around).replace(
         forms={"vector": replace(form_by_states(known, around), domains=form.domains)},

@@ -250,7 +250,8 @@ def at_present(b: Any, known: Any) -> Any:
     now = {name.removeprefix(COPY): value for name, value in known._asdict().items()}
     if around.shake:
         g, c, s, _ = around.shake
-        b = b._replace(g=g + c * now["clock_cos"] + s * now["clock_sin"])
+        phase = now["clock"]
+        b = b._replace(g=g + c * cos(phase) + s * sin(phase))
     if around.table:
         table = around.table
         at = Vector(now["x"] - table.x, now["y"] - table.y, 0 * now["x"])
@@ -303,6 +304,8 @@ def pushing(velocity: Any, none: Any, b: Any) -> Vector:
     It is that by gravity and, seen from a table, by its turning; `none` is a zero of the type of
     the numbers, and the velocity is needed on a table only.
     """
+    if not b.around:
+        return Vector(none, none, none)
     x, y = b.around.slope or (none, none)
     if b.around.table:
         turn = b.around.table.omega

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from ..contact import body as contact
 from ..contact import gliding, outline, rolling
-from ..contact.body import Bent, Top
+from ..contact.body import Top, Touch
 from ..contact.present_body import form_by_states, in_scalars
 from ..event import Event
 from ..number import Number, number, reuse
@@ -28,13 +28,13 @@ class Outlined(Top, abstract=True):
     shape: ClassVar[Any]
     faults = staticmethod(contact.inertia_faults)
 
-    def seen(self: Any, friction: Any) -> Bent:
-        """Return the body as the `b` of formulas, a `Bent` with its outline.
+    def seen(self: Any, friction: Any) -> Touch:
+        """Return the body as the `b` of formulas, a `Touch` with its outline.
 
         `friction` is the record of a law.
         """
         shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
-        return Bent(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
+        return Touch(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
 
 
 class Spheroid(Outlined):

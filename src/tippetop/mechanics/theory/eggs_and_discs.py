@@ -4,7 +4,7 @@ A body in SI units goes in; out come limits by name, as `Threshold`s with their 
 `systems.outlook` reports. At a pole the body moves as the ball by which it touches there.
 
 Symbols
-    b         the body, a `contact.body.Bent`; z: cos(theta), 1 or -1 at the poles
+    b         the body, a `contact.body.Touch`; z: cos(theta), 1 or -1 at the poles
     high      height of the centre of mass on the plane [m]
     rolls     whether the contact is at rest, or slides under friction
 """
@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from ..contact.body import Touch, height, shape_of, touching_ball
+from ..contact.body import Touch, height, touching_ball
 from ..contact.outline import at
 from ..contact.uniqueness import THETA, painleve_bound
 from ..units import METRE, ONE, RADIAN_PER_SECOND
@@ -52,12 +52,11 @@ def limits(b: Touch) -> dict[str, Threshold]:
 
     A tilted rest is where c = 0 of the touching ball, between two inclinations of the grid THETA.
     """
-    shape = shape_of(b)
     found = {}
 
     def rest(name: str, theta: float, more: str = "") -> None:
         """Add the height of the centre of mass at rest at theta, if the body can rest there."""
-        high = at(math.cos(theta), math.sin(theta) ** 2, shape.height).value
+        high = at(math.cos(theta), math.sin(theta) ** 2, b.outline.height).value
         words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
         if high > 0:  # a thick disc touches with its other edge there
             found[name] = Threshold(high, METRE, words)
@@ -70,7 +69,7 @@ def limits(b: Touch) -> dict[str, Threshold]:
     c = ball.c
     for k, i in enumerate(np.flatnonzero(np.sign(c[:-1]) * np.sign(c[1:]) < 0)):
         theta = THETA[i] + (THETA[i + 1] - THETA[i]) * c[i] / (c[i] - c[i + 1])
-        kind = "least" if ball.outline.bend[i] < 0 else "greatest"
+        kind = "least" if ball.bend[i] < 0 else "greatest"
         rest(f"height_tilted_{k}" if k else "height_tilted", theta, f", where it is {kind}")
     found["mu_unique"] = Threshold(
         painleve_bound(b), ONE, "Coulomb friction with one contact force below"
