@@ -42,7 +42,8 @@ class Touch(NamedTuple):
     """A body seen from one of its balls: the argument `b` of formulas. The arm is c 3hat - R zhat.
 
     `Top.seen` makes it, or `seen_from_balls` for a body with a stem. R, c, bend and height of a
-    body with an outline are () until `touching_ball` fills them in.
+    body with an outline are () until `touching_ball` fills them in. The first seven fields are
+    given by position (`Top.seen`, `engine.impacts`).
     """
 
     m: Operand  # [kg]
@@ -106,7 +107,8 @@ def by_axis(u: Any, b: Touch) -> Touch:
 def touching(known: Any, b: Touch) -> Touch:
     """Return `touching_ball` of a body in a motion: scalars, a common state or the state of a form.
 
-    The body is returned as it is if the record lacks its inclination.
+    The body is returned as it is if the record lacks its inclination, as `Contact` and `Free`, the
+    scalars of phases, do: the events of these phases do not read R or c.
     """
     if not is_outlined(b):
         return b
@@ -125,9 +127,9 @@ def touching(known: Any, b: Touch) -> Touch:
 def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
     """Return a decorator: the formula of a sphere, which other bodies replace by their own.
 
-    The decorated formula is used for a sphere, `of_outline` for a `Touch` with an outline,
-    `of_frame` for an `Asymmetric` body; one that is missing is the same as of a sphere. All have
-    the same arguments.
+    The decorated formula is used for a sphere, `of_outline` for a `Touch` with an outline (whose
+    touching ball is filled in), `of_frame` for an `Asymmetric` body; one that is missing is the
+    same as of a sphere. All have the same arguments, the last of which is the body.
     """
 
     def chosen(of_sphere: Callable) -> Any:
@@ -150,7 +152,11 @@ def as_ball(b: Touch) -> Touch:
 
 
 def alone(b: Any) -> Any:
-    """Return the body as impacts take it: without its other ball, its outline and surroundings."""
+    """Return the body as impacts take it: without its other ball, its outline and surroundings.
+
+    Its touching ball is filled in: `engine.impacts` keeps this ball throughout an impact, as the
+    axis stays.
+    """
     b = b._replace(clearance=(), lever=(), around=())
     return b if isinstance(b, Asymmetric) else as_ball(b)
 
@@ -208,7 +214,8 @@ FRAME = (*AXIS, "ix", "iy", "iz")
 def state(lies: tuple[str, ...] = AXIS, /, **units: Any) -> Any:
     """Return the `units` of a state: orientation, L, and the further variables that `units` name.
 
-    `lies` are the names of the variables of the orientation, AXIS or FRAME.
+    `lies` are the names of the variables of the orientation, AXIS or FRAME. `on_ball`, `flight` and
+    `filled_row` fill states by position, in this order.
     """
     turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
     return filled(**dict.fromkeys(lies, ONE), **turning, **units)
@@ -255,7 +262,8 @@ def turning(q):
 class Moving(NamedTuple):
     """The common state of all phases, the `x` of jumps: orientation, momentum, velocity and height.
 
-    `Phase.leave` makes it from the state of a phase, `Phase.enter` converts it back.
+    `Phase.leave` makes it from the state of a phase, `Phase.enter` converts it back. It begins with
+    the fields of a `Turning`, and can take the place of one.
     """
 
     u: Any  # 3hat, or a Frame
@@ -266,7 +274,7 @@ class Moving(NamedTuple):
 
 
 class Reaction(NamedTuple):
-    """Force and torque of the plane on a body, which `Phase.reaction` returns."""
+    """Action of the plane on a body, which `Phase.reaction` returns and `rows.row` reads."""
 
     force: Vector
     drilled: Operand = 0  # power that torques of the contact take
@@ -353,7 +361,10 @@ def angular_velocity_of(x, L3, b):
     of_frame=frame.arm_velocity,
 )
 def arm_velocity(x, b):
-    """Return omega x a, (3,) [m/s]: the velocity of A relative to the centre of mass."""
+    """Return omega x a, (3,) [m/s]: the velocity of A relative to the centre of mass.
+
+    Of a sphere it is c 3hat' - R omega x zhat, which is equal.
+    """
     u_dot = axis_rate(x, b)
     w = angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
@@ -399,7 +410,10 @@ def of_azimuth(along_e, along_2, phi):
 
 @formula
 def moment(u, F, b):
-    """Return a x F, (3,) [N m]: the torque about the centre of mass of a force F at A."""
+    """Return a x F, (3,) [N m]: the torque about the centre of mass of a force F at A.
+
+    b has an axis of symmetry, u = 3hat; it is equal to cross(arm(u, b), F).
+    """
     h = height(u.z, b)
     return Vector(
         b.c * (u.y * F.z) + h * F.y,
@@ -423,12 +437,13 @@ def rolling_velocity(e, s, z, b):
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
     """Return a sentence, in a list, if a moment of inertia exceeds the sum of the others.
 
-    `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name.
+    `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name. It serves
+    as `System.checks`, or is a part of it.
     """
     moments = {name: parameters.get(name, parameters["I1"]) for name in ("I1", "I2", "I3")}
     name = max(moments, key=moments.__getitem__)
     others = sum(moments.values()) - moments[name]
-    if moments[name] <= others * (1 + 1e-12):
+    if moments[name] <= others * (1 + 1e-12):  # rounded numbers of a flat body pass
         return []
     words = "the sum of the other moments" if "I2" in parameters else "2*I1"
     return [
@@ -457,7 +472,8 @@ at the poles.
 
 z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
 no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
-= theta'^2 + phi'^2 sin(theta)^2, L3 is L.3hat, and Lz is L.zhat, about the centre of mass.
+= theta'^2 + phi'^2 sin(theta)^2, L3 is L.3hat, and Lz is L.zhat, about the centre of mass. The
+`Scalars` here, of `rolling` and of `rows` begin with these fields, and are filled by position.
 """
 
 Scalars = type(filled(**dict.fromkeys((*Kinematics._fields, "v_u", "v_n", "v2", "speed2"))))
@@ -487,7 +503,7 @@ def kinematics(x, u_dot, b):
 def kinematics_of_angles(e, s, z, b):
     """Return the `Kinematics` of e, a record with theta_dot, phi_dot, omega3.
 
-    s, z: sin and cos of theta.
+    s, z: sin and cos of theta. Equal to `kinematics` of the same motion in vectors.
     """
     L3 = b.I3 * e.omega3
     phi_dot_s2 = e.phi_dot * s**2
@@ -513,7 +529,8 @@ def sine2(s, b):
 def contact_mobility(s, b):
     """Return the upward acceleration of A per unit of g_n/m, a number without a unit.
 
-    It must be positive; otherwise the contact jams. [denominator of T 3.16]
+    It must be positive; otherwise the contact jams. [denominator of T 3.16] Divided by m it is the
+    vertical part of `response.gains` per normal force; `framed.contact_mobility` has that unit.
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b) - height(s.z, b) * slip)
@@ -531,7 +548,8 @@ def g_n(s, b):
 
     [T 3.16, 3.34, 5.6]
 
-    It is `pull` and the free swing of the axis, divided by `contact_mobility`; s are `Scalars`.
+    It is `pull` and the free swing of the axis, divided by `contact_mobility`; s are `Scalars`. The
+    vertical force of `response.sliding` under `smooth_friction` without torques is equal.
     """
     return b.m * (pull(s.z_dot, b) - b.c * s.z_ddot_free) / contact_mobility(s, b)
 
@@ -568,14 +586,20 @@ def bent_bias_n(s, b):
 
 @by_body(of_outline=bent_bias_n)
 def bias_n(s, b):
-    """Return the part of `push_n` that does not depend on friction [m/s^2]."""
+    """Return the part of `push_n` that does not depend on friction [m/s^2].
+
+    It is equal to (zhat x 3hat).`response.own_bias`.
+    """
     turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
     return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
 
 
 @formula
 def mobility_n(s, b):
-    """Return the acceleration of A along zhat x 3hat per force in that direction [1/kg]."""
+    """Return the acceleration of A along zhat x 3hat per force in that direction [1/kg].
+
+    It is equal to that of `response.gains`, whose docstring defines K.
+    """
     return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
@@ -646,7 +670,10 @@ def tip_inertia(b):
 
 @formula
 def arm_speed2(s, b):
-    """Return |omega x a|^2 [m^2/s^2], the square of the speed of the centre in rolling."""
+    """Return |omega x a|^2 [m^2/s^2], the square of the speed of the centre in rolling.
+
+    s are any scalars; it is the square of `arm_velocity`.
+    """
     w3 = s.L3 / b.I3
     q = b.c - b.R * s.z
     return (

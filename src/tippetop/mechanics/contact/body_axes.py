@@ -47,7 +47,7 @@ def turned(f, turn, u):
 def axes_of_angles(s, z, phi, psi):
     """Return axes 1 and 3 of the body, (3,) each.
 
-    s, z are sin(theta), cos(theta); phi, psi are angles [rad].
+    s, z are sin(theta), cos(theta); phi, psi are angles [rad]. `psi_of_axes` returns this psi.
     """
     ex = cos(phi)
     ey = sin(phi)
@@ -69,7 +69,8 @@ def psi_of_axes(first, u):
 def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
     """Return axis 1 at the start, (3,).
 
-    s, z are sin(theta), cos(theta), `data` may have phi and psi.
+    s, z are sin(theta), cos(theta). `data`, the initial numbers of the user as `Integral.start`
+    gets them, may have phi and psi, which are 0 otherwise.
     """
     phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
     first, _ = axes_of_angles(s, z, phi, psi)

@@ -72,6 +72,7 @@ def phase_name(label: str, ball: int, *regions: str) -> str:
     """Return the name of a phase: phase_name("slip", 1) == "stem-slip"; regions are appended.
 
     `label` is one of PHASES, `ball` 0 (sphere) or 1 (stem); one region for each ball in contact.
+    Events at the borders of regions are named by it too, with the event of the border as `label`.
     """
     return "-".join((*("stem",) * ball, label, *regions))
 
@@ -121,7 +122,7 @@ def on_ball(
     Parameters
     ----------
     units
-        The state, filled with units.
+        The state, filled with units: that of `body.state`, which is filled by position.
     events
         The events of the phase.
     forces
@@ -204,7 +205,8 @@ def horizontal2(v: Vector) -> Any:
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
     """Return an event that ends a phase, named as its exit.
 
-    It happens where function(s, b) is zero.
+    It happens where function(s, b) is zero. Its name is a key of `exits.JUMPS`, or of the jumps
+    that `opening.phases_of` adds.
     """
     return Event(name, long_name, function, direction, name)
 
@@ -225,7 +227,7 @@ Free: Any = namedtuple("Free", "z z_dot gap")
 
 
 def moving(q: Any, carried: Any = ()) -> Moving:
-    """Return the common state of a body in flight, or of a row."""
+    """Return the common state of a body in flight, or of a row; by default without integrals."""
     x = turning(q)
     return Moving(x.u, x.L, Vector(q.rx_dot, q.ry_dot, q.rz_dot), q.height, carried)
 
@@ -323,14 +325,14 @@ STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
 
 
-def direction(q: Any) -> Vector:
+def slip_direction(q: Any) -> Vector:
     """Return n = v_A/|v_A| = (cos(beta), sin(beta), 0) of a state of slip under Coulomb's law."""
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
 def directed_changes(q, G):
     """Return beta' = (zhat x n).G/w and w' = n.G of a state of slip, G = v_A' being given, (3,)."""
-    across, along = across_and_along(G, direction(q))
+    across, along = across_and_along(G, slip_direction(q))
     return across / q.w, along
 
 
@@ -345,13 +347,13 @@ def coulomb_slip(lies: tuple[str, ...]) -> Phase:
     """Return the phase of sliding under Coulomb's law itself.
 
     v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
-    length, where sliding stops.
+    length, where sliding stops. `exits` reads and fills beta and w of its state.
     """
     return on_ball(
         state(lies, beta=RADIAN, w=METRE_PER_SECOND),
         (LIFTOFF, TOUCH, STICK),
-        lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
-        lambda q: times(q.w, direction(q)),
+        lambda x, q, b: sliding(x, smooth_friction, slip_direction(q), b),
+        lambda q: times(q.w, slip_direction(q)),
         lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
         directed_changes,
     )
@@ -508,7 +510,9 @@ def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
 def region_of(s: Any, b: Touch) -> str:
     """Return the name of the region of the law for these `Speeds`.
 
-    It is the first, by rising x = |v|/U, whose end is not reached; "" if a speed is not finite.
+    It is the first, by rising x = |v|/U, whose end is not reached: the order of `law.regions`. It
+    is "" if a speed is not finite, a name that under such a law no phase and no stage of an impact
+    has.
     """
     for name, region in b.friction.regions.items():
         if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
@@ -576,7 +580,10 @@ def shared(x, v, frictions, total, swing, b):
 
 
 def leaving(side: int, name: str, other: str) -> Event:
-    """Return the event in which one of two balls leaves the plane: its normal force vanishes."""
+    """Return the event in which one of two balls leaves the plane: its normal force vanishes.
+
+    `exits.JUMPS` has the names of the events, and `exits.stay_on` decides what follows.
+    """
     text = f"the {name} leaves the plane, the {other} stays"
     return ending(f"{name}-leaves", text, lambda s, b: s.sides[side].force.z)
 
@@ -678,6 +685,8 @@ def phases_under(
 ) -> dict[tuple[str, ...], Phase]:
     """Return the phases under a law: {("slip",): Phase, ...}, by label and regions.
 
+    `phase_name` makes names of these keys, here and in the jumps of `exits`, which must find them.
+
     Parameters
     ----------
     law
@@ -711,7 +720,10 @@ def phases_under(
 
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
-    """Return the common state after impulses have stopped sliding and turning on both balls."""
+    """Return the common state after impulses have stopped sliding and turning on both balls.
+
+    What remains is the turning about the line through both contacts, as in `rolled`.
+    """
     along = x.u._replace(z=0 * x.u.z)
     omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
     L = momentum_of(omega, x.u, b)

@@ -56,7 +56,7 @@ from .response import (
     margin,
     resting,
     stopping,
-    turning,
+    turn_held,
 )
 from .surroundings import joined_values, mean_gravity
 
@@ -127,7 +127,7 @@ def horizontal_size(v: Vector) -> Any:
     return sqrt(horizontal2(v))
 
 
-def touching(x: Moving, world: Any) -> list[int]:
+def balls_on_plane(x: Moving, world: Any) -> list[int]:
     """Return the numbers k of the balls whose gap to the plane is zero, but for rounding."""
     return [k for k, b in enumerate(world.body) if contact.gap(x, b) <= ON_PLANE]
 
@@ -135,13 +135,14 @@ def touching(x: Moving, world: Any) -> list[int]:
 def both_rest(x: Moving, world: Any) -> bool:
     """Return whether both balls touch the plane and neither rises nor falls faster than BOTH_AT."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
-    return len(touching(x, world)) > 1 and all(slow)
+    return len(balls_on_plane(x, world)) > 1 and all(slow)
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return n with Jellett's integral of the ball that touches now as its reference.
+    """Return n, changed: Jellett's integral of the ball that touches now becomes its reference.
 
-    The integral is conserved for one ball only, so its drift is counted from the first touch.
+    The integral is conserved for one ball only, so its drift is counted from the first touch. Rows
+    read it as `jellett_taken`.
     """
     x = n.x
     b = world.body[world.phases[n.phase].ball]
@@ -162,8 +163,11 @@ def first_touch(n: Next, world: Any) -> Next:
 
 
 def begin(x: Moving, world: Any) -> Next:
-    """Return the phase in which a run begins: a flight, or as after a ball touches."""
-    there = {k: rise(x, world.body[k]) for k in touching(x, world)}
+    """Return the phase in which a run begins: a flight, or as after a ball touches.
+
+    It is `System.begin`.
+    """
+    there = {k: rise(x, world.body[k]) for k in balls_on_plane(x, world)}
     ball = min(there, key=there.__getitem__, default=0)
     if not there or there[ball] > CLOSES_AT:
         return first_touch(fly(x, world, ball, 1, "start"), world)
@@ -179,10 +183,11 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str, others: int = 
     """Return free flight until the first ball lands.
 
     `zeros` is the number of derivatives of the gap of `ball`, from the gap itself on, that vanish
-    now, and `others` that of the other ball, if it touches too.
+    now, and `others` that of the other ball, if it touches too. The run ends if the next one is
+    negative, or if all vanish up to the third.
     """
     roots = {}
-    for k in touching(x, world):
+    for k in balls_on_plane(x, world):
         count = zeros if k == ball else others
         while count < 4 and (rate := gap_rate(x, world, k, count)) == 0:
             count += 1
@@ -242,7 +247,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
     """
     b = world.body[ball]
     law = b.friction
-    roots = {"touch": zeros} if len(touching(x, world)) > 1 else {}
+    roots = {"touch": zeros} if len(balls_on_plane(x, world)) > 1 else {}
     if not law.set_valued or horizontal_size(contact_velocity(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, b))
         phase = world.phases[name]
@@ -311,7 +316,7 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     """Return the phase after an impact of a ball, if it falls by more than `least`.
 
     The other ball strikes too if it is pressed into the plane, and so on, MOST_STRIKES times at
-    most.
+    most. Each impact is an event in the log and a row of the table of impacts, in the same order.
     """
     hits: list[Any] = []
     makes_energy = False
@@ -322,7 +327,7 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
         other = 1 - other
         x, hit, makes_energy = struck(x, world, ball)
         hits.append(hit)
-        pressed = other in touching(x, world) and rise(x, world.body[other]) < -CLOSES_AT
+        pressed = other in balls_on_plane(x, world) and rise(x, world.body[other]) < -CLOSES_AT
     if makes_energy:
         n = ended(x, ball, cause, "ended", MAKES_ENERGY)
     elif pressed:
@@ -341,7 +346,8 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
 def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     """Return the state after an impact of a ball, its row for the table of impacts, and a flag.
 
-    The flag is true if the impact made energy. Raises ArithmeticError if it has no solution.
+    The flag is true if the impact made energy. Raises ArithmeticError if it has no solution, with
+    which the run ends as stalled (see `form.Exit`).
     """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
@@ -366,6 +372,7 @@ def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]
     """Return P, Q and the normal force of sliding in the direction beta.
 
     P = w' is the rate of the sliding speed w, Q = w beta'; they are computed at w = 1.
+    `first_directions` takes this function of beta, for all angles of a grid at once.
     """
     units = phase.form.units
     q = type(units)(*x.u, *x.L, beta, 1 + 0 * beta, *joined_values(units, x.carried))
@@ -393,8 +400,8 @@ def eighty_bits(value: Any) -> Any:
     return np.longdouble(high) + float(value - high)
 
 
-def rounded(record: Any) -> Any:
-    """Return a record of records with all numbers as longdoubles."""
+def widened(record: Any) -> Any:
+    """Return a record of records with all numbers as numpy longdoubles."""
     return refill(record, map(eighty_bits, leaves(record)))
 
 
@@ -413,14 +420,17 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     name = phase_name("slip", ball)
     number = type(world.left)
     phase = world.phases[name]
-    wide = world._replace(body=rounded(world.body))
-    x = rounded(x)
+    wide = world._replace(body=widened(world.body))
+    x = widened(x)
     b = wide.body[ball]
     units = phase.form.units
     first = len(x.u) + len(x.L)  # of the integrals
 
     def read(values: Any) -> tuple[Any, Any]:
-        """Return the state q of the slip and the record of integrals, by numbers of the series."""
+        """Return the state q of the slip and the record of integrals, by numbers of the series.
+
+        `first_slip` requires w and beta at the end of these; the state has beta, w, then copies.
+        """
         *moved, w, beta = values
         carried = x.carried._make(moved[first:])
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
@@ -533,7 +543,7 @@ def land(x: Moving, world: Any) -> Next:
     """
     if world.phase.label != "flight":
         return strike(x, world, 1 - world.phase.ball, "other-ball")
-    there = touching(x, world) or [
+    there = balls_on_plane(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
     return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), "landing")
@@ -595,7 +605,7 @@ def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
     """Return the phase `to` after sliding has left a region of its law, or rest if it has stopped.
 
     `passed` is the event function of `to` with a root here. Where `to` is the present phase, which
-    passes its rest, the function is negative from here on.
+    passes its rest, the function (that of RESTS) is negative from here on; `on_disc` reads it.
     """
     sides = {passed: -1} if world.phases[to] is world.phase else {}
     n = on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
@@ -627,8 +637,9 @@ def give_way(x: Moving, world: Any) -> Next:
 def on_disc(n: Next, world: Any) -> Next:
     """Return the next phase `n`, corrected under a law with regions.
 
-    Event functions that begin beyond their zero are marked. If sliding and turning have stopped
-    together, the disc rests, passes its rest, or begins to slide.
+    Event functions that begin beyond their zero are marked in `n.sides`; signs that are there
+    already stay. If sliding and turning have stopped together, which the mark of RESTS shows, the
+    disc rests, passes its rest, or begins to slide.
     """
     phase = world.phases[n.phase]
     b = world.body[phase.ball]
@@ -658,7 +669,7 @@ def at_rest(n: Next, world: Any) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if horizontal_size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
+    gains = 1 / b.m if horizontal_size(F) > limit else b.friction.patch**2 / turn_held(x.u, b)[1]
     if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)
@@ -687,7 +698,9 @@ JUMPS: Mapping[str, Callable] = {
     "sphere-leaves": partial(stay_on, ball=1),
     "stem-leaves": partial(stay_on, ball=0),
 }
-"""What follows the events that end phases, except those after which it may go on."""
+"""What follows the events that end phases, by name, except those after which it may go on: for
+these `opening.phases_of` adds `go_on` and `slide_on`.
+"""
 
 REASONS = (
     "start",
@@ -701,4 +714,4 @@ REASONS = (
     "rests",
     "gives",
 )
-"""Causes of phases, by number in a store."""
+"""Causes of phases; the place of a word is its number in a store."""

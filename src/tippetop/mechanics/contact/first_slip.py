@@ -155,8 +155,9 @@ def _matrices(kind: np.dtype) -> tuple[np.ndarray, ...]:
 def first_directions(law: Callable) -> Iterator[float]:
     """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0 [rad].
 
-    law(beta) -> (P, Q, N) at angles beta from a fixed axis; see `exits.pushed`. There is exactly
-    one direction outside the cone. In a plane, where Q is 0 everywhere, it is 0 or pi.
+    law(beta) -> (P, Q, N) at an angle beta from a fixed axis, or at an array of them; see
+    `exits.pushed`. There is exactly one direction outside the cone. In a plane, where Q is 0
+    everywhere, it is 0 or pi.
     """
     grid = np.radians(np.arange(361) + 1 / np.e)
     Q = law(grid)[1]

@@ -4,7 +4,8 @@ Axes 1, 2 and 3 are the principal axes of inertia; the outline may be turned aga
 orientation and momentum; out come arm, velocities and the response at the contact. The motion in
 contact takes only five functions of how a body lies: the arm, its rate, the height, the angular
 velocity of an angular momentum, and the rates of the axes. `body` and `response` choose these
-functions for an `Asymmetric` body (`by_body`), and those of a ball for others.
+functions for an `Asymmetric` body (`by_body`), and those of a ball for others, which have the same
+arguments. The functions lack `@formula`, because no function that numba compiles calls them.
 
 Symbols
     b         the body, an `Asymmetric`; b.outline: its shape, such as an `Ellipsoid`
@@ -22,7 +23,7 @@ from ..operand import Operand, Vector, cross, dot, minus, plus, sqrt, times
 
 
 class Asymmetric(NamedTuple):
-    """A body without an axis of symmetry, `b` of formulas. `systems.ellipsoid` makes it."""
+    """A body without an axis of symmetry, which `systems.ellipsoid` fills by position."""
 
     m: Operand  # [kg]
     I1: Operand  # about the centre of mass [kg m^2]
@@ -177,7 +178,7 @@ def arm_velocity(x, b):
     return in_space(cross(turns(x, b), local_arm(x.u, b)), x.u)
 
 
-def turning(torque, a, b):
+def turn_about_contact(torque, a, b):
     """Return w = (I + m (a^2 - a a))^-1 torque: the effect of a torque about the contact at rest.
 
     All are along the axes of the body.
@@ -192,11 +193,12 @@ def turning(torque, a, b):
 def mobility_inverse_times(u, x, b):
     """Return K^-1 x = m (x - m w x a), (3,): the force that gives A the acceleration x.
 
-    x is a vector in space; the impulse that gives the velocity x is the same.
+    x is a vector in space; the impulse that gives the velocity x is the same. K is that of
+    `response.gains`.
     """
     a = local_arm(u, b)
     v = along_axes(x, u)
-    w = turning(cross(a, v), a, b)
+    w = turn_about_contact(cross(a, v), a, b)
     return in_space(times(b.m, minus(v, times(b.m, cross(w, a)))), u)
 
 
@@ -225,14 +227,21 @@ def swing(x, b):
 
 
 def bias_vector(x, b):
-    """Return the acceleration of the contact point without a force there, (3,) [m/s^2]."""
+    """Return the acceleration of the contact point without a force there, (3,) [m/s^2].
+
+    It is the `response.own_bias` of such a body: on a level plane at rest, in still air.
+    `response.bias_vector` includes surroundings.
+    """
     free = rates_of(gyration(turns(x, b), b), b)
     return in_space(plus(cross(free, local_arm(x.u, b)), swing(x, b)), x.u)
 
 
 def reaction(x, b):
-    """Return the force of the plane on a body that rolls, (3,) [N]."""
+    """Return the force of the plane on a body that rolls, (3,) [N].
+
+    It is on a level plane at rest, in still air, and equal to `response.held_reaction` there.
+    """
     a = local_arm(x.u, b)
     more = swing(x, b)
-    w = turning(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
+    w = turn_about_contact(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
     return in_space(times(b.m, minus(cross(a, w), more)), x.u)

@@ -90,7 +90,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
 
 
 def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of e: of a `Begin`, or of a record of angles."""
+    """Return the common state of e: of a `Begin`, which `start` made, or of a record of angles."""
     return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
 
 
@@ -108,7 +108,8 @@ LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
 OWN = ("motion", "up", "turns", "spin", "rotation")
 Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
 """As of other rows; the common state, zhat and omega x zhat along the half axes, omega_z, energy of
-rotation.
+rotation. `row_scalars` fills them by position; `angles_by` and `rotation_energy` read `motion` and
+`rotation` by name.
 """
 
 
@@ -148,7 +149,7 @@ OF_ROW = replace(
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
     """Return the upward acceleration of the contact point per normal force [1/kg].
 
-    It must be positive.
+    It must be positive. `body.contact_mobility` is the same times m, by friction without torques.
     """
     x = s.motion
     v = contact.contact_velocity(x, b)

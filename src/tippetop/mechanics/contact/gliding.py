@@ -166,7 +166,7 @@ def centre_velocity(e, s, z, b):
 
 @formula
 def euler_scalars(e, b):
-    """Return the `Scalars` of a state e in Euler angles."""
+    """Return the `Scalars` of a state e in Euler angles: `vector_scalars` of the same motion."""
     s = sin(e.theta)
     z = cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
@@ -183,6 +183,8 @@ def sine_and_cosine(q):
 @formula
 def spins(e, across, b):
     """Return phi'' and omega_3' [rad/s^2] if the force along 2hat at the contact is `across` [N].
+
+    `rolling.euler_rates` calls it too: e may lack nu_x and nu_y.
 
     [T 3.30, 3.31]
     """
@@ -276,7 +278,8 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
     """Return the function to_angles(q, carried, b) of a form; see `Form`.
 
     At a pole phi is undefined and the angles are exactly 0/0. theta is atan2(sin, cos), so that no
-    digits are lost near the poles.
+    digits are lost near the poles. Scalars may lack the velocities of the contact (v_u, v_n), those
+    of rows (rise, gap) and `motion` of `framed`: the angles then lack these numbers too.
 
     Parameters
     ----------
@@ -551,6 +554,7 @@ QUANTITIES = (
     Quantity("normal_force", "g_n", NEWTON, "normal force", g_n),
     Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
 )
+"""Columns of a gliding body; `rows` gives them its formulas by their order."""
 TORQUE = Unit("kg m2 s-2")
 MODIFIED_ENERGY_RATE = Quantity(
     "modified_energy_rate",

@@ -93,7 +93,10 @@ def can_rest(law: Any) -> bool:
 
 
 def speeds(q: Any) -> Speeds:
-    """Return |v|^2 and U^2 of a motion, divided by exp(grown)^2, for the borders of regions."""
+    """Return |v|^2 and U^2 of a motion, divided by exp(grown)^2, for the borders of regions.
+
+    The borders that `stages` uses are conditions on |v|/U only, so the factor does not matter.
+    """
     return Speeds(q.v_x * q.v_x + q.v_y * q.v_y, q.turn * q.turn)
 
 
@@ -207,7 +210,7 @@ def holding_margin(by: Acts, b: Any) -> Any:
 def slide(q: Any, by: Acts, b: Any) -> Any:
     """Return the motion q with the first slip of a contact that friction cannot hold at rest.
 
-    `by` are the force and torque that would be needed to hold it.
+    `by` are the force and torque that would be needed to hold it, those of the stage REST.
     """
     law = b.touch.friction
     grown = b.stops + 1

@@ -107,7 +107,10 @@ def kind_of(law: Any) -> tuple:
 
 
 def in_plane(form: Form) -> Form:
-    """Return a form for a motion in a plane: theta is an integral too, and beta' = 0."""
+    """Return a form for a motion in a plane: theta is an integral too, and beta' = 0.
+
+    `rows.PLANAR_ROW`, the form of its rows, has this integral and orientation too.
+    """
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
 
     def rates(q: Any, b: Any) -> Any:
@@ -135,7 +138,7 @@ def phases_of(
     balls
         The number of balls that can touch.
     of_axis
-        Events that every phase has in which the axis moves.
+        Events that every phase has in which the axis moves; () if they need the scalars of rows.
     around
         The groups of surroundings.
     """
@@ -176,7 +179,8 @@ def phases_of(
 def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
     """Return the jumps from a phase to those in the next regions of the law, by event.
 
-    The phase has this label and ball, and one of `regions` for each ball in contact.
+    The phase has this label and ball, and one of `regions` for each ball in contact. Events have
+    the names that `contact_phases.border` makes; "roll" of both balls is not a region.
     """
     return {
         phase_name(way.event, at): partial(

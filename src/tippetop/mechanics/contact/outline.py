@@ -29,7 +29,7 @@ class Series(Dual):
 
 
 def root(x: Series) -> Series:
-    """Return the square root, for the height of an outline.
+    """Return the square root, for the height of an outline; `tippetop.extending` offers it.
 
     Parameters
     ----------
@@ -86,13 +86,17 @@ class Rim(NamedTuple):
 def at(z: Operand, s2: Operand, height: Callable) -> Series:
     """Return height(z, s2) of an outline [m], as a Series with its derivatives by z.
 
-    s2 is 1 - z^2, passed because the difference would lose digits near the poles.
+    s2 is 1 - z^2, passed because the difference would lose digits near the poles. `height` gets
+    both as Series, so it consists of their arithmetic and `root`.
     """
     return height(Series(z, 1, 0, 0), Series(s2, -2 * z, -2, 0))
 
 
 def shape_by(height: Callable, names: Iterable[str]) -> Any:
-    """Return the type of the outlines of a height(z, s2, numbers), by the names of its numbers."""
+    """Return the type of the outlines of a height(z, s2, numbers), by the names of its numbers.
+
+    Their order is that in which `user_outline.body_by_height` fills an outline.
+    """
     record: Any = cast(Any, namedtuple)("Numbers", names)
 
     class Shape(record):

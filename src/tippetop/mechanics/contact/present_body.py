@@ -28,18 +28,19 @@ from .body import filled, touching, touching_ball
 from .surroundings import COPY, at_present, joined_values
 
 
-CLOCK = Integral(
+VIBRATION_PHASE = Integral(
     "clock",
     RADIAN,
     "phase 2 pi f t of the vibration",
     lambda q, carried, b: b.around.shake.rate,
     lambda data, s, z: 0 * z,
 )
+"""`surroundings.at_present` reads it by its name."""
 
 
 def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
     """Return the integrals that surroundings of these groups add: the phase of a vibration."""
-    return (CLOCK,) if "vibration" in around else ()
+    return (VIBRATION_PHASE,) if "vibration" in around else ()
 
 
 def present(known: Any, b: Any) -> Any:
@@ -69,7 +70,8 @@ def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
     """Return a form whose functions get the body in its state, in surroundings of these groups.
 
     Its state gets further variables at the end, named `COPY` + the name of an integral, because
-    rates cannot read integrals.
+    rates cannot read integrals: the rates of these integrals get () as `carried`. `joined_values`
+    returns the copies in this order.
     """
     clock = added_integrals(around)
     place = [one for one in form.integrals if one.name in ("x", "y") and "turntable" in around]

@@ -58,7 +58,7 @@ from .body import (
     velocities,
 )
 from .frame import Asymmetric
-from .surroundings import braking, mean_gravity, pushing, turned
+from .surroundings import braking, mean_gravity, pushing, table_torque
 
 
 @formula
@@ -89,9 +89,10 @@ def mobility_inverse_times(u, x, b):
 
 @formula
 def inverse_times(u, x, b, less):
-    """Return K^-1 x of a ball, (3,), with K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat.
+    """Return K^-1 x of a ball, (3,), with K = kappa - a a/I1 + excess k k, k = zhat x 3hat.
 
-    A torque about the vertical, as on a disc at rest, makes the excess smaller by `less`.
+    K is that of `gains`. A torque about the vertical, as on a disc at rest, makes the excess
+    smaller by `less`, the third result of `turn_held`.
     """
     excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - less
     a = arm(u, b)
@@ -123,7 +124,10 @@ def own_bias(x, b):
 
 
 def surrounded_bias(x, b):
-    """Return the acceleration of A without a force there, in surroundings, (3,) [m/s^2]."""
+    """Return the acceleration of A without a force there, in surroundings, (3,) [m/s^2].
+
+    x is a `Moving` on a turntable; elsewhere a `Turning` is enough.
+    """
     bias = own_bias(x, b)
     none = times(0, bias)
     by_torque, _ = gains(x.u, none, around_torque(x, b), b)
@@ -131,7 +135,7 @@ def surrounded_bias(x, b):
 
 
 bias_vector = select(lambda b: surrounded_bias if b.around else own_bias)
-"""bias_vector(x, b) -> b, (3,) [m/s^2]: how the contact point accelerates without a force there.
+"""bias_vector(x, b) -> (3,) [m/s^2]: how the contact point accelerates without a force there.
 
 It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1, and more if the
 ball changes.
@@ -146,7 +150,7 @@ def around_torque(x, b):
     torque = braking(omega, b)
     if not b.around.table:
         return torque
-    return plus(torque, turned(omega, x.L, lambda omega: momentum_of(omega, x.u, b), b))
+    return plus(torque, table_torque(omega, x.L, lambda omega: momentum_of(omega, x.u, b), b))
 
 
 def surroundings_power(x, b):
@@ -193,7 +197,8 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
 def sliding(x, friction, v, b):
     """Return the force and torque (3,) on a body that slides with the horizontal velocity v.
 
-    friction(omega, v, z, b) gives them per normal force, which follows from dv_A/dt.zhat = 0.
+    friction(omega, v, z, b) gives them per normal force, the vertical part of its force being 1;
+    the normal force follows from dv_A/dt.zhat = 0. Under Coulomb's law itself v may be of length 1.
     """
     force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
     by_force, _ = gains(x.u, force, torque, b)
@@ -213,11 +218,11 @@ def across_and_along(G, n):
 # --- a contact at rest, of a point or of a disc -------------------------------------------------
 
 
-def turning(u, b):
+def turn_held(u, b):
     """Return the effect of the torque that keeps Omega_z: t, 1/k_zz, and t^2/k_zz per k^2.
 
     t is the acceleration of the contact point per torque, along zhat x 3hat, and Omega_z' per
-    force; k_zz is Omega_z' per torque, regular at the poles.
+    force; k_zz is Omega_z' per torque, regular at the poles. `exits.at_rest` reads the second.
     """
     more = 1 / b.I3 - 1 / b.I1
     per = 1 / ((u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3)
@@ -226,16 +231,22 @@ def turning(u, b):
 
 
 def impulses(u, v, Omega_z, b):
-    """Return the impulses of force and torque (3,) that add v to v_A, and Omega_z to a disc."""
+    """Return the impulses of force and torque (3,) that add v to v_A, and Omega_z to a disc.
+
+    A law without regions has a point as its contact, of which Omega_z is ignored.
+    """
     if not b.friction.regions:  # a point, which turns freely
         return mobility_inverse_times(u, v, b), times(0, v)
-    along, per, less = turning(u, b)
+    along, per, less = turn_held(u, b)
     p = inverse_times(u, plus(v, times(-(Omega_z * per), along)), b, less)
     return p, Vector(0 * p.z, 0 * p.z, (Omega_z - dot(p, along)) * per)
 
 
 def stopping(x, b):
-    """Return the impulses of force and torque that stop the contact point, and a disc's turning."""
+    """Return the impulses of force and torque that stop the contact point, and a disc's turning.
+
+    They are the last two arguments of `kicked`.
+    """
     v, omega = velocities(x, b)
     return impulses(x.u, times(-1, v), -omega.z, b)
 
@@ -278,7 +289,8 @@ def held(u, bias, free, omega, b):
     """Return the force [N] and torque [N m], (3,), that keep a contact at rest in rolling.
 
     omega is the angular velocity, (3,). Without them, the acceleration of the contact point would
-    be `bias`, (3,) [m/s^2], and Omega_z' = `free` [rad/s^2].
+    be `bias`, (3,) [m/s^2], and Omega_z' = `free` [rad/s^2]. `impact_motion` calls it too, with a
+    unit of bias.
     """
     rolls = (rolling if b.friction.regions else load)(omega, b.friction)
     by_load, turns = gains(u, times(0, rolls), rolls, b)
@@ -327,7 +339,8 @@ def margin(force: Any, torque: Any, law: Any) -> Any:
     """Return how much more friction could bear than a contact at rest needs; negative: too little.
 
     Of a point it is a force, mu N less the horizontal one. Of a disc it is a torque about the
-    vertical per mu N patch, while friction also bears the force.
+    vertical per mu N patch, while friction also bears the force; -1 if nothing presses. Its
+    sign decides; the event `gives` needs its zero, and `exits.at_rest` its size.
 
     Parameters
     ----------

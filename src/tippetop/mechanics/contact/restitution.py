@@ -61,7 +61,8 @@ STEM = {
 def stem_faults(R: float, r: float, h: float) -> list[str]:
     """Return [] or a sentence about a stem that does not fit a sphere of radius R.
 
-    r, h of `ContactLaw` [m].
+    r, h of `ContactLaw` [m]. `Problem` is refused by it; `scenario.contact` skips further checks of
+    such a stem.
     """
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]

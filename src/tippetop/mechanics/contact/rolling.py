@@ -81,7 +81,10 @@ def push_along(s, b):
 
 @formula
 def push_across(s, b):
-    """Return (3hat x F).zhat [N]: the horizontal force across the lean, times sin(theta)."""
+    """Return (3hat x F).zhat [N]: the horizontal force across the lean, times sin(theta).
+
+    Like `normal_force` and `push_along`, it is a part of `response.reaction` by scalars.
+    """
     return -(contact.bias_n(s, b) / contact.mobility_n(s, b))
 
 
@@ -111,7 +114,8 @@ def scalars(x, u_dot, v, b):
 def scalars_by_kinematics(s, b):
     """Return the `Scalars` of `Kinematics` s.
 
-    They are 0/0 at a pole, as |F_h| is computed from its two parts.
+    They are 0/0 at a pole, as |F_h| is computed from its two parts; elsewhere they are equal to
+    `scalars` of the same motion. `tippe_top_reduced` calls it too.
     """
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     return Scalars(*s, speed2, (push_along(s, b) ** 2 + push_across(s, b) ** 2) / s.s2)
@@ -133,7 +137,10 @@ EulerState = type(EULER_UNITS)
 
 @formula
 def euler_scalars(e, b):
-    """Return the `Scalars` of a state e in Euler angles."""
+    """Return the `Scalars` of a state e in Euler angles.
+
+    They are singular at a pole; elsewhere equal to `vector_scalars` of the same motion.
+    """
     s = sin(e.theta)
     z = cos(e.theta)
     return scalars_by_kinematics(kinematics_of_angles(e, s, z, b), b)
@@ -236,7 +243,10 @@ LIFTOFF = replace(
 
 
 def of_system_at_rest(of_system: dict[str, Any]) -> dict[str, Any]:
-    """Return fields of a System at rest on its contact, by name, from those of one that glides."""
+    """Return fields of a System at rest on its contact, by name, from those of one that glides.
+
+    They lack the numbers of v_A, whose names begin with nu_, the flag that replaces them, and laws.
+    """
     initial = of_system["initial"]
     undefined = of_system["undefined_at_poles"]
     return of_system | {
@@ -271,3 +281,4 @@ REACTION = (
     HORIZONTAL,
     FRICTION_NEEDED,
 )
+"""Columns of a body at rest on its contact; `heavy_top` takes the first two."""

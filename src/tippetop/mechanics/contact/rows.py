@@ -63,6 +63,8 @@ NUMBERS = {
     "jellett_taken": JELLETT,
     "drilled": WATT,
 }
+"""Further numbers of a row. `height` comes first, as in a `Moving`: see `filled_row`."""
+
 ROW_UNITS = state(**VELOCITY, **NUMBERS)
 Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
@@ -75,7 +77,10 @@ FRAME_UNITS = state(
 
 
 def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
-    """Return a common state as a row with these units; numbers that are not given are 0."""
+    """Return a common state as a row with these units; numbers that are not given are 0.
+
+    `units` begin with the fields of the common state, in its order.
+    """
     values = [*x.u, *x.L, *x.velocity, x.height]
     names = units._fields[len(values) :]
     return type(units)(*values, *(numbers.get(name, 0 * x.height) for name in names))
@@ -83,6 +88,8 @@ def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
 
 def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
     """Return a state of a phase as a `Row`, the record that all phases share, and the body.
+
+    It is `System.read`: the engine computes columns and user-defined events from the result.
 
     Parameters
     ----------
@@ -144,7 +151,7 @@ def lowest_velocity(q, b):
 
 
 def row_scalars(q, b):
-    """Return the `Scalars` of a row q; numbers of a ball are 0 without one."""
+    """Return the `Scalars` of a row q, filled by position; numbers of a ball are 0 without one."""
     x = moving(q)
     v = lowest_velocity(q, b)
     moves = kinematics(x, contact.axis_rate(x, b), b)
@@ -190,10 +197,13 @@ def row_of_angles(e, s, z, b):
 
 
 def planar_angles_of_row(q, carried, b):
-    """Return the record PLANAR_ANGLES of a row of a motion in a plane."""
+    """Return the record PLANAR_ANGLES of a row of a motion in a plane.
+
+    `carried` begins with the integrals that PLANAR_ROW names, in this order.
+    """
     v = lowest_velocity(q, b)
     c = planar_scalars(q, b)
-    theta, *others = carried[:4]
+    theta, *others = carried[:4]  # others: x, work, impulse
     return type(PLANAR_ANGLES)(theta, c.theta_dot, v.x, c.rise, c.gap, *others)
 
 
@@ -213,10 +223,11 @@ def planar_scalars(q, b):
 # --- the forms of rows --------------------------------------------------------------------------
 
 
-def carried(*names: str) -> tuple[Integral, ...]:
+def row_integrals(*names: str) -> tuple[Integral, ...]:
     """Return integrals of these names without rates: those that rows have.
 
-    A phase integrates some of them; the others keep their values in it.
+    A phase integrates some of them; the others keep their values in it. No phase integrates
+    `jellett_reference`, which `exits.first_touch` sets.
     """
     return tuple(integral(name, None) for name in (*names, "jellett_reference"))
 
@@ -228,26 +239,26 @@ ROW = Form(
     row_scalars,
     row_of_angles,
     angles_by(ANGLES, row_scalars),
-    integrals=carried("x", "y", "work", "impulse"),
+    integrals=row_integrals("x", "y", "work", "impulse"),
     orientation=carried_along(axis_rate, spin),
 )
 DISC_ROW = replace(
     ROW,
     to_angles=angles_by(DISC_ANGLES, row_scalars),
-    integrals=carried("x", "y", "work", "impulse", "jellett_lost"),
+    integrals=row_integrals("x", "y", "work", "impulse", "jellett_lost"),
 )
 PLANAR_ROW = replace(
     ROW,
     name="angle",
     scalars=planar_scalars,
     to_angles=planar_angles_of_row,
-    integrals=carried("theta", "x", "work", "impulse"),
+    integrals=row_integrals("theta", "x", "work", "impulse"),
     orientation=by_angles(lambda q: (q.ux, q.uz)),
 )
 
 
 def form_of(phase: Phase, label: str, angles: Any, of_rows: Form) -> Form:
-    """Return the form of a body that stays in a phase.
+    """Return the form of a body that stays in a phase, for `framed` and rolling in surroundings.
 
     `label` is one of `PHASES`, which numbers the phase in rows, and `of_rows` the form of these.
     `angles` are the fields of the angles with their units: those that the scalars do not determine

@@ -52,13 +52,13 @@ LOSSES = {
 def disturbed(b: Any, start: Any, rules: Any = None) -> Outlook:
     """Return no predictions: the theory of the package does not apply in surroundings.
 
-    It has the arguments of `System.outlook`.
+    It has the arguments of `System.outlook`, and `rules`, the third one of `Opening.outlook`.
     """
     return Outlook(NO_OUTLOOK)
 
 
 def in_surroundings(system: System, around: tuple[str, ...]) -> System:
-    """Return a system whose body is in surroundings of these tables, without its theory."""
+    """Return a system whose body is in surroundings of these groups, without its theory."""
     rules = rules_of(around)
     units = {key: rule.unit for key, rule in rules.items()}
     body_units = surrounded_body(lambda parameters, friction: system.body_units(friction))
@@ -74,7 +74,10 @@ def in_surroundings(system: System, around: tuple[str, ...]) -> System:
 
 
 def rolls(system: System) -> bool:
-    """Return whether a system is that of a body in space in pure rolling."""
+    """Return whether a system is that of a body in space in pure rolling.
+
+    `surrounded_rolling` takes such a system only.
+    """
     return [*system.phases] == ["roll"] and bool(system.vectors)
 
 
@@ -87,7 +90,7 @@ CHANGED = {
 
 @cache
 def surrounded_rolling(system: System, around: tuple[str, ...]) -> System:
-    """Return a system in pure rolling, in surroundings of these tables.
+    """Return a system in pure rolling, in surroundings of these groups.
 
     Equal arguments return the same object: systems are keys of other caches.
     """

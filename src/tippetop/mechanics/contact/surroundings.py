@@ -79,7 +79,11 @@ GROUPS: Mapping[str, Mapping[str, Number]] = {
         "plane.y": Number(METRE, "y of its axis of turning", default=0.0),
     },
 }
-"""The numbers of surroundings by dotted key, in groups that are given together."""
+"""The numbers of surroundings by dotted key, in groups that are given together.
+
+`surrounded_body` gives the numbers of a group by position, `Air` and `Table` in the order of their
+fields.
+"""
 
 TABLES = ("air", "plane")
 
@@ -200,7 +204,8 @@ def moving_axes(tables: Mapping[str, Any]) -> list[str]:
 def surrounded_body(body: Callable) -> Callable:
     """Return body(parameters, friction) of a body in the surroundings that the parameters have.
 
-    These are numbers by dotted key.
+    `parameters` also has the numbers of surroundings, by dotted key: a group counts if it is
+    complete. They may be arrays, or units, by which `in_surroundings` finds the units of the body.
     """
 
     def surrounded(parameters: Mapping[str, Any], friction: Any) -> Any:
@@ -225,7 +230,8 @@ def surrounded_body(body: Callable) -> Callable:
             g = g * cos(tilt)
         if "vibration" in given:
             amplitude, frequency, phase = given["vibration"]
-            rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency  # 2 pi f
+            # 2 pi f, pi = atan2(0, -1) in the precision of the numbers
+            rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency
             push = amplitude * rate**2
             around["shake"] = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
         if "turntable" in given:
@@ -262,7 +268,7 @@ def at_present(b: Any, known: Any) -> Any:
 def joined_values(units: Any, carried: Any) -> list:
     """Return the values of the variables of a state with these units that are copies of integrals.
 
-    `carried` is the record of the integrals.
+    `carried` is the record of the integrals. The copies end the state, in the order of the result.
     """
     names = [name for name in units._fields if name.startswith(COPY)]
     return [getattr(carried, name.removeprefix(COPY)) for name in names]
@@ -277,7 +283,10 @@ def mean_gravity(b: Any) -> Any:
 
 
 def braking(omega: Vector, b: Any) -> Vector:
-    """Return the torque of the air, which is at rest, on a body, (3,) [N m]."""
+    """Return the torque of the air, which is at rest, on a body, (3,) [N m].
+
+    `b.around` must be given; omega is seen from the plane, which may turn.
+    """
     if not b.around.air:
         return times(0, omega)
     c1, c2 = b.around.air
@@ -286,7 +295,7 @@ def braking(omega: Vector, b: Any) -> Vector:
     return times(-(c1 + c2 * sqrt(dot(omega, omega) + SMOOTH**2)), omega)
 
 
-def turned(omega: Vector, L: Vector, momentum: Callable, b: Any) -> Vector:
+def table_torque(omega: Vector, L: Vector, momentum: Callable, b: Any) -> Vector:
     """Return the torque on a body that is seen from a table that turns with Omega, (3,) [N m].
 
     omega and L are those seen from there, and momentum(omega) = I omega: the torque is
@@ -301,8 +310,9 @@ def turned(omega: Vector, L: Vector, momentum: Callable, b: Any) -> Vector:
 def pushing(velocity: Any, none: Any, b: Any) -> Vector:
     """Return the acceleration of the centre of mass along the plane, (3,) [m/s^2].
 
-    It is that by gravity and, seen from a table, by its turning; `none` is a zero of the type of
-    the numbers, and the velocity is needed on a table only.
+    It is that by gravity and, seen from a turntable, by its turning. `velocity`, of the centre of
+    mass, seen from the plane, is needed on a turntable only: there `at_present` must have filled in
+    `b.around.table.at`. `none` is a zero of the type of the numbers.
     """
     if not b.around:
         return Vector(none, none, none)

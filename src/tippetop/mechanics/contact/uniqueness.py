@@ -44,8 +44,9 @@ def mobility(b: Any) -> tuple[Vector, Any, Any]:
 def painleve_bound(b: Any, highest: float = math.inf) -> float:
     """Return the least mu at which the normal force of slip is not defined in some pose.
 
-    It is min K_zz/|K_hz| over the poses that have the centre of mass not above `highest`: that of a
-    body with so little energy never rises above it. It is infinite where K_hz vanishes everywhere.
+    It is min K_zz/|K_hz| over the poses that have the centre of mass not above `highest` [m]: that
+    of a body with so little energy never rises above it. It is infinite where K_hz vanishes
+    everywhere. `theory.eggs_and_discs` reports it as a threshold.
     """
     K, _, height = mobility(b)
     with np.errstate(divide="ignore"):
