@@ -99,7 +99,7 @@ class Opening(NamedTuple):
     sphere: bool = False
     # whether it has an outline, and is a different ball at each inclination
     outlined: bool = False
-    # angles, form and `read` of the rows of a body without an axis of symmetry
+    # angles and form of the rows of a body without an axis of symmetry
     framed: Any = ()
     # domains of its rows
     domains: tuple[Domain, ...] = ()

@@ -104,7 +104,8 @@ def find(name: str) -> System | None:
 def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
     """Return the friction laws that runs of a system take, by name.
 
-    Laws with regions are for a body with a contact disc.
+    Laws with regions are for a body with a contact disc. Where the contact may open, laws that have
+    no phases, as `kind_of` finds, are left out.
     """
     if system.contact is not None:
         return {

@@ -62,7 +62,8 @@ def named(faults: dict[str, Iterable[str]]) -> list[str]:
 def inconsistencies(system: System) -> list[str]:
     """Return one message for each contradiction among the records of a system; calls no formula.
 
-    The events of a phase are compared with those of all phases before it.
+    The events of a phase are compared with those of all phases before it. Faults of Python, where a
+    record is of the wrong kind, become an InputError in `check`.
     """
     faults: list[str] = []
     directions: dict[str, int] = {}
@@ -135,7 +136,10 @@ def inconsistencies(system: System) -> list[str]:
 
 
 def unmet_requirements(system: System) -> list[str]:
-    """Return what a run needs and a consistent system lacks: one message each; calls no formula."""
+    """Return what a run needs and a consistent system lacks: one message each; calls no formula.
+
+    It relies on `inconsistencies`, which `check` calls first.
+    """
     of = f"of `{system.name}`"
     phase = system.phase
     angles = system.angles._fields
@@ -209,7 +213,10 @@ def rivals(events: Sequence[Event]) -> list[str]:
 
 
 def allowed(rule: Number) -> float:
-    """Return one number that a parameter may be, SI: its default, or one within its bounds."""
+    """Return one number that a parameter may be, SI: its default, or one within its bounds.
+
+    A default that is a text, arithmetic of other numbers, is not used.
+    """
     if isinstance(rule.default, float | int):
         return rule.default
     low = [bound for bound in (rule.above, rule.least) if bound is not None]

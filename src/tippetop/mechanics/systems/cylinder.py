@@ -177,7 +177,10 @@ def standard_force(c, b, law):
 
 @formula
 def modified_force(c, b, law):
-    """Return F_x and F_z [N] of the law `Modified`."""
+    """Return F_x and F_z [N] of the law `Modified`.
+
+    They depend on theta'', so `turn` is theta'' of `rates` under these forces, solved for.
+    """
     h = contact.height(c.z, b)
     share = kappa(c.v2, law)
     turn = (
@@ -225,7 +228,10 @@ def of_angles(e, s, z, b):
 
 
 def to_angles(units: Any) -> Callable:
-    """Return to_angles(q, carried, b) of a form whose angles are state and integrals."""
+    """Return to_angles(q, carried, b) of a form whose angles are state and integrals.
+
+    They are found by name: each field of `units` is a variable of the state or an integral.
+    """
 
     def angles(q: Any, carried: Any, b: Any) -> Any:
         """Return the record of angles: the state and the integrals."""
@@ -238,7 +244,7 @@ def to_angles(units: Any) -> Callable:
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
     """Return the record of angles from the user's numbers `data`.
 
-    centre_at_rest may replace nu_x.
+    centre_at_rest may replace nu_x. It is `System.start`; s is sin(theta), z is cos(theta).
     """
     e = type(ANGLES)(*(data.get(name, 0) for name in ANGLES._fields))
     return (
@@ -270,7 +276,10 @@ def turning(c, b):
 
 @formula
 def sliding(c, b):
-    """Return |v_A|^2 less 1e-12, in internal units: the function of `settled`."""
+    """Return |v_A|^2 less 1e-12, in internal units: the function of `settled`.
+
+    Unlike `gliding.sliding` it does not read the coefficient of the law, which `Modified` lacks.
+    """
     return c.v2 - 1e-12
 
 

@@ -77,7 +77,11 @@ class Ellipsoid(Top):
     g: Number = reuse(TippeTop.parameters["g"], default=9.81)
 
     def seen(self, friction: Any) -> Asymmetric:
-        """Return the body as the `b` of formulas, an `Asymmetric`, with the record of a law."""
+        """Return the body as the `b` of formulas, an `Asymmetric`, with the record of a law.
+
+        `squares` are a11, a12, a22 and a33 of its outline, in this order: diag(a^2, b^2, c^2),
+        turned by delta.
+        """
         k, s = cos(self.delta), sin(self.delta)
         a2, b2 = self.a**2, self.b**2
         squares = a2 * k**2 + b2 * s**2, (a2 - b2) * k * s, a2 * s**2 + b2 * k**2, self.c**2
@@ -88,7 +92,7 @@ class Ellipsoid(Top):
     def faults(parameters: Mapping[str, float]) -> list[str]:
         """Return sentences on moments of inertia, and on a centre of mass outside of the body.
 
-        No moment exceeds the sum of the others.
+        No moment exceeds the sum of the others. It is `System.checks`; `parameters` are in SI.
         """
         shape = Ellipsoid.body_of(parameters, ()).outline
         along = shape.half_axes(Vector(shape.x, shape.y, shape.z))

@@ -15,6 +15,8 @@ from .tippe_top import SOURCE
 def Lz_rate(push_n, b):
     """Return Lz' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] about the tip; push_n: see `body.push_n`.
 
+    It is the rate of `heavy_top.Lz`, as a = c 3hat.
+
     [T 5.19]
     """
     return b.m * b.c * push_n

@@ -156,7 +156,10 @@ def tip_axis_rate(q, b):
 
 @formula
 def momentum_about_centre(q, b):
-    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s], of a state q."""
+    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s], of a state q.
+
+    `fixed_scalars` takes it, because scalars are about the centre of mass.
+    """
     return plus(turning(q).L, times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
 
 
@@ -165,7 +168,10 @@ def momentum_about_centre(q, b):
 
 @formula
 def fixed_scalars(q, b):
-    """Return the scalars of a state q: those of a body that rolls with R = 0."""
+    """Return the scalars of a state q: those of a body that rolls with R = 0.
+
+    `rolling.euler_scalars` of the same motion are equal, and serve the form in Euler angles.
+    """
     x = contact.Turning(axis(q), momentum_about_centre(q, b))
     u_dot = tip_axis_rate(q, b)
     return rolling.scalars(x, u_dot, times(b.c, u_dot), b)
@@ -202,7 +208,10 @@ ANGLES = contact.filled(**rolling.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEW
 
 
 def vector_of_angles(e, s, z, b):
-    """Return the state q of angles e; s, z are sin(theta), cos(theta)."""
+    """Return the state q of angles e; s, z are sin(theta), cos(theta).
+
+    With I1* in place of I1 the momentum is that about the tip.
+    """
     return rolling.vector_of_angles(e, s, z, b._replace(I1=tip_inertia(b)))
 
 
@@ -242,7 +251,7 @@ COMMON: dict[str, Any] = {
     "checks": HeavyTop.faults,
     "potential": potential,
     "theta_inertia": theta_inertia,
-    "momenta": ("Lz", "L3"),
+    "momenta": ("Lz", "L3"),  # as arguments of `potential`; LANDSCAPE has L3 first
     "landscape": LANDSCAPE,
     "classes": ("tumbling", "upright", "inverted"),
 }

@@ -1,7 +1,8 @@
 """Predictions of theory for a start, by system: thresholds, the regime in a sentence, the fate.
 
 Each function takes the body and the quantities of the start, and returns an `Outlook`; a `System`
-has one as its field `outlook`, which `runs.forecast` calls before a run.
+has one as its field `outlook`, which `runs.forecast` calls before a run. Where the contact may open
+it is that of the `Opening`, which takes the rules of the contact too.
 
 Symbols
     b         the body in SI units, a `contact.body.Touch` or `Asymmetric`, with its law b.friction
@@ -157,7 +158,7 @@ def heavy_top(b: Touch, start: Start) -> Outlook:
 
 
 def heavy_top_motion(b: Touch, start: Start) -> str:
-    """Return the name of the motion of a heavy top whose tip is fixed."""
+    """Return the name of the motion of a heavy top whose tip is fixed; also `System.motion`."""
     if start["at_pole"]:
         return f"a spin that {STAYS}"
     conserved = start["energy"], start["Lz"], start["L3"]
@@ -219,7 +220,8 @@ def revolution(
 ) -> Outlook:
     """Predict rest, spins at the poles and steady rolling of a body with an outline.
 
-    The end of a disc is disputed.
+    `law` is given where the contact may open; `rolls`: pure rolling, where no friction law acts.
+    How a disc ends is disputed, so nothing is predicted about it.
     """
     acts = nowhere_vanishes(b.friction) and not has_parts(b.friction)
     spins, limits = eggs_and_discs.spins(b, rolls=rolls) if rolls or acts else ([], {})
@@ -232,7 +234,10 @@ def revolution(
 
 
 def without_axis(b: Asymmetric, start: Start, *, rolls: bool = False) -> Outlook:
-    """Predict small oscillations of a body that rolls with its half axis c nearly vertical."""
+    """Predict small oscillations of a body that rolls with its half axis c nearly vertical.
+
+    `rolls` is whether the system is in pure rolling; of a gliding one nothing is predicted.
+    """
     leans = max(abs(start["tilt"]), abs(math.sin(start["roll"])))
     if not rolls or leans > LEANS or b.outline.x or b.outline.y:
         return Outlook(ONLY_OSCILLATIONS)

@@ -29,9 +29,9 @@ class Outlined(Top, abstract=True):
     faults = staticmethod(contact.inertia_faults)
 
     def seen(self: Any, friction: Any) -> Touch:
-        """Return the body as the `b` of formulas, a `Touch` with its outline.
+        """Return the body as the `b` of formulas, a `Touch` with its outline, R and c still ().
 
-        `friction` is the record of a law.
+        `friction` is the record of a law. `touching_ball` fills in R and c, at each inclination.
         """
         shape = self.shape._make(getattr(self, name) for name in self.shape._fields)
         return Touch(self.m, (), (), self.I1, self.I3, self.g, friction, outline=shape)
@@ -64,7 +64,10 @@ class Spheroid(Outlined):
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return sentences on moments of inertia, and on a centre of mass outside of the body."""
+        """Return sentences on moments of inertia, and on a centre of mass outside of the body.
+
+        It is `System.checks`; `parameters` are in SI.
+        """
         at = parameters["c"] / parameters["a"]
         return contact.inertia_faults(parameters) + contact.outside_faults(at)
 
@@ -139,7 +142,8 @@ def pair(
     """Return the gliding and the rolling system of a body, with fields of each and `more` of both.
 
     The unit of length is the size of its outline. Formulas may be those of a ball: here they are
-    changed to take the ball by which the body touches. `ellipsoid` calls it too.
+    changed to take the ball by which the body touches, which leaves those of an `Asymmetric` body
+    as they are. `ellipsoid` calls it too.
     """
 
     def system(phase: str, name: str, fields: Mapping[str, Any], words: str) -> System:

@@ -32,6 +32,7 @@ RollingState = type(ROLLING_UNITS)
 def rolling_acceleration(s, z, theta_dot, b):
     """Return theta'' of pure rolling [1/s^2]. [T 6.11]
 
+    `rolling.z_dot2` is equal to -(theta'' s + theta'^2 z) of it: columns use that one.
     s, z are sin(theta), cos(theta); theta_dot is theta' [rad/s].
     """
     return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * contact.arm2(z, b))

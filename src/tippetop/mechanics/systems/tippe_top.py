@@ -109,6 +109,8 @@ def routh_rate(z, push, b):
 def theta_inertia(z, b):
     """Return g(z) [kg m^2], the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda).
 
+    `cylinder` has it too, with its own V(z).
+
     [T 4.11]
     """
     return (b.I1 + b.m * contact.arm2(z, b)) / 2
@@ -216,7 +218,9 @@ COMMON: dict[str, Any] = {
     "landscape": LANDSCAPE,
     "classes": ("tumbling", "upright", "inverted"),
 }
-"""Fields of the systems of a tippe top, gliding or rolling."""
+"""Fields of the systems of a tippe top, gliding or rolling. `momenta`, and those of LANDSCAPE, have
+the order of the arguments of `potential`.
+"""
 
 TIPPE_TOP = of_one_phase(
     "slip",

@@ -126,7 +126,7 @@ def vertical_force(q, carried, b):
 
 @formula
 def contact_scalars(q, b):
-    """Return the scalars of a state, `rolling.Scalars`."""
+    """Return the scalars of a state, `rolling.Scalars`, by 3hat and L as in the vector form."""
     x = contact.Turning(axis(q), momentum(q, b))
     return rolling.scalars(x, axis_rate(q, b), centre_velocity(q, b), b)
 
@@ -139,7 +139,10 @@ def vectors(q, b):
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """Return the state q of angles e: `of_angles` of the form."""
+    """Return the state q of angles e: `of_angles` of the form.
+
+    s, z are sin(theta), cos(theta), exact at the poles.
+    """
     v = rolling.vector_of_angles(e, s, z, b)
     x = gliding.turning(v)
     k = contact.kinematics(x, contact.axis_rate(x, b), b)

@@ -50,7 +50,7 @@ def spin_momentum(z, D, b):
 
 @formula
 def reduced_kinematics(q, b):
-    """Return the `Kinematics` of a state."""
+    """Return the `Kinematics` of a state, 0/0 at a pole; elsewhere as `body.kinematics`."""
     z = q.z
     s2 = (1 - q.z) * (1 + q.z)
     L3 = spin_momentum(z, q.D, b)
@@ -98,6 +98,7 @@ def velocity(q, carried, b):
     """Return x', y' of the centre of mass [m/s], the rates of these integrals."""
     s = reduced_kinematics(q, b)
     sine = sqrt(s.s2)
+    # theta, here 0, is not read
     e = rolling.EulerState(0, -(q.z_dot / sine), s.phi_dot_s2 / s.s2, s.L3 / b.I3)
     along_e, along_2 = contact.rolling_velocity(e, sine, q.z, b)
     return contact.of_azimuth(along_e, along_2, carried.phi)
@@ -111,7 +112,7 @@ def reduced_of_angles(e, s, z, b):
 
 
 def azimuth(q: Any, carried: Any) -> Any:
-    """Return phi in (-pi, pi] [rad], from the integral phi."""
+    """Return phi in (-pi, pi] [rad], from the integral phi: `azimuth` of `angles_by`."""
     return atan2(sin(carried.phi), cos(carried.phi))
 
 

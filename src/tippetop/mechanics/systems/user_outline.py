@@ -21,7 +21,7 @@ from .revolution import Outlined, Spheroid
 from .tippe_top import TippeTop
 
 
-THETA = np.linspace(0, np.pi, 4001)
+THETA = np.linspace(0, np.pi, 4001)  # an even number of steps, for Simpson's rule
 SMOOTH = 1e-5  # of the greatest value: what a derivative may differ from the integral of the next
 
 
@@ -29,8 +29,8 @@ SMOOTH = 1e-5  # of the greatest value: what a derivative may differ from the in
 def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
     """Return a sentence on an outline that is not smooth or not convex; [] without one.
 
-    `lengths` are the powers of the metre in the units of its numbers. Bodies are refused by it when
-    they are made.
+    `shape` is a record of `outline.shape_by`; `lengths` are the powers of the metre in the units of
+    its numbers, in their order. As a part of `System.checks` it refuses bodies when they are made.
     """
     s = np.sin(THETA)
     z = np.cos(THETA)
