@@ -67,7 +67,7 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
     `stem` is (), or (r, h): the radius of the stem's ball, and how far along 3hat its centre lies
     from that of the sphere. Each Touch has the other ball as `clearance` and `lever`: their
     difference is taken here, because the difference of two offsets from the centre of mass would be
-    rounded.
+    rounded. The result has the order of BALLS.
     """
     if not stem:
         return (b._replace(clearance=1.0, lever=0.0),)  # no other ball ever touches

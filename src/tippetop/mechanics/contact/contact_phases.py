@@ -432,7 +432,7 @@ def beyond_rest(s, b):
 
     It is the function of RESTS, zero where a disc comes to rest.
     """
-    rests = STILL**2 + rest_speed2(b)
+    rests = STILL**2 + rest_speed2(b)  # `speeds` adds STILL^2 to U^2
     return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 
 
@@ -551,7 +551,7 @@ def shared(x, v, frictions, total, swing, b):
     x, v
         The motion, and the velocity of the sphere's contact point.
     frictions
-        friction(omega, v, z, b) of each ball, per normal force.
+        friction(omega, v, z, b) of each ball, per normal force: the vertical part of a force is 1.
     total, swing
         The sum of the normal forces, and (L' x 3hat)_z; or the same of impulses.
     b
@@ -736,7 +736,8 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
     """Return the common state after impulses have stopped theta' and the vertical velocity.
 
     They replace the infinitely many ever smaller hops from one ball to the other. `frictions` are
-    those of `frictions_of`.
+    those of `frictions_of`. On both balls there is no gap: the energy of what is left of it is
+    counted as work.
     """
     v = contact_velocity(x, b)
     sinks = -(b.m * x.velocity.z)

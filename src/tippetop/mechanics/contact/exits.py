@@ -108,7 +108,8 @@ IMPACT = contact.filled(
     mode=("slip", "stick", "reverse"),
 )
 """A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
-impulse, that of friction, energy that the body gained, and how friction ended."""
+impulse, that of friction, energy that the body gained, and how friction ended. `struck` fills it by
+position; the place of a word of `mode` is its number in a store."""
 
 
 # --- the balls ----------------------------------------------------------------------------------

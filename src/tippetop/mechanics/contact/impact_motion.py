@@ -49,7 +49,7 @@ logarithm of the slip of a contact at rest; 3hat; L before the impact; the body.
 
 Motion: Any = namedtuple("Motion", "v_x v_y turn grown v_n p_x p_y p_n t_x t_y t_n work_n")
 """Slip, and that of the edge of a disc, to be multiplied by exp(grown); v_n; impulses of the force
-and of the torque; work of the normal force.
+and of the torque; work of the normal force. `rates` and `engine.impacts` fill it by position.
 """
 
 

@@ -345,6 +345,8 @@ JELLETT_COLUMNS = (
         is_column=False,
     ),
 )
+"""`engine.invariants` measures the drift of the first from the second, by their names."""
+
 PLACE_COLUMNS = (
     Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
     Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
