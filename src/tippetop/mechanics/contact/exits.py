@@ -517,7 +517,7 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     by = np.array([slope(way, MOVE / max(*abs(way), 1e-300), 0.0) for way in ways])
     pattern = known.series([delay])
     end = np.array(leaves(pattern), float)[:, 0]
-    speed = len(pattern[0]) - 1
+    speed = pattern[0]._fields.index("w")
     if end[speed] < STOPS_AT:
         rates = slope(0 * wide, MOVE, delay) / delay
         shift = -by[:, speed] / rates[speed]
