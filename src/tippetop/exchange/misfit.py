@@ -8,7 +8,7 @@ Symbols
     residuals (points, numbers), measured minus predicted, weighted
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -123,7 +123,7 @@ class Misfit:
         return residuals, jacobians
 
     def read(
-        self, observation: Observation, points: Arrays, rows: int
+        self, observation: Observation, points: Mapping[str, Any], rows: int
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals of the first rows, (points, numbers), and their substitutes, (numbers,).
 

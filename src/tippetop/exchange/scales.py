@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Arrays
 from ..mechanics.contact.surroundings import STEEPEST
 from ..mechanics.number import Number
 
@@ -141,8 +140,11 @@ class Space:
         low, high = self.bounds
         return np.clip(points, low + MARGIN, high - MARGIN)
 
-    def values(self, points: np.ndarray) -> Arrays:
-        """Return the numbers of points (..., free), SI, (...) by name."""
+    def values(self, points: np.ndarray) -> dict[str, Any]:
+        """Return the numbers of points (..., free), SI, (...) by name; floats of a single point.
+
+        The names are in the order of `names`, on which callers that pair them with `scales` rely.
+        """
         u = np.moveaxis(self.origin + self.width * points, -1, 0)
         values = [s.outside(x) for s, x in zip(self.scales, u, strict=True)]
         for i, k, swept, azimuth in self.pairs:
