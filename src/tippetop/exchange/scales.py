@@ -22,7 +22,8 @@ FAR = 0.4
 # Of the differences that are derivatives: values are known to 1e-16, and smooth over 1
 STEP = 1e-5
 # Pairs of numbers that are searched as vectors: a size and an azimuth, with the largest size; and
-# after those of the axis, components along its azimuth and across it
+# after those of the axis, components along its azimuth and across it, for which `Space.values` has
+# read the axis before: this order must stay
 PAIRS = (
     ("plane.tilt", "plane.azimuth", STEEPEST),
     ("initial.theta", "initial.phi", math.pi),
@@ -56,7 +57,7 @@ class Scale(NamedTuple):
 
 
 def scale_of(rule: Number, value: float, unit: float = 1.0) -> Scale:
-    """Return the coordinate of a number that starts at a value.
+    """Return the coordinate of a number that starts at a value, SI; `unit` is its internal unit.
 
     Its `size` is |value|, or `unit` for a number that starts at 0. Its bounds are those of the
     number's interval; of a logarithm, a factor of 20 to both sides.
@@ -100,7 +101,7 @@ class Space:
     loose : ndarray
         Whether a distance may also be larger, (free,).
     width : ndarray
-        The distances that are 1, (free,).
+        The distances that are 1, (free,); `search.widen` changes them before a search begins.
     """
 
     def __init__(self, start: dict[str, float], scales: Sequence[Scale], within: float = FAR):
