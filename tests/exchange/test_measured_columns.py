@@ -16,7 +16,6 @@ from refusals import refusal
 from scipy.integrate import solve_ivp
 
 import tippetop as tt
-from tippetop.exchange import influences
 from tippetop.exchange.motion import turned
 
 
@@ -219,5 +218,4 @@ def test_a_gyroscope_is_fitted_where_the_contact_may_open(
     with refusal("an accelerometer is fitted only where the contact never"):
         tt.fit(path, guess, free)
     smooth = SCENARIO | {"friction": {"law": "coulomb", "mu": MU, "eps": 0.01}}
-    found = tt.fit(path, smooth, free[:1], starts=1, within=0.01)
-    assert influences.DISC not in found.influences  # with a disc the contact may open
+    assert not tt.fit(path, smooth, free[:1], starts=1).influences  # the contact might open

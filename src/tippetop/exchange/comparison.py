@@ -236,7 +236,7 @@ def _relative(values: np.ndarray) -> np.ndarray:
 def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
     """Return how deep the other motion penetrates the floor, and how high it rises from it [m].
 
-    {} if `there`, its columns by name, has no height or attitude; `body` is `b` in SI.
+    Both are under the key `contact` of `Compared.numbers`. {} if `there`, its columns by name, has no height or attitude; `body` is `b` in SI.
     """
     attitude = attitude_of(there, body)
     if problem.system.name == "heavy-top" or attitude is None or "place" not in there:
@@ -295,8 +295,9 @@ def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) ->
 def orders_of(compared: Sequence[Compared]) -> list[PlainData]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
-    Errors are root mean squares over the time in which the coarser motion is within 0.1 rad of the
-    reference.
+    Errors are root mean squares over the time before the coarser motion first exceeds 0.1 (rad, or
+    m of a place). Each has `steps`, and orders by quantity; `Verdict` prints and returns them. A
+    motion whose file name has no step is left out.
     """
     stepped = [(c.step, c) for c in compared if c.step]
     stepped.sort(key=lambda pair: -pair[0])

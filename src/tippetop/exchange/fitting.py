@@ -305,10 +305,10 @@ def judged(
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
-    """Return sentences on residuals that are not noise, or not of the stated size; [] if they are.
+    """Return sentences on residuals that are not noise, or not of the stated size; [] of others.
 
     `parts` and `noise` are those of `Misfit.left`: the residuals of each kind of measurement, and
-    their root mean squares, SI. `fit` calls it too, to give up searches only far from the data.
+    their root mean squares, SI. `fit` calls it too: only with a sentence it gives up searches.
     """
     observation = misfit.observation
     reasons = []

@@ -53,8 +53,8 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
     """Return the columns of a motion by name, and quantities that a table may have instead, SI.
 
     `rows` (n, variables) are internal states at times [s], (n,). The quantities have the names of
-    `headers.KINDS`, by which `comparison.compare` and `benchmark.truth` read them; `force` is
-    missing where the contact never opens, all of them where a body has no outline.
+    `headers.KINDS`, by which `comparison.compare` and `benchmark.truth` read them. A heavy top has
+    all; other bodies have no `force` where the contact never opens, and none without an outline.
     """
     body = problem.body()
     view = Observables(problem)
@@ -136,7 +136,7 @@ def text_of(problem: Problem, to: str) -> str:
 def formats_of(problem: Problem) -> tuple[str, ...]:
     """Return the formats that can express the surface of a body, which must have an outline.
 
-    `benchmark.case_files` writes a file for each. `_urdf` relies on URDF being one of a sphere.
+    `benchmark.case_files` writes a file for each. `_urdf` relies on URDF being one of spheres only.
     """
     surface = surface_of(problem.body())
     if len(surface.meridian):
@@ -157,7 +157,7 @@ DIGITS = 12
 def rounded_to_digits(values: Any) -> np.ndarray:
     """Return a vector or a table, rounded to `DIGITS` significant digits of its largest number.
 
-    No zero has a minus sign, which texts would show. `benchmark.case_files` rounds its tables so.
+    No zero has a minus sign, which texts would show. `benchmark.case_files` uses it too.
     """
     values = np.asarray(values, float)
     largest = float(np.max(np.abs(values), initial=0.0))
