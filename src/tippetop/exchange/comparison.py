@@ -236,7 +236,8 @@ def _relative(values: np.ndarray) -> np.ndarray:
 def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
     """Return how deep the other motion penetrates the floor, and how high it rises from it [m].
 
-    Both are under the key `contact` of `Compared.numbers`. {} if `there`, its columns by name, has no height or attitude; `body` is `b` in SI.
+    Both are under the key `contact` of `Compared.numbers`. {} if `there`, its columns by name, has
+    no height or attitude; `body` is `b` in SI.
     """
     attitude = attitude_of(there, body)
     if problem.system.name == "heavy-top" or attitude is None or "place" not in there:
