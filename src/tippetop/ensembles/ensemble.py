@@ -123,6 +123,7 @@ def measure(
         log_events(measured)
     run_each(measured, np.flatnonzero(valid & alone).tolist(), ended, events=events)
     measured.faults.sort()
+    # rows at the end itself, where a top ended before its row was written; times are internal still
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])
     which, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))

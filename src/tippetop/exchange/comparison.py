@@ -142,6 +142,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         )
     body = problem.body()
     kept = conserved(theirs, problem, body)
+    # the exact energy changes too, by friction
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: PlainData = {
         "file": str(path),

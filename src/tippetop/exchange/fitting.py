@@ -111,11 +111,13 @@ def fit(
             progress(before + done, total)
 
         report(0)
+        # the seed is that of this search, so that fits are reproducible
         minima = search(misfit, points, np.random.default_rng((0, n)), report)
         if OFFSET in space.names and minima[0].searches:
             minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
         ends = merge([*ends, *minima])
         costs += [end.cost for end in minima[:1] if end.searches]
+        # searches that were given up, and those that ended as far from the data as the best
         failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
         lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
         if ends[0].searches >= MET or lost or misfit.excess(ends[0].cost) < RIVAL / 2:
@@ -241,6 +243,7 @@ def judged(
     sizes = np.where(sizes > 0, sizes, 1)
     across, singular, ways = np.linalg.svd(scaled / sizes, full_matrices=False)
     slopes = space.slopes(point) / sizes
+    # pseudo-inverse, of columns of length 1; a direction without effect has a huge error
     inverse = slopes @ (ways.T / np.maximum(singular, 1e-12)) @ across.T
     covariance = variance * inverse @ inverse.T
     sigma = np.sqrt(np.diag(covariance))

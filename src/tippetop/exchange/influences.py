@@ -76,6 +76,7 @@ def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
         disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
         cases[DISC] = [{}, {"friction": disc}], 1.0
     elif law not in ("none", "contensou") and "mu_d" not in friction:
+        # as `simulators.DRILLING`: Hertz's pressure
         drilling = 3 * math.pi / 16 * friction.get("mu_coulomb", USUAL_MU) * PATCH
         some = [{"friction": {**friction, "mu_d": size * drilling}} for size in (0.0, PART)]
         cases[DISC] = some, PART

@@ -48,7 +48,7 @@ class Scale(NamedTuple):
         return float(np.log(value)) if self.logarithmic else value / self.size
 
     def outside(self, inside: Any) -> Any:
-        """Return the values, SI, of coordinates: the inverse of `inside`."""
+        """Return the values, SI, of coordinates: the inverse of `inside`; none overflows."""
         return np.exp(np.clip(inside, -600, 600)) if self.logarithmic else inside * self.size
 
     def slope(self, value: float) -> float:

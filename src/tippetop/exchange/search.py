@@ -160,7 +160,8 @@ def search(
     the stated noise, or than those of the rival, before its last window is given up: it returns its
     best point, which does not count.
 
-    `progress`: called with the number of windows that are done."""
+    `progress`: called with the number of windows that are done, of those of `windows`.
+    """
     rows = windows(misfit)
     stated = [misfit.observation.stated.get(g, np.inf) for g in misfit.observation.groups]
     most = HOPELESS / MEDIAN * max(stated)
@@ -189,6 +190,7 @@ def search(
             (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
             cost = float((residual**2).sum())
             return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
+        # lost on the way: try a window between this one and the last that was reached
         if best.variance > LOST * least and window >= 2 * reached > 2:
             ahead += [window, (reached + window) // 2]
             continue
@@ -249,11 +251,11 @@ def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
 
 
 def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator) -> np.ndarray:
-    """Return the best CHILDREN of many points (k, free) about one, as far as its slow changes
-    leave open where it is.
+    """Return the best CHILDREN of many points (k, free) about one, where slow changes allow them.
 
     Differences over a coarse step ignore fast oscillations: their derivatives are large, and
-    mean nothing far from the point."""
+    mean nothing far from the point.
+    """
     space = misfit.space
     one = np.eye(len(best.point))
     ahead, behind = (space.clipped(best.point + sign * COARSE * one) for sign in (1, -1))
