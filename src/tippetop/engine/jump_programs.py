@@ -230,10 +230,9 @@ class JumpPrograms:
                 raise cause from None
             return None
         pad = [0.0] * (len(to.workspace.motion.state) - len(after))
-        times = n.lasts, n.delay
         ended = state[: len(solver.variables.names)]
         ranged = [*chain(*ranges.values())]
-        results = [*ranged, *sides, *zeros, *after, *pad, *times, *numbers, *ended]
+        results = [*ranged, *sides, *zeros, *after, *pad, n.lasts, n.delay, *numbers, *ended]
         first = program.joined(results)
         lines = program.code()
         constants = np.array([*program.constants.values()])

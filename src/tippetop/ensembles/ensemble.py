@@ -51,14 +51,14 @@ def measure(
         Called as progress(done, of), which count valid tops, from any thread.
     wanted
         Names of the columns that are read; None: all. The others may be empty; these have the
-        same bits.
+        same bits. (), as `rows_at_times` passes it: only `rows` are, and columns stay internal.
     lyapunov
         Whether finite-time Lyapunov exponents are computed: one top after the other, each at the
         cost of several runs. That of a top that is invalid, or ends at its start, is NaN.
     events
         Whether the events of each top are logged.
     times
-        Internal times of rows, ascending (n, k).
+        Internal times of rows, ascending (n, k); before the start (negative) rows stay NaN.
     most
         Steps of one top in smooth motion at most.
 
@@ -85,7 +85,9 @@ def measure(
     begun = tops
     if is_hybrid:
         mu = np.broadcast_to(tops.given("friction").get("mu", 1.0), (tops.n,))
-        alone = (mu == 0) & (mu != 0).any()  # they have other phases
+        # run alone: tops without friction among others, as they have other phases; those in a
+        # plane; user-defined systems with phases; all whose events are logged
+        alone = (mu == 0) & (mu != 0).any()
         alone |= not turns or tops.base.contact is None or events
         begun, faults = checked_tops(tops)
         for top, sentence in faults:
@@ -121,6 +123,7 @@ def measure(
         log_events(measured)
     run_each(measured, np.flatnonzero(valid & alone).tolist(), ended, events=events)
     measured.faults.sort()
+    # rows at the end itself, where a top ended before its row was written; times are internal still
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])
     which, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
@@ -139,7 +142,10 @@ def measure(
 
 
 def _run_all(workers: Sequence[Callable], queue: Iterator[int], stop: threading.Event) -> None:
-    """Integrate the tops of a queue on a thread each; stop all if one fails, or on Ctrl-C."""
+    """Integrate the tops of a queue by all workers, on a thread each if there are several.
+
+    If one fails, or on Ctrl-C, `stop` is set, which ends the others, and the exception is raised.
+    """
     if len(workers) == 1:
         workers[0](queue)
         return
@@ -154,7 +160,8 @@ def _run_all(workers: Sequence[Callable], queue: Iterator[int], stop: threading.
 def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:
     """Return which tops end before their first step, (n,).
 
-    Those are the tops with an event function that is below zero, where it must not fall.
+    Those are the tops with an event function that is below zero, where it must not fall. Lanes
+    find zeros on the way only; a run of its own ends such a top at t = 0.
     """
     ends = tops.base.on_liftoff == "stop"
     stops = [bool(ends and event.ends and event.extremes) for event in tops.base.system.events]
@@ -164,6 +171,8 @@ def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:
 @QUIET
 def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:
     """Return the tops of a problem and its variations, for lanes.
+
+    It is `Problems.vary` after the checks of `lanes_faults`.
 
     Parameters
     ----------

@@ -20,7 +20,10 @@ from .outcomes import SWINGS, Outcomes
 
 
 def problem_of(tops: Problems, top: int) -> Problem:
-    """Return the problem of one of the tops, by its number, to run alone; unchecked."""
+    """Return the problem of one of the tops, by its number, to run alone; unchecked.
+
+    Its only row is that of the end. A gap that its scenario did not give is that of this top.
+    """
 
     def numbers(table: str) -> dict[str, Any]:
         """Return the numbers of this top in a table of the scenario."""
@@ -60,9 +63,10 @@ def problem_of(tops: Problems, top: int) -> Problem:
 
 
 def checked_tops(tops: Problems) -> tuple[Problems, list[tuple[int, str]]]:
-    """Return all tops with the gaps at which they begin, and the faults of others than `checked`.
+    """Return all tops with the gaps at which they begin, and faults that `Problems.checked` lacks.
 
-    A fault is the number of a top, and a sentence.
+    They are clashes of numbers, and those of a contact that may open: the number of a top, and the
+    first sentence on it. `sweeps.sweep_summary` prints them too.
     """
     faults = []
     gaps = np.full(tops.n, np.nan)
@@ -84,7 +88,7 @@ def run_each(
     Parameters
     ----------
     outcomes
-        A row per top; tops that cannot be integrated are marked as invalid, as by `checked_tops`.
+        A row per top; tops that cannot be integrated are marked as invalid, by `refuse`.
     numbers
         Numbers of the tops.
     ended
@@ -101,7 +105,11 @@ def run_each(
 
 
 def _run(outcomes: Outcomes, top: int, logs: bool) -> None:
-    """Run a top and write its row of `outcomes`, in internal units; `logs`: and its events."""
+    """Run a top and write its row of `outcomes`, in internal units; `logs`: and its events.
+
+    `lanes._write` does the same for tops in lanes; `_conclude` converts the columns of both to SI.
+    Raises InputError if the top cannot be integrated.
+    """
     problem = problem_of(outcomes.tops, top)
     second = problem.unit(SECOND)
     times = outcomes.times[top]

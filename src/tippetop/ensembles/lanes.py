@@ -75,14 +75,20 @@ class PoolOfOne(Pools):
         self.rules = Rules(settled_for, most, EVERY, 0)
 
     def join(self, tops: Tops, thread: int) -> None:
-        """Set the arrays of the tops, and add the pool; see `Pools.share`."""
+        """Set the arrays of the tops, and add the pool; see `Pools.share`.
+
+        `new_tops` reads log and events of a pool before, so that these are made by `__init__`.
+        """
         self.share(tops, thread)
         self.found = self.of_tops, self.log, self.samples
         self.workspace = Workspace(self, self.code, self.all_events)
         self.add_pool(0, self.workspace.loop, range(len(self.workspace.motion.pars)))
 
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: np.ndarray) -> np.ndarray:
-        """Return states of tops as rows (k, variables); see `HybridDriver.rows_of`."""
+        """Return states of tops as rows (k, variables), without the padding of the integrator.
+
+        The phases and slots are parameters for `HybridDriver.rows_of` only.
+        """
         return states[:, : self.variables]
 
 
@@ -147,7 +153,11 @@ def run_tops(
 
 
 def _stays(tops: Problems, pools: Any, top: int) -> bool:
-    """Return whether a top that may have settled has done so for good."""
+    """Return whether a top that may have settled has done so for good.
+
+    `top` is one of the `looks` of `Pools.step`, which is not in a queue: `run_tops` pushes it again
+    if not.
+    """
     problem = problem_of(tops, top)
     view = Observables(problem)
     last = pools.rows_in(np.array([top]))
@@ -158,9 +168,11 @@ def _stays(tops: Problems, pools: Any, top: int) -> bool:
 def _look(outcomes: Outcomes, pools: Any) -> None:
     """Compare the invariants of sampled states with the start, and empty samples and log.
 
-    The loop stops where they are full, so it is called after each `step`.
+    The loop stops where they may have no room for a step: `run_tops` calls this when one is half
+    full, and at the end. The zeros of the log become `passages`, for `top_events`.
     """
     if count := int(pools.samples.filled[0]):
+        # a row of samples is top times phases plus phase, see `Pools`
         tops, phases = np.divmod(pools.samples.rows[:count], len(pools.pools))
         rows = pools.rows_of(phases, pools.samples.states[:count], tops)
         outcomes.look(rows.T, tops)
@@ -172,7 +184,10 @@ def _look(outcomes: Outcomes, pools: Any) -> None:
 
 
 def _write(outcomes: Outcomes, pools: Any, tops: np.ndarray) -> None:
-    """Write the rows of `outcomes` of these tops, which have ended."""
+    """Write the rows of `outcomes` of these tops, which have ended, in internal units.
+
+    `tops` are those of one thread; those that turned out to be invalid get a status and a fault.
+    """
     is_hybrid = isinstance(pools, HybridPools)
     problems = outcomes.tops
     columns = outcomes.columns
@@ -201,7 +216,7 @@ def _write(outcomes: Outcomes, pools: Any, tops: np.ndarray) -> None:
         columns[name][tops] = tallies[name]
 
     functions = pools.of_tops.functions[:, tops]
-    kept = iter(pools.of_tops.kept[:, tops])
+    kept = iter(pools.of_tops.kept[:, tops])  # in the order of events, see `tallies.event_rows`
     settled = ~slides(problems, final, tops)
     if is_hybrid:
         settled &= ~np.isnan(tallies["lasts_since"])
@@ -232,7 +247,7 @@ def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> Event
     Parameters
     ----------
     rows
-        All events of the system.
+        All events of the system, in its order.
     base
         The base of the tops.
     reads

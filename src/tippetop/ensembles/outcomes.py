@@ -33,9 +33,9 @@ STATUSES = tuple(status.value for status in Status if status is not Status.RUNNI
 
 SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
-Form = tuple[Any, Unit, str]  # of a column: its value before a top has one, unit, meaning
+ColumnForm = tuple[Any, Unit, str]  # of a column: its value before a top has one, unit, meaning
 TURNS = "of the unit quaternion that turns body axes into space axes, at the end"
-ORIENTATION: dict[str, Form] = {
+ORIENTATION: dict[str, ColumnForm] = {
     **{f"orientation_{part}_end": (np.nan, ONE, f"{part} {TURNS}") for part in "wxyz"},
     "psi_end": (np.nan, RADIAN, f"{PSI}; at the end"),
 }
@@ -43,14 +43,18 @@ ORIENTATION: dict[str, Form] = {
 
 
 def own_quantities(system: System) -> list[Quantity]:
-    """Return the user-defined numbers of a system, whose values at the end are columns."""
+    """Return the user-defined numbers of a system, whose values at the end are columns.
+
+    Those with `meanings` (words) are not numbers.
+    """
     return [q for q in system.quantities if owner(q.formula) and not q.meanings]
 
 
-def columns_of(system: System) -> dict[str, Form]:
+def columns_of(system: System) -> dict[str, ColumnForm]:
     """Return the columns of ensembles of a system.
 
-    Those of a gliding body are always among them, whether it has these events or not.
+    Those of a gliding body are always among them, whether it has these events or not: stores of
+    sweeps, and the arrays that `lanes._write` and `hybrid_tops` fill, have these names.
     """
     count = (np.int32(0), ONE)
     time = (np.nan, SECOND)
@@ -80,7 +84,12 @@ def columns_of(system: System) -> dict[str, Form]:
 
 
 class Outcomes:
-    """The results of an ensemble, as arrays (n,) with one element per top, and its cost."""
+    """The results of an ensemble, as arrays (n,) with one element per top, and its cost.
+
+    `ensemble.measure` makes it; threads write the elements of different tops. `columns`, with
+    `forms`, are internal until `_conclude`; `rows` and `final`, (variables, n), stay so. `kind` is
+    the class, an index of CLASSES, and `status` a code of `Status`, an index of STATUSES.
+    """
 
     def __init__(self, tops: Problems, lyapunov: bool = False, times: np.ndarray | None = None):
         """Allocate the results, NaN where a top has not ended; invalid tops have a status."""
@@ -110,7 +119,11 @@ class Outcomes:
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     def refuse(self, top: int, sentence: str) -> None:
-        """Mark a top, by its number, as invalid, and store the reason as a sentence."""
+        """Mark a top, by its number, as invalid, and store the reason as a sentence.
+
+        Tops that `Problems.checked` finds invalid are not among these `faults`; `dataset` joins
+        both.
+        """
         self.status[top] = Status.INVALID.code
         self.faults.append((top, sentence))
 
@@ -118,7 +131,7 @@ class Outcomes:
 def _conclude(outcomes: Outcomes) -> None:
     """Compute theta at the end and the class of each top from its end, and convert to SI, in place.
 
-    It must be called once, when all tops have ended.
+    It must be called once, when all tops have ended: a second call would convert again.
     """
     tops = outcomes.tops
     columns = outcomes.columns
@@ -150,7 +163,11 @@ def _conclude(outcomes: Outcomes) -> None:
 
 
 def dataset(outcomes: Outcomes) -> "xr.Dataset":
-    """Return the rows as a labelled Dataset, dimension `top`."""
+    """Return the rows as a labelled Dataset, dimension `top`, with the scenario as attributes.
+
+    `library.ensemble` returns it to users. The varied numbers are coordinates; the first 20 faults
+    are an attribute.
+    """
     import xarray as xr
 
     columns = table(outcomes)

@@ -31,7 +31,10 @@ from .residuals import residuals
 from .simulators import attitude_of, columns_of, gravity
 
 
+# Quantities by which a motion is judged: the first of these that its file has
 MAIN = ("attitude", "axis", "theta", "place", "omega3", "gyroscope", "accelerometer")
+# Differences, in the unit of a quantity (rad of an attitude), whose first excess is reported; the
+# key "0.1" in `leaves` is that of the last, and `benchmark.score` names all three in its table
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
 ROUNDING = 1e-13  # smaller differences have no order of convergence
@@ -49,11 +52,15 @@ class Compared(NamedTuple):
     t
         Times [s], (rows,).
     curves
-        Differences, (rows,) each; of energy and Jellett's integral relative to the first value.
+        Differences, (rows,) each, by quantity. Of `compare` also the signed differences of the
+        relative changes of `energy` and `jellett`, which have no entry of these names in `numbers`.
     theta, reference
         theta of both [rad], (rows,); NaN if unknown.
     numbers
-        The result as plain data.
+        The result as plain data, which `compare --json` prints: file, rows, from, until; what
+        `size_of` returns of each quantity of `differences`; NAME_drift and NAME_error of conserved
+        quantities; where they are known contact, reference_ended, suspicion. `benchmark.score`
+        fills quantities only.
     """
 
     path: Path
@@ -135,6 +142,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
         )
     body = problem.body()
     kept = conserved(theirs, problem, body)
+    # the exact energy changes too, by friction
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
     numbers: PlainData = {
         "file": str(path),
@@ -165,8 +173,9 @@ def compare(problem: Problem, path: str | Path, convention: Convention) -> Compa
 def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> np.ndarray:
     """Return what an accelerometer in the body measures along its axes, (rows, 3) [m/s^2].
 
-    `columns` are those of `reference`, `chip` is its place from the centre of mass, body axes [m].
-    Raises InputError for another place than this point if the contact may change.
+    `columns` are those of `simulators.columns_of`, read where the contact may change: the force of
+    the contact is one of them only there. `chip` is the place of the accelerometer from the centre
+    of mass, body axes [m]. Raises InputError for another place if the contact may change.
     """
     problem = run.problem
     if problem.contact is None:
@@ -182,7 +191,8 @@ def specific_force(run: Solution, columns: Arrays, chip: tuple[float, ...]) -> n
 def differences(there: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]) -> Arrays:
     """Return the differences of two motions by quantity, (rows,) each, not negative; NaN in gaps.
 
-    Both are columns by name, SI: `there` of the other program, `columns` of the reference.
+    Both are columns by name, SI: `there` of the other program, `columns` of the reference. That of
+    an `orientation` is named `attitude`; a quantity that only one of them has is left out.
     """
     result: Arrays = {}
     for name in [name for name in there if name in columns]:
@@ -200,7 +210,8 @@ def conserved(there: Arrays, problem: Problem, body: Any) -> Arrays:
     """Return by how much the other motion itself conserves energy and Jellett's integral.
 
     They are changes relative to the first value, (rows,) each, of the quantities that the columns
-    of the motion and its surroundings allow.
+    of the motion and its surroundings allow. Names are those of columns of the reference, from
+    which `compare` reads the exact changes.
     """
     attitude = attitude_of(there, body)
     others = {*groups_of(problem.surroundings)} - {"tilt"}
@@ -226,7 +237,8 @@ def _relative(values: np.ndarray) -> np.ndarray:
 def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
     """Return how deep the other motion penetrates the floor, and how high it rises from it [m].
 
-    {} if `there`, its columns by name, has no height or attitude; `body` is `b` in SI.
+    Both are under the key `contact` of `Compared.numbers`. {} if `there`, its columns by name, has
+    no height or attitude; `body` is `b` in SI.
     """
     attitude = attitude_of(there, body)
     if problem.system.name == "heavy-top" or attitude is None or "place" not in there:
@@ -245,8 +257,9 @@ def _contact(there: Arrays, problem: Problem, body: Any) -> PlainData:
 def size_of(t: np.ndarray, curve: np.ndarray) -> PlainData:
     """Return numbers on the difference `curve` at times t [s], (rows,) each, for `compare --json`.
 
-    They are the largest one, the time when it occurs (`at`), mean, root mean square, and the first
-    time when it exceeds each of `LEVELS`, or None. NaN is left out.
+    They are the largest one, the time when it occurs (`at`), mean, root mean square, and `leaves`:
+    by level of `LEVELS`, as text, the first time [s] when it is exceeded, or None. NaN is left out.
+    `benchmark.score` and `orders_of` read them by these keys.
     """
     given = np.isfinite(curve)
     t = t[given]
@@ -266,7 +279,10 @@ def shown(value: float | None, form: str = ".2g", missing: str = "-") -> str:
 
 
 def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) -> str:
-    """Return a message if the first row differs from the start of the reference, or ""."""
+    """Return a message if the first row differs from the start of the reference, or "".
+
+    Only a table that begins at t = 0 is judged, by its angles.
+    """
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
@@ -281,8 +297,9 @@ def _start_faults(numbers: PlainData, curves: Arrays, convention: Convention) ->
 def orders_of(compared: Sequence[Compared]) -> list[PlainData]:
     """Return the orders of convergence d log(error)/d log(step) between different steps.
 
-    Errors are root mean squares over the time in which the coarser motion is within 0.1 rad of the
-    reference.
+    Errors are root mean squares over the time before the coarser motion first exceeds 0.1 (rad, or
+    m of a place). Each has `steps`, and orders by quantity; `Verdict` prints and returns them. A
+    motion whose file name has no step is left out.
     """
     stepped = [(c.step, c) for c in compared if c.step]
     stepped.sort(key=lambda pair: -pair[0])
@@ -343,7 +360,10 @@ class Verdict:
 
 
 def _table(motions: Sequence[Compared]) -> list[str]:
-    """Return a table of motions, the best first, as lines; one motion is a column."""
+    """Return a table of motions, the best first, as lines; one motion is a column.
+
+    A quantity that some motions lack is `-` in their rows.
+    """
     from pandas import DataFrame
 
     ordered = sorted(motions, key=lambda m: m.numbers[m.main]["max"])
@@ -354,14 +374,18 @@ def _table(motions: Sequence[Compared]) -> list[str]:
 
 
 def _row(motion: Compared) -> dict[str, str]:
-    """Return the numbers of one motion as text; `-` for what its file lacks."""
+    """Return the numbers of one motion as text, by heading, in the order of the table.
+
+    Quantities that its file lacks have no key: `_table` fills those that other motions have. The
+    quantity `main` is not repeated among the errors at the end.
+    """
     numbers = motion.numbers
     name = motion.main
     errors = {
         quantity: f"{numbers[quantity]['max']:.2g} {UNITS.get(quantity, 'rad')}"
-        for quantity in motion.curves.keys() & numbers
+        for quantity in motion.curves.keys() & numbers  # without energy and jellett
     }
-    left = numbers[name]["leaves"]["0.1"]
+    left = numbers[name]["leaves"]["0.1"]  # [s], of 0.1 in the unit of the quantity
     contact = numbers.get("contact")
     return {
         "file": motion.path.name,

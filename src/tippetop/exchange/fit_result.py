@@ -29,6 +29,7 @@ class Estimate(NamedTuple):
 
     The interval is NaN where the residuals are not noise. `systematic` is how far the number would
     move under all of `Fit.influences` together, as the root of the sum of their squares.
+    `likelihood.drawn` reads the first two by place, and `tippetop fit --json` prints all by name.
     """
 
     value: float
@@ -42,7 +43,8 @@ class Estimate(NamedTuple):
 class Fit:
     """The result of a fit.
 
-    `fitting.judged` makes it; `library.exchanging.Fitted` shows it to the user.
+    `fitting.judged` makes it, by the order of the fields; `library.exchanging.Fitted`, which adds
+    one, shows it to the user.
 
     Parameters
     ----------
@@ -87,7 +89,10 @@ class Fit:
 
     @property
     def is_noise(self) -> bool:
-        """Whether the residuals are noise, of the stated size."""
+        """Whether the residuals are noise, of the stated size.
+
+        `fitting.judged` makes intervals NaN otherwise.
+        """
         return not np.isnan([estimate.low for estimate in self.estimates.values()]).any()
 
     @property
@@ -119,7 +124,10 @@ class Fit:
         }
 
     def to_toml(self) -> str:
-        """Return a scenario that runs: with the fitted numbers, standard errors as comments."""
+        """Return a scenario that runs: with the fitted numbers, standard errors as comments.
+
+        Numbers of the table's clock, which a scenario does not have, are comments at the end.
+        """
         notes = {name: f"  # +- {e.sigma:.2g}" for name, e in self.estimates.items()}
         clock = [
             f"# {name} = {e.value:.9g} +- {e.sigma:.2g}"
@@ -164,7 +172,11 @@ def _digits(estimate: Estimate) -> int:
 
 
 def toml_of(tables: PlainData, notes: Mapping[str, str] = MappingProxyType({})) -> str:
-    """Return the tables of a scenario as TOML; `notes`: comments by dotted name."""
+    """Return the tables of a scenario as TOML; `notes`: comments by dotted name.
+
+    Plain keys come before tables, to which they would belong otherwise. `benchmark.case_files`
+    writes scenarios so, whose checksums are published.
+    """
     text: list[str] = []
     for name, table in sorted(tables.items(), key=lambda item: isinstance(item[1], dict)):
         if not isinstance(table, dict):

@@ -5,7 +5,8 @@ judges whether they can be trusted, by independent searches, noise, correlations
 
 Symbols
     misfit    residuals as a function of the free numbers, see `misfit.Misfit`
-    end       a `Minimum` over all data; ends: several, best first
+    end       a `Minimum` over all data; ends: several, best first. Its `searches` are those that
+              ended there: 0 where the search was given up, or another minimum is merely near
     parts     residuals of one kind of measurement, by name, (rows, parts)
     sigma     standard errors of the free numbers; changes: of residuals, by influence
 """
@@ -110,11 +111,13 @@ def fit(
             progress(before + done, total)
 
         report(0)
+        # the seed is that of this search, so that fits are reproducible
         minima = search(misfit, points, np.random.default_rng((0, n)), report)
         if OFFSET in space.names and minima[0].searches:
             minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
         ends = merge([*ends, *minima])
         costs += [end.cost for end in minima[:1] if end.searches]
+        # searches that were given up, and those that ended as far from the data as the best
         failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
         lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
         if ends[0].searches >= MET or lost or misfit.excess(ends[0].cost) < RIVAL / 2:
@@ -124,7 +127,7 @@ def fit(
         misfit.weigh(ends[0].point)
     if lost:
         ends = ends[:1]
-    if ends[0].searches:  # a search along a long valley may have ended early
+    if ends[0].searches:  # was not given up; a search along a long valley may have ended early
         again = [
             local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
             for end in ends
@@ -134,7 +137,11 @@ def fit(
 
 
 def _refuse(misfit: Misfit) -> None:
-    """Raise InputError for too few measurements, or a number without effect on them."""
+    """Raise InputError for measurements that cannot be fitted.
+
+    There are too few, they begin before the motion, the scenario cannot move over their time, or a
+    free number has no effect on them.
+    """
     observation = misfit.observation
     space = misfit.space
     if observation.count <= len(space.names):
@@ -150,6 +157,7 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
     if (left == WORST).all():
         raise InputError("the scenario must move over the time of the table, but cannot.")
+    # of the groups, in the order in which `Misfit.read` joins their residuals
     ends = np.cumsum([given.sum() for given in observation.given.values()])[:-1]
     sizes = np.array([np.linalg.norm(some, axis=0) for some in np.split(jacobian[0], ends)])
     seen = np.array([np.sqrt(np.nansum(rows**2)) for rows in observation.groups.values()])
@@ -162,7 +170,10 @@ def _refuse(misfit: Misfit) -> None:
 
 
 def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
-    """Return the autocorrelations of each part of the residuals, by lag, (rows,) each."""
+    """Return the autocorrelations of each part of the residuals, by lag, (rows,) each.
+
+    Rows with gaps are left out, so that a lag counts given rows; a part of zeros is left out too.
+    """
     found = []
     for part in (part for off in parts.values() for part in off.T):
         r = part[np.isfinite(part)]
@@ -212,7 +223,8 @@ def judged(
     """Return the `Fit` of searches that ended in these minima, best first.
 
     `hopeless`: whether they ended early, far from the data; `systematic`: whether influences are
-    tried. Variances are multiplied by the time over which residuals are correlated.
+    tried. Variances are multiplied by the time over which residuals are correlated. Where residuals
+    are not noise, intervals are NaN, by which `Fit.is_noise` recognises that.
     """
     from scipy.stats import t as student
 
@@ -231,6 +243,7 @@ def judged(
     sizes = np.where(sizes > 0, sizes, 1)
     across, singular, ways = np.linalg.svd(scaled / sizes, full_matrices=False)
     slopes = space.slopes(point) / sizes
+    # pseudo-inverse, of columns of length 1; a direction without effect has a huge error
     inverse = slopes @ (ways.T / np.maximum(singular, 1e-12)) @ across.T
     covariance = variance * inverse @ inverse.T
     sigma = np.sqrt(np.diag(covariance))
@@ -295,9 +308,10 @@ def judged(
 
 
 def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[str]:
-    """Return sentences on residuals that are not noise, or not of the stated size.
+    """Return sentences on residuals that are not noise, or not of the stated size; [] of others.
 
-    `noise` is the root mean square of each kind of measurement, SI.
+    `parts` and `noise` are those of `Misfit.left`: the residuals of each kind of measurement, and
+    their root mean squares, SI. `fit` calls it too: only with a sentence it gives up searches.
     """
     observation = misfit.observation
     reasons = []
@@ -327,8 +341,8 @@ def _undecided(
 ) -> list[str]:
     """Return sentences on the numbers that the data do not decide.
 
-    `values` are in SI, the standard errors `widths` (free,) in coordinates; `correlations` are
-    (free, free).
+    `values` are in SI, in the order of `space.scales`, the standard errors `widths` (free,) in
+    coordinates of these; `correlations` are (free, free).
     """
     reasons = []
     for (name, value), scale, width in zip(values.items(), space.scales, widths, strict=True):
@@ -352,7 +366,8 @@ def _undecided(
 def _rivals(space: Space, ends: Sequence[Minimum], where: str = "") -> list[str]:
     """Return [] or a sentence, if other numbers than those of the first end fit nearly as well.
 
-    `ends` are minima, best first; `where` is appended to the sentence.
+    `ends` are minima, the fitted one first; `where` is appended to the sentence. `_hidden` passes
+    ends with smaller costs, among which another one may be the best.
     """
     best = ends[0]
     near = [

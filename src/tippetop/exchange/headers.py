@@ -67,7 +67,7 @@ SCALARS = {
 }
 """Name of a column -> its SI unit and meaning."""
 KIND = {name: kind for kind, (names, *_) in KINDS.items() for name in names.split()}
-"""Name of a component -> the quantity."""
+"""Name of a component -> the kind."""
 COLUMNS = {
     **{name: unit for name, (unit, _) in SCALARS.items()},
     **{name: KINDS[kind][1] for name, kind in KIND.items()},
@@ -89,7 +89,10 @@ UNITS = {
     "accelerometer": "m/s2",
     "force": "N",
 }
-"""Units of differences as text, by quantity; the others are angles in rad."""
+"""Units of differences as text, by quantity; the others are angles in rad.
+
+A stated noise applies to those that are missing here: see `Observation.stated`.
+"""
 
 OWN = {"theta", "theta_dot", "energy", "normal_force"}
 """Columns of every run, which identify a header of `tippetop export`."""
@@ -116,7 +119,10 @@ PART = re.compile(r"[A-Za-zµ°]+(?:_0)?")
 
 
 def parsed(text: str) -> tuple[str, str]:
-    """Return the name of a column and its unit, empty if it has none; no name: not a header."""
+    """Return the name of a column and its unit, empty if it has none; no name: not a header.
+
+    The name is ours, see `RENAMED`; whether it is known is left to `heading`.
+    """
     match = HEADER.fullmatch(text)
     if match is None:
         return "", ""
@@ -126,10 +132,11 @@ def parsed(text: str) -> tuple[str, str]:
 
 
 def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
-    """Return the place of each known column and its unit in SI units.
+    """Return the index of each known column among the cells, and its unit in SI units, by name.
 
     Unknown columns of an exported run are ignored, and those without a unit are in SI units.
-    Raises InputError."""
+    Raises InputError, with a sentence for each fault.
+    """
     own = {text.partition(" [")[0] for text in header} >= OWN
     found: dict[str, tuple[int, float]] = {}
     faults = []

@@ -47,20 +47,22 @@ def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
     misfit
         Of the measurements; its observation has the scenario.
     values
-        The fitted numbers.
+        The free numbers, SI, floats: those of a minimum.
 
     Returns
     -------
     dict
         (directions, residuals) by influence, which may act along one or two directions. One that
-        the system of the scenario cannot have is left out.
+        the system of the scenario cannot have is left out. The keys are phrases that begin or end
+        a sentence of the report (`fitting.judged`, `_hidden`), and keys of `Fit.influences`.
     """
     observation = misfit.observation
     tables = observation.tables(values)
     friction = tables.get("friction", {"law": "none"})
     law = friction["law"]
     plane = tables.get("plane", {})
-    # Tables without and with each direction of an influence, and the part that the change is
+    # By influence: tables without it, then with each direction of it, and the part of its size that
+    # they have
     cases: dict[str, tuple[list[PlainData], float]] = {}
     if "tilt" not in plane:
         tilts = (0.0, 0.0), (PART * TILT, 0.0), (PART * TILT, math.pi / 2)
@@ -74,16 +76,21 @@ def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
         disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
         cases[DISC] = [{}, {"friction": disc}], 1.0
     elif law not in ("none", "contensou") and "mu_d" not in friction:
+        # as `simulators.DRILLING`: Hertz's pressure
         drilling = 3 * math.pi / 16 * friction.get("mu_coulomb", USUAL_MU) * PATCH
         some = [{"friction": {**friction, "mu_d": size * drilling}} for size in (0.0, PART)]
         cases[DISC] = some, PART
 
     def residuals(changes: PlainData) -> np.ndarray:
-        """Return the residuals (numbers,) with changed tables; NaN if these are refused."""
+        """Return the residuals (numbers,) with changed tables; NaN if these are refused.
+
+        A system may lack an influence, or an accelerometer is measured, and the contact could
+        change with it. `changes` leaves the influence out.
+        """
         try:
             other = observation.under(changed(tables, changes))
         except InputError:
-            return np.full(misfit.rows, np.nan)
+            return np.full(observation.count, np.nan)
         return misfit.read(other, values, misfit.rows)[0][0]
 
     found = {}

@@ -53,12 +53,14 @@ def under(problem: Problem, law: str | Mapping[str, Any], until: float) -> Probl
 def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
     """Return the table `friction` of the law `name`, under which a motion slides about as far.
 
-    Its mu takes the same energy up to `until` [s] as the law of the problem. Raises InputError.
+    Its mu takes the same energy up to `until` [s] as the law of the problem; numbers of the law
+    without a default are missing, and `build.problem` refuses the table. Raises InputError.
     """
     rows = solve(with_rows_at(problem, np.linspace(0, until, ROWS))).columns()
     power, force = (rows[column].values for column in ("friction_power", "normal_force"))
     slip = [rows[column].values for column in ("nu_x", "nu_y") if column in rows]
     speed = np.linalg.norm(slip, axis=0)
+    # power = mu times force times this power of the speed
     order = 2 if name in ("viscous", "latitude") else 1
     pressed = np.nansum(force * speed**order)
     mu = abs(float(np.nansum(power))) / pressed if pressed > 0 else USUAL_MU
@@ -70,14 +72,17 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     """Return the law that explains a film best, and a sentence about the others.
 
     They are compared by the likelihood of independent noise as large as the residuals. Of laws that
-    explain it equally well, one whose searches met is returned.
+    explain it equally well, one whose searches met is returned. `fits` are by the key of the law;
+    the sentence is appended to the reasons of the best fit.
     """
     scores = {}
     for name, fit in fits.items():
         given = fit.observation.given
         off = [given[g].sum() * math.log(max(size, 1e-300)) for g, size in fit.noise.items()]
+        # logarithm of the likelihood, less the number of free numbers (Akaike)
         scores[name] = -float(sum(off)) - len(fit.estimates)
     best = max(scores, key=lambda name: scores[name])
+    # as of independent rows; RIVAL is a difference of squares, twice that of logarithms
     behind = {
         name: (scores[best] - score) / fits[best].rows_correlated for name, score in scores.items()
     }

@@ -89,7 +89,11 @@ class LogLikelihood:
         return found
 
     def _sums(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return the logarithms for residuals by group, (points, rows, parts)."""
+        """Return the logarithms (points,) for residuals by group, (points, rows, parts).
+
+        Where noise is integrated over, a constant is left out. A motion that cannot be computed has
+        NaN, and the logarithm -inf.
+        """
         total: np.ndarray = np.zeros(1)
         for group, off in parts.items():
             given = self._observation.given[group]
@@ -113,7 +117,8 @@ def drawn(
     function
         The likelihood; the prior is uniform in the free numbers.
     fit
-        About which points are drawn, with its covariances.
+        About which points are drawn, with its covariances; of the numbers of `function`, in their
+        order, as `library.posterior` checks.
     draws
         How many.
     seed

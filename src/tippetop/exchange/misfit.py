@@ -5,10 +5,11 @@ out, for `search` and `fitting`.
 
 Symbols
     points    coordinates (points, free), see `scales.Space`; rows: how many of the measurements
-    residuals (points, numbers), measured minus predicted, weighted
+    residuals (points, numbers), measured minus predicted, weighted: group by group in the order of
+              `Observation.groups`, without gaps
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -74,7 +75,8 @@ class Misfit:
         self.rows = len(observation.t)
         # Residuals, SI, of another scenario that explains the measurements
         self.rival: Arrays = {}
-        self.last: Any = (None,)  # the points that were read last, and what was found
+        # the points that were read last, and results: reset where predictions or weights change
+        self.last: Any = (None,)
 
     def residuals(self, points: np.ndarray, rows: int) -> np.ndarray:
         """Return residuals (points, numbers) of the first rows.
@@ -92,7 +94,8 @@ class Misfit:
     def at(self, points: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals (points, numbers) of the first rows, and their Jacobians.
 
-        Slopes are central differences.
+        Slopes are central differences; 0 for a residual that jumps between the two sides, or is
+        NaN on one.
         """
         residuals = self.residuals(points, rows)
         _, middle, worst = self.last
@@ -123,12 +126,13 @@ class Misfit:
         return residuals, jacobians
 
     def read(
-        self, observation: Observation, points: Arrays, rows: int
+        self, observation: Observation, points: Mapping[str, Any], rows: int
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals of the first rows, (points, numbers), and their substitutes, (numbers,).
 
-        Gaps are left out. A substitute replaces the residual of a motion that cannot be computed,
-        which is NaN. `observation` has the same measurements, perhaps with another scenario.
+        `points` are values of the free numbers, SI, by name. Gaps are left out. A substitute
+        replaces the residual of a motion that cannot be computed, which is NaN. `observation` has
+        the same measurements, perhaps with another scenario (`Observation.under`).
         """
         parts = observation.predictions(points, slice(0, rows))
         given = {group: every[:rows] for group, every in self.observation.given.items()}
@@ -142,7 +146,10 @@ class Misfit:
         self.observation.refine()
 
     def left(self, point: np.ndarray) -> tuple[Arrays, dict[str, float]]:
-        """Return the residuals at a point, SI, and their root mean squares, by group."""
+        """Return the residuals at a point and their root mean squares, by group, SI, unweighted.
+
+        The residuals are (rows, parts), NaN in gaps.
+        """
         found = self.observation.predictions(self.space.values(point))
         parts = {group: off[0] for group, off in found.items()}
         return parts, {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
@@ -168,7 +175,8 @@ class Misfit:
     def excess(self, cost: float, rows: int | None = None) -> float:
         """Return by how many variances of the rival's noise a cost is larger than the rival's.
 
-        Both are costs of the first rows, or of all. NaN without a rival.
+        Both are costs of the first rows, or of all. NaN without a rival, and comparisons of the
+        callers are then false.
         """
         if not self.rival:
             return np.nan

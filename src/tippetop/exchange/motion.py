@@ -82,6 +82,9 @@ def place_of(name: str, given: Place) -> tuple[float, float, float] | None:
 def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # noqa: B008 - a tuple
     """Return the motion of a table in our conventions, SI, with quantities that follow from others.
 
+    Given numbers are never replaced: quantities that follow only fill their gaps, those of the
+    orientation first.
+
     Returns
     -------
     dict
@@ -104,7 +107,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # no
             found[kind] = rows[:, turn]
 
     def fill(name: str, rows: np.ndarray) -> None:
-        """Fill the gaps of the quantity `name` with these rows."""
+        """Fill the gaps of the quantity `name`, or all of it if it is missing, with these rows."""
         given = found.get(name, rows)
         found[name] = np.where(np.isnan(given), rows, given)
 
@@ -130,7 +133,10 @@ def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # no
 
 
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
-    """Return unit quaternions wxyz, (rows, 4), NaN in gaps; None if the table has none."""
+    """Return unit quaternions wxyz, (rows, 4), NaN in gaps; None if the table has none.
+
+    `turn` are the indices of our x, y, z among their axes. Raises InputError.
+    """
     order = convention.quaternion
     if order is None and any(table.has(f"q_{i}") for i in range(4)):
         raise InputError(

@@ -80,9 +80,10 @@ def read(
     wrapped
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
-        Standard deviation of theta [rad], which may take it beyond; None if unknown.
+        Standard deviation of theta [rad], which may take it beyond; 0 if unknown, None where the
+        caller has no such option, which a message would name.
     gaps
-        Whether cells may be gaps.
+        Whether cells may be gaps; `benchmark.score` allows none.
     track
         The object whose columns are read, by its name in the line before the header.
 
@@ -132,9 +133,11 @@ def read(
 
 
 def _cells(path: Path) -> list[Any]:
-    """Return the row before the header, then the header and each row of a file with their places.
+    """Return the cells before the header, then the header and each row as (place, cells).
 
-    Empty rows of a CSV file, and lines that begin with #, are left out. Raises InputError.
+    A place is text for messages, such as "line 3". The first element is [] where no row is before
+    the header. Empty rows of a CSV file, and lines that begin with #, are left out. Raises
+    InputError.
     """
     try:
         if path.suffix in (".parquet", ".pq"):
@@ -145,7 +148,7 @@ def _cells(path: Path) -> list[Any]:
             rows = [(f"row {n}", row) for n, row in enumerate(cells, 1)]
             return [[], ("header", [*map(str, frame.columns)]), *rows]
         lines = _text(path).split("\n")
-        if found := _table(lines):
+        if found := _cells_of_lines(lines):
             return found
         words = "it is empty"
     except OSError as error:
@@ -158,7 +161,10 @@ def _cells(path: Path) -> list[Any]:
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file in UTF-8, in UTF-16 with its mark, or in Windows-1252."""
+    """Return the text of a file in UTF-8, in UTF-16 with its mark, or in Windows-1252.
+
+    Raises ValueError for a file that is not text; `_cells` makes an InputError of it.
+    """
     data = path.read_bytes()
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return data.decode("utf-16")
@@ -169,10 +175,11 @@ def _text(path: Path) -> str:
     return data.decode("cp1252")
 
 
-def _table(lines: list[str]) -> list[Any]:
+def _cells_of_lines(lines: list[str]) -> list[Any]:
     """Return the cells of lines as `_cells` does, by the separator that finds a time in a header.
 
-    By default the header is the first line, by the separator that gives it most cells.
+    By default the header is the first line, by the separator that gives it most cells. [] if all
+    lines are empty.
     """
     kept = [n for n, line in enumerate(lines) if line.strip() and not _is_comment(line)]
     first: list[Any] = []
@@ -201,7 +208,9 @@ def _time(header: list[str]) -> int | None:
 def _track(above: list[str], header: list[str], track: str | None) -> list[int]:
     """Return the places of the columns of an object, named in the row before the header.
 
-    A name is valid for the columns after it too. Raises InputError."""
+    A name is valid for the columns after it too; columns without a name, such as the time, belong
+    to every object. None: all columns. Raises InputError.
+    """
     if track is None:
         return [*range(len(header))]
     names = [name.strip() for name in above if name.strip() != MULTI]
@@ -225,7 +234,10 @@ def _has_decimal_commas(cells: list[str]) -> bool:
 
 
 def _number(cell: Any, place: str, name: str, gaps: Collection[str], comma: bool) -> float:
-    """Return the number of a cell, NaN in a gap. Raises InputError."""
+    """Return the number of a cell, NaN in a gap. Raises InputError.
+
+    `gaps` are texts of gaps; `comma`: whether commas are decimal, in all cells of the table.
+    """
     text = str(cell).strip()
     with suppress(ValueError):
         number = float(text.replace(",", ".") if comma else text)
@@ -241,7 +253,10 @@ def _number(cell: Any, place: str, name: str, gaps: Collection[str], comma: bool
 
 
 def _check(columns: Arrays, wrapped: bool, noise: float | None) -> None:
-    """Raise InputError for columns that are not those of a motion."""
+    """Raise InputError for columns that are not those of a motion; see `read` for the others.
+
+    Later modules rely on times that ascend and are given in every row.
+    """
     t = columns["t"]
     if np.isnan(t).any():
         raise InputError(

@@ -80,7 +80,13 @@ class Observation:
     stated
         Standard deviation of the noise of each kind for which it is stated [rad].
     given
-        Which residuals of each kind are numbers, (rows, parts).
+        Which residuals of each kind are numbers, (rows, parts) of `residuals`.
+    own
+        The free numbers of the scenario: `free` without those of the clock.
+    exact, predicted
+        The scenario with its own tolerance, and that by which predictions are computed.
+
+    All dicts by kind have the order of `groups`, in which `Misfit` joins residuals.
     """
 
     def __init__(
@@ -141,14 +147,21 @@ class Observation:
         }
 
     def under(self, problem: Problem) -> Observation:
-        """Return the same measurements under another scenario, whose numbers are not free."""
+        """Return the same measurements under another scenario, whose numbers are not free.
+
+        Those of the clock still are. Raises InputError for a scenario that cannot be fitted, on
+        which `influences.changes` relies.
+        """
         other = copy.copy(self)
         other._predict(problem, ())
         other.refine()
         return other
 
     def tables(self, values: Mapping[str, float]) -> PlainData:
-        """Return the tables of the scenario with these values of the free numbers, SI."""
+        """Return the tables of the scenario with these values of the free numbers, SI.
+
+        They are those of `build.resolved`; values of the clock are not used.
+        """
         tables = build.resolved(self.problem)
         for name in self.own:
             table, _, key = name.partition(".")
@@ -156,9 +169,10 @@ class Observation:
         return tables
 
     def _predict(self, problem: Problem, own: Sequence[str]) -> None:
-        """Predict by a problem whose numbers `own` are free.
+        """Set the problem by which predictions are computed, whose numbers `own` are free.
 
-        Raises InputError for an accelerometer where the contact may change.
+        Raises InputError for an accelerometer where the contact may change, and for a problem or
+        a name that `followed` refuses.
         """
         if "accelerometer" in self.columns and problem.system.is_hybrid:
             raise InputError(
@@ -182,7 +196,7 @@ class Observation:
 
     @property
     def units(self) -> list[float]:
-        """The SI values of the internal units of the free numbers."""
+        """The SI values of the internal units of the free numbers, in their order."""
         return [self.problem.unit(self.rule(name).unit) for name in self.free]
 
     def start(self) -> dict[str, float]:
@@ -248,7 +262,11 @@ class Observation:
 
 
 def _groups(problem: Problem, seen: Arrays) -> Arrays:
-    """Return the measurements by kind, (rows, parts), each quantity once."""
+    """Return the measurements by kind, (rows, parts), each quantity once.
+
+    `seen` is the result of `motion.motion`. In each row only the first kind of an attitude, and of
+    a spin, is kept that is complete there: the others follow from it, and would count twice.
+    """
     groups: Arrays = {}
     attitudes = ["theta"]
     if "axis" in problem.system.vectors:
@@ -258,7 +276,7 @@ def _groups(problem: Problem, seen: Arrays) -> Arrays:
         spins.append("omega3")
     for kinds in (attitudes, spins):
         left = np.ones(len(seen["t"]), bool)
-        for kind in filter(seen.__contains__, kinds):  # the first of a row contains the others
+        for kind in filter(seen.__contains__, kinds):
             rows = np.where(left[:, None], seen[kind].reshape(len(left), -1), np.nan)
             full = np.isfinite(rows).all(axis=1)
             left &= ~full
@@ -267,8 +285,8 @@ def _groups(problem: Problem, seen: Arrays) -> Arrays:
             if np.isfinite(rows).any():
                 groups[kind] = rows
     groups |= {name: rows[:, None] for name, rows in seen.items() if CAMERA.fullmatch(name)}
-    flat = {"x", "y"} <= set(problem.system.angles._fields)
-    if flat and "place" in seen and np.isfinite(seen["place"][:, :2]).any():
+    has_place = {"x", "y"} <= set(problem.system.angles._fields)
+    if has_place and "place" in seen and np.isfinite(seen["place"][:, :2]).any():
         groups["place"] = seen["place"][:, :2]
     return groups | {kind: seen[kind] for kind in ("accelerometer", "marker") if kind in seen}
 

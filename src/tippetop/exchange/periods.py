@@ -23,14 +23,16 @@ SAME = 1e-3
 
 
 def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
-    """Return the minima near one of all of the data, best first; it alone counts as found.
+    """Return the minima near one of all of the data, best first; the best alone counts as found.
+
+    Of a periodic motion, whose minima are equal, the best is that nearest to the first.
 
     Parameters
     ----------
     misfit
         Residuals of the measurements.
     first
-        A minimum.
+        The minimum in which a search ended.
     clock
         The place of the time of the clock among the free numbers.
     """

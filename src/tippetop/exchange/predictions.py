@@ -53,11 +53,13 @@ def columns_at(
     times
         (points, rows) [s], ascending.
     names
-        Of the columns.
+        Of the columns: those of runs, and `IN_BODY`.
     """
     if not points:
         points = {"run.until": times[:, -1]}
     known = {*names}
+    # omega from L, about the centre of mass: the engine has instruments in smooth motion only. The
+    # L of a heavy top, which has no x, is about its tip.
     by_momentum = problem.system.is_hybrid or "x" in problem.system.angles._fields
     by_momentum &= "accelerometer" not in known and not known.isdisjoint(IN_BODY)
     if by_momentum:
@@ -77,7 +79,8 @@ def columns_at(
 def at_chip(read: Arrays, chip: Sequence[float]) -> np.ndarray:
     """Return the specific force at a place in the body, (..., 3) [m/s^2].
 
-    `read`: the values `ACCELEROMETER` of a motion.
+    `read`: the columns `ACCELEROMETER` of a motion, (..., 3) each, in body axes: the specific force
+    at the centre of mass, the angular velocity, and its rate. `chip` is the place in body axes.
     """
     w = read["gyroscope"]
     bent = np.cross(read["turning"], chip) + np.cross(w, np.cross(w, chip))

@@ -30,13 +30,14 @@ def _of_axis(seen: np.ndarray, third: np.ndarray) -> np.ndarray:
     """Return the residuals of predicted axes `third` from measured ones `seen` (rows, 3).
 
     They are chords between unit vectors, in the two directions across the measured one, (..., rows,
-    2): the noise of an axis has no third direction.
+    2): the noise of an axis has no third direction. `comparison.differences` makes angles of them.
     """
     pole = np.where(seen[:, 2:] < 0, -1.0, 1.0) * [[0.0, 0.0, 1.0]]
     swing = rotation.swing(Vector(*pole.T), Vector(*seen.T))
     # (2, space, rows)
     across = np.array([rotation.rotated(swing, Vector(*e)) for e in np.eye(3)[:2]])
     apart = np.einsum("ixr,...rx->...ri", across, third)
+    # opposite axes have no direction between them: their residual stays finite
     half = np.sqrt(np.maximum((1 + (seen * third).sum(axis=-1)) / 2, 1e-12))
     return -apart / half[..., None]  # half: cosine of half the angle
 

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Arrays
 from ..mechanics.contact.surroundings import STEEPEST
 from ..mechanics.number import Number
 
@@ -23,7 +22,8 @@ FAR = 0.4
 # Of the differences that are derivatives: values are known to 1e-16, and smooth over 1
 STEP = 1e-5
 # Pairs of numbers that are searched as vectors: a size and an azimuth, with the largest size; and
-# after those of the axis, components along its azimuth and across it
+# after those of the axis, components along its azimuth and across it, for which `Space.values` has
+# read the axis before: this order must stay
 PAIRS = (
     ("plane.tilt", "plane.azimuth", STEEPEST),
     ("initial.theta", "initial.phi", math.pi),
@@ -48,7 +48,7 @@ class Scale(NamedTuple):
         return float(np.log(value)) if self.logarithmic else value / self.size
 
     def outside(self, inside: Any) -> Any:
-        """Return the values, SI, of coordinates: the inverse of `inside`."""
+        """Return the values, SI, of coordinates: the inverse of `inside`; none overflows."""
         return np.exp(np.clip(inside, -600, 600)) if self.logarithmic else inside * self.size
 
     def slope(self, value: float) -> float:
@@ -57,7 +57,7 @@ class Scale(NamedTuple):
 
 
 def scale_of(rule: Number, value: float, unit: float = 1.0) -> Scale:
-    """Return the coordinate of a number that starts at a value.
+    """Return the coordinate of a number that starts at a value, SI; `unit` is its internal unit.
 
     Its `size` is |value|, or `unit` for a number that starts at 0. Its bounds are those of the
     number's interval; of a logarithm, a factor of 20 to both sides.
@@ -101,7 +101,7 @@ class Space:
     loose : ndarray
         Whether a distance may also be larger, (free,).
     width : ndarray
-        The distances that are 1, (free,).
+        The distances that are 1, (free,); `search.widen` changes them before a search begins.
     """
 
     def __init__(self, start: dict[str, float], scales: Sequence[Scale], within: float = FAR):
@@ -141,8 +141,11 @@ class Space:
         low, high = self.bounds
         return np.clip(points, low + MARGIN, high - MARGIN)
 
-    def values(self, points: np.ndarray) -> Arrays:
-        """Return the numbers of points (..., free), SI, (...) by name."""
+    def values(self, points: np.ndarray) -> dict[str, Any]:
+        """Return the numbers of points (..., free), SI, (...) by name; floats of a single point.
+
+        The names are in the order of `names`, on which callers that pair them with `scales` rely.
+        """
         u = np.moveaxis(self.origin + self.width * points, -1, 0)
         values = [s.outside(x) for s, x in zip(self.scales, u, strict=True)]
         for i, k, swept, azimuth in self.pairs:

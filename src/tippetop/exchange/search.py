@@ -70,9 +70,10 @@ MOST = 60
 class Minimum(NamedTuple):
     """A minimum over a window, with residuals, Jacobian, cost and variance.
 
-    `local_minimum` makes it.
-
-    `searches` is the number of searches that ended there.
+    `local_minimum` makes it, and `search` where it is given up. The residuals are those of `Misfit`
+    over the window; of the former, SciPy has multiplied the Jacobian by the weights of the loss.
+    `searches` is the number of searches that ended there; 0 of one that was given up, and of
+    minima that a search came across.
     """
 
     point: np.ndarray
@@ -83,7 +84,10 @@ class Minimum(NamedTuple):
     searches: int = 0
 
     def met(self, other: "Minimum", within: float = np.inf) -> bool:
-        """Return whether another point is the same to the data, and near in each coordinate."""
+        """Return whether another point is the same to the data, and near in each coordinate.
+
+        Both are minima over the same window; the Jacobian and variance of this one count.
+        """
         apart = self.point - other.point
         seen = self.jacobian @ apart
         return bool(seen @ seen < SAME * self.variance and np.all(np.abs(apart) < within))
@@ -156,7 +160,8 @@ def search(
     the stated noise, or than those of the rival, before its last window is given up: it returns its
     best point, which does not count.
 
-    `progress`: called with the number of windows that are done."""
+    `progress`: called with the number of windows that are done, of those of `windows`.
+    """
     rows = windows(misfit)
     stated = [misfit.observation.stated.get(g, np.inf) for g in misfit.observation.groups]
     most = HOPELESS / MEDIAN * max(stated)
@@ -185,6 +190,7 @@ def search(
             (residual,), (jacobian,) = misfit.at(best.point[None], misfit.rows)
             cost = float((residual**2).sum())
             return [Minimum(best.point, residual, jacobian, cost, misfit.variance(residual))]
+        # lost on the way: try a window between this one and the last that was reached
         if best.variance > LOST * least and window >= 2 * reached > 2:
             ahead += [window, (reached + window) // 2]
             continue
@@ -200,7 +206,8 @@ def search(
 def widen(misfit: Misfit) -> None:
     """Widen the distances of numbers that start at 0 as the first residuals require, in place.
 
-    This holds for vectors too; the distance of the clock is that within which it is searched.
+    This holds for vectors too; the distance of the clock is that within which it is searched. It
+    comes before `starts_of`: coordinates of points, but 0, have another meaning afterwards.
     """
     space = misfit.space
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
@@ -227,7 +234,10 @@ def windows(misfit: Misfit) -> list[int]:
 
 
 def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
-    """Return different minima, best first, with the searches that ended in each."""
+    """Return different minima over one window, best first, with the searches that ended in each.
+
+    Before the `last` window those that are the same to the data, but not `NEAR`, stay different.
+    """
     kept: list[Minimum] = []
     for state in sorted(minima, key=lambda s: s.cost):
         n = next(
@@ -241,16 +251,17 @@ def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
 
 
 def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator) -> np.ndarray:
-    """Return the best CHILDREN of many points (k, free) about one, as far as its slow changes
-    leave open where it is.
+    """Return the best CHILDREN of many points (k, free) about one, where slow changes allow them.
 
     Differences over a coarse step ignore fast oscillations: their derivatives are large, and
-    mean nothing far from the point."""
+    mean nothing far from the point.
+    """
     space = misfit.space
     one = np.eye(len(best.point))
     ahead, behind = (space.clipped(best.point + sign * COARSE * one) for sign in (1, -1))
     after, before = (misfit.residuals(side, rows) for side in (ahead, behind))
     slow = (after - before) / np.diag(ahead - behind)[:, None]
+    # the unit matrix: the scenario's numbers, known within one plausible distance
     spread = np.linalg.inv(slow @ slow.T / best.variance + one)
     points = space.clipped(
         random.multivariate_normal(
@@ -262,7 +273,10 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
 
 
 def starts_of(misfit: Misfit, searches: int) -> np.ndarray:
-    """Return the starts of searches, (searches, starts, free), spread about the scenario."""
+    """Return the starts of searches, (searches, starts, free), spread about the scenario.
+
+    The first start of the first search is the scenario itself.
+    """
     from scipy.stats import qmc
 
     free = len(misfit.space.names)
@@ -274,5 +288,8 @@ def starts_of(misfit: Misfit, searches: int) -> np.ndarray:
 
 
 def _share(count: int, space: Space, least: int = 1) -> int:
-    """Return how many of `count` points are needed in a space, at least `least`."""
+    """Return how many of `count` points are needed in a space, at least `least`.
+
+    They are fewer in proportion where numbers are known better than `FAR`.
+    """
     return max(least, round(count * min(1.0, space.within / FAR)))

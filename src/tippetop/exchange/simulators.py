@@ -1,6 +1,7 @@
 """A body with its start and friction as a file for a simulator, with remarks on differences.
 
-A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`.
+A problem goes in; text in MJCF, URDF or SDF comes out, by way of a `Model`. The text of a problem
+is the same at each export, as the benchmark lists checksums of its files (SHA256SUMS).
 """
 
 import math
@@ -37,7 +38,10 @@ class Start(NamedTuple):
 
 
 def start_of(problem: Problem) -> Start:
-    """Return the start of a body on the plane, in any form, whatever columns a run would have."""
+    """Return the start of a body on the plane, in any form, whatever columns a run would have.
+
+    The body must have an outline, or be a heavy top: see `columns_of`.
+    """
     problem = replace(problem, columns=None, orientation=True)
     columns = columns_of(problem, np.zeros(1), problem.start()[None])
     names = ("place", "orientation", "velocity", "omega")
@@ -48,7 +52,9 @@ def start_of(problem: Problem) -> Start:
 def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
     """Return the columns of a motion by name, and quantities that a table may have instead, SI.
 
-    `rows` (n, variables) are internal states at times [s], (n,).
+    `rows` (n, variables) are internal states at times [s], (n,). The quantities have the names of
+    `headers.KINDS`, by which `comparison.compare` and `benchmark.truth` read them. A heavy top has
+    all; other bodies have no `force` where the contact never opens, and none without an outline.
     """
     body = problem.body()
     view = Observables(problem)
@@ -70,7 +76,7 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
     if "axis" in columns:
         attitude = attitude_of(columns, body)
         omega = angular_velocity(attitude, columns["L"], body)
-    else:  # a cylinder
+    else:  # a cylinder, which moves in the plane of x and z
         theta = columns["theta"]
         attitude = np.stack([np.sin(theta), none, np.cos(theta)], axis=1)
         omega = np.stack([none, columns["theta_dot"], none], axis=1)
@@ -98,7 +104,8 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
 def attitude_of(motion: Arrays, body: Any) -> Any:
     """Return the orientation (rows, 4) or the axis (rows, 3), as `shape.lies` takes it, or None.
 
-    `motion` are columns by name, `body` the `b` of formulas in SI.
+    `motion` are columns by name, of a run or of a table; `body` is the `b` of formulas in SI. A
+    body without an axis of symmetry (it has `I2`) needs its orientation.
     """
     name = "orientation" if hasattr(body, "I2") else "axis"
     return motion.get(name) if hasattr(body, "outline") else None
@@ -107,13 +114,15 @@ def attitude_of(motion: Arrays, body: Any) -> Any:
 def text_of(problem: Problem, to: str) -> str:
     """Return the text of the file in the format `to`: "mjcf", "urdf" or "sdf".
 
-    Raises InputError for a planar body whose contact never opens, and for a surface that the
-    format cannot express.
+    Raises InputError for a body that is neither a top nor a cylinder whose contact may open, for a
+    surface that the format cannot express, and for air, a vibrating plane or a turntable.
     """
+    # one whose contact never opens may have the reaction `modified`, which no simulator has
     planar = "axis" not in problem.system.vectors and problem.contact is None
     if planar or not hasattr(problem.body(), "outline"):
         raise InputError(
-            f"a body for a simulator must be a top, but this is `{problem.system.name}`."
+            "a body for a simulator must be a top, or a cylinder whose contact may open, but is "
+            f"`{problem.system.name}`."
         )
     if to not in formats_of(problem):
         raise InputError(
@@ -125,7 +134,10 @@ def text_of(problem: Problem, to: str) -> str:
 
 
 def formats_of(problem: Problem) -> tuple[str, ...]:
-    """Return the formats that can express the surface of a body, with its name."""
+    """Return the formats that can express the surface of a body, which must have an outline.
+
+    `benchmark.case_files` writes a file for each. `_urdf` relies on URDF being one of spheres only.
+    """
     surface = surface_of(problem.body())
     if len(surface.meridian):
         return ()
@@ -143,7 +155,10 @@ DIGITS = 12
 
 
 def rounded_to_digits(values: Any) -> np.ndarray:
-    """Return a vector or a table, rounded to `DIGITS` significant digits of its largest number."""
+    """Return a vector or a table, rounded to `DIGITS` significant digits of its largest number.
+
+    No zero has a minus sign, which texts would show. `benchmark.case_files` uses it too.
+    """
     values = np.asarray(values, float)
     largest = float(np.max(np.abs(values), initial=0.0))
     if not largest:
@@ -181,9 +196,9 @@ class Model:
         In the axes of the plane, which is level in a simulator, as text.
     surfaces
         Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem; none if
-        the tip is fixed.
+        the tip is fixed. Names become those of geoms and collisions; an `ellipsoid` needs SDF 1.8.
     friction
-        Coefficients of sliding, and of drilling and rolling torques [m].
+        Coefficients of sliding, and of drilling and rolling torques [m], in the order of MJCF.
     bounce
         Restitution.
     differences
@@ -250,7 +265,10 @@ class Model:
             sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
 
     def comment(self, *sentences: str) -> str:
-        """Return the differences of a simulator, and further ones, as a comment."""
+        """Return the differences of a simulator, and further ones, as a comment of XML.
+
+        XML allows no `--` in a comment, so that it becomes `-`.
+        """
         sentences = (*self.differences, *sentences)
         lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
         third = "its axis of symmetry" if self.moments[0] == self.moments[1] else "axis 3"
@@ -374,7 +392,8 @@ def _urdf(model: Model) -> str:
 def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
     """Return the angles of SDF [rad]: rotations about the fixed axes x, y and z, in this order.
 
-    `quaternion` is w, x, y, z, of length 1.
+    `quaternion` is w, x, y, z, of length 1. It is rounded first: where the pitch is a right angle,
+    both arguments of an atan2 vanish, and rounding errors would choose the angle.
     """
     w, x, y, z = rounded_to_digits(quaternion)
     total = math.atan2(z + x, w - y)

@@ -136,15 +136,16 @@ def sensitivities(
         problem, wrt, solution.times, solution.events, order, moments, driver
     )
     names = "trajectory", "events", "second", "phases", "impacts"  # fields of Sensitivities
-    tables = {name: _table(problem, wrt, derived.get(name, {}), run) for name in names}
+    tables = {name: _labelled(problem, wrt, derived.get(name, {}), run) for name in names}
     return Sensitivities(run, **tables, sentences=tuple(sentences))
 
 
-def _table(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
+def _labelled(problem: Any, wrt: Sequence[str], columns: Any, run: Run) -> xr.Dataset:
     """Return columns of derivatives as a Dataset, with names and units of the numbers `wrt`.
 
     `columns` are those of one table of `differentiate`, none if it is missing there. The Dataset
-    has the root attributes of the run.
+    has the root attributes of the run, and the numbers as coordinates where a column has their
+    dimension `parameter` or `parameter_2`; `unit` is that of each.
     """
     dims = {dim for one in columns.values() for dim in one.dims}
     names = {name: (name, list(wrt)) for name in ("parameter", "parameter_2") if name in dims}
@@ -174,7 +175,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
         `factor` (the largest growth of an error, in the norm of 3hat, L and r' in units of m, R and
         the power of two seconds nearest to sqrt(R/g)) and `exponent` (finite-time Lyapunov
         exponent, s-1) along `time`; attributes `horizon` (when an error of 1e-16 has grown to 1e-3
-        [s]; NaN if it does not) and `sentence`.
+        [s]; NaN if it does not) and `sentence` (horizon or, without one, the largest error).
 
     Raises
     ------

@@ -241,7 +241,8 @@ def fit(
     def fitted(problem: Problem, names: Sequence[str], rival: Fitted | None = None) -> Fitted:
         """Fit these numbers of a problem, with the other arguments of `fit`.
 
-        `rival` is a fit under another law that explains the film.
+        `rival` is a fit under another law that explains the film: the problem then has its numbers,
+        and the search stays near them.
         """
         near = min(within, law_choice.NEAR) if rival else within
         observation = observed(data, problem, names, **film)
@@ -254,6 +255,7 @@ def fit(
     until = float(read(path_of("data", data), wrapped=False, track=film.get("track")).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
+    # the law of the scenario first: if it explains the film, searches under others begin there
     for law in sorted(every, key=lambda law: law != problem.law.key):
         rival = next((other for other in fits.values() if other.is_noise), None)
         one = law_choice.under(rival.problem if rival else problem, law, until)
@@ -265,7 +267,10 @@ def fit(
 
 
 def _reference(name: str, source: Any) -> Any:
-    """Return the problem of a scenario, a run, or the store of one. Raises InputError."""
+    """Return the problem of a scenario, a run, or the store of one. Raises InputError.
+
+    `name` is that of the argument in messages. `compare`, `fit` and `log_likelihood` share it.
+    """
     kinds = Run | Problem | Mapping | str | os.PathLike
     instance(name, source, kinds, "a scenario or a run")
     if isinstance(source, str | os.PathLike):

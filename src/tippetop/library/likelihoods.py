@@ -76,7 +76,10 @@ class Posterior:
     """
 
     def __init__(self, fitted: Fitted, points: np.ndarray, weights: np.ndarray):
-        """Compute mean, standard deviation and effective number of weighted draws."""
+        """Compute mean, standard deviation and effective number of weighted draws.
+
+        The columns of `points` are in the order of the estimates, as `likelihood.drawn` makes them.
+        """
         self.fit = fitted
         self.free = tuple(fitted.estimates)
         self.points = points
@@ -88,7 +91,10 @@ class Posterior:
         self.sigma = dict(zip(self.free, sigma.tolist(), strict=True))
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
-        """Draw the distributions of numbers and pairs, and save that where a path is given."""
+        """Draw the distributions of numbers and pairs, and save that where a path is given.
+
+        The axes are labelled with the names and their units; a line below counts the draws.
+        """
         refuse_without("matplotlib")
         from ..figures.corner import corner
 
@@ -97,10 +103,12 @@ class Posterior:
             unit = self.fit.observation.rule(name).unit.symbol
             columns[name if unit == "1" else f"{name} ({unit})"] = values
         moments = zip(self.mean.values(), self.sigma.values(), strict=True)
-        return saved(corner(columns, self.weights, moments, self._effect()), path, overwrite)
+        return saved(
+            corner(columns, self.weights, moments, self._count_in_words()), path, overwrite
+        )
 
-    def _effect(self) -> str:
-        """Return how many of the draws count, in words."""
+    def _count_in_words(self) -> str:
+        """Return the number of draws and of effective ones, in words; with advice below 100."""
         few = " (too few: take more draws, or a sampler of Markov chains)"
         count = len(self.weights)
         return f"{count} draws, {self.effective:.0f} effective{few * (self.effective < 100)}"
@@ -108,10 +116,10 @@ class Posterior:
     def __str__(self) -> str:
         width = max(map(len, self.free))
         rows = [f"{n:{width}}  {self.mean[n]:.7g} +- {self.sigma[n]:.2g}" for n in self.free]
-        return "\n".join([*rows, self._effect()])
+        return "\n".join([*rows, self._count_in_words()])
 
     def __repr__(self) -> str:
-        return f"<Posterior of {', '.join(self.free)}: {self._effect()}>"
+        return f"<Posterior of {', '.join(self.free)}: {self._count_in_words()}>"
 
 
 def posterior(

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class Thresholds(dict):
-    """Thresholds by name, which print one to a line."""
+    """Thresholds by name, which print one to a line: name, value with unit, meaning."""
 
     def __repr__(self) -> str:
         rows = [(name, f"{t.value:.6g} {t.unit.symbol}", t.long_name) for name, t in self.items()]
@@ -131,7 +131,7 @@ def asymptotic_states(
     Raises
     ------
     InputError
-        If the body is another one.
+        If the body is another one, or an energy overflows.
 
     Notes
     -----
@@ -146,7 +146,10 @@ def asymptotic_states(
 
 
 def _require_energies(energies: np.ndarray, lam: Any) -> None:
-    """Raise InputError if Jellett's integrals `lam` give infinite energies, which broadcast."""
+    """Raise InputError if Jellett's integrals give infinite energies.
+
+    `lam` is broadcast to the shape of `energies`, so that the message has the first one at fault.
+    """
     if (beyond := np.broadcast_to(lam, energies.shape)[np.isinf(energies)]).size:
         raise InputError(
             f"`lam` must give energies in the range of a double, but {beyond[0]:g} does not."
@@ -177,12 +180,16 @@ def least_energy(
     Raises
     ------
     InputError
-        If the body is another one, or these are no numbers, or an energy overflows.
+        If the body is another one, theta is outside [0, pi], these are no numbers, their shapes do
+        not broadcast, or an energy overflows.
 
     Notes
     -----
-    E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda =
-    -lambda a/(a.I a). Rutstam (2010), eqs. 3.43 and 3.44, corrected.
+    E_lambda = lambda^2/(2 a.I a) + m g s_z, with the arm a from the centre of mass to the contact,
+    the tensor of inertia I and the height s_z of the centre of mass. The energy of any state is
+    E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with the velocity s'
+    of the centre of mass and omega_lambda = -lambda a/(a.I a). Rutstam (2010), eqs. 3.43 and 3.44,
+    corrected.
     """
     theta = measured_values("theta", theta, RADIAN)
     lam = measured_values("lam", lam, JELLETT)
@@ -195,6 +202,7 @@ def least_energy(
             f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."
         ) from None
     with np.errstate(over="ignore"):
+        # the square of a float would raise OverflowError, that of a NumPy number is infinite
         energy = least.least_energy(np.cos(theta), np.float64(lam), top_of(top, TippeTop).body())
     _require_energies(energy, lam)
     return energy
@@ -227,8 +235,8 @@ def linear_modes(
     Raises
     ------
     InputError
-        If the body spins in no such state, the law is not known, or the motion is not linear: dry
-        friction without eps.
+        If the body spins in no such state, the law is not known or has mu_r or mu_d, the motion is
+        not linear (dry friction without eps), or a rate overflows.
 
     Notes
     -----
@@ -286,7 +294,7 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the system has no such equation, or the run no turnings.
+        If the system has no such equation, the run no turnings, or the period is not positive.
 
     Warns
     -----

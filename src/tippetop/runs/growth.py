@@ -16,6 +16,7 @@ from ..problem import Problem
 from .run import with_phases
 
 
+# The texts of `Growth.sentence`, and docstrings here and of `lyapunov`, write both numbers out
 ROUNDING = 1e-16  # the error of the start
 LOST = 1e-3  # size of the error at which digits of a figure are lost
 # of the largest: shorter directions of the start are left out (at a pole, phi turns nothing)
@@ -55,7 +56,10 @@ class Growth(NamedTuple):
         return float(np.interp(math.log(LOST / ROUNDING), logs, self.times[around]))
 
     def sentence(self) -> str:
-        """Return the growth as a sentence for reports."""
+        """Return the horizon or, without one, the largest error, as a sentence.
+
+        It is the attribute `sentence` of the Dataset that `lyapunov` returns.
+        """
         if math.isfinite(self.horizon):
             return (
                 f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: "
@@ -70,6 +74,9 @@ class Growth(NamedTuple):
 
 def growth(problem: Problem, times: np.ndarray) -> Growth:
     """Return the growth of errors of the start, by the variational equations.
+
+    It is the largest singular value of the map from errors of the start, of length 1 in the norm of
+    `Growth`, to those of each row; NaN where a row has no derivatives.
 
     Parameters
     ----------
@@ -102,6 +109,7 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     states = followed(given, wrt, times, driver).rows
     without = {"L3", *NUMBERS}  # L3 is L.3hat
     counted = [i for i, name in enumerate(form.units._fields) if name not in without]
+    # 1: first derivatives (0: values); the last direction is that of time
     moves = states[counted, 1, :-1].transpose(2, 0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
