@@ -16,6 +16,15 @@ from tippetop.mechanics.contact.response import kicked
 from tippetop.mechanics.operand import Vector
 
 
+ROLLS_THEN_SLIDES = {
+    "theta": 0.9923530071805531,
+    "phi_dot": -8.355486315805702,
+    "omega3": 88.18683753238034,
+    "theta_dot": -17.927807956520134,
+}
+ROLLS_THEN_SLIDES_MU = 0.5935203956711167
+"""A start, and mu of Coulomb friction under which it rolls until 0.036 s."""
+
 LEINE_GLOCKER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 STEM = {"r": 0.005, "h": 0.013}
 DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}

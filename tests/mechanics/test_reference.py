@@ -36,12 +36,8 @@ def test_reference(name: str, system: str, form: str, tolerance: float) -> None:
     assert made.status is Status.FINISHED
     found = examples.columns(made)
     for column in found.keys() & case.values.keys():
-        size = (
-            max(1.0, np.abs(case.values[column]).max())
-            if column in ("theta", "axis", "x")
-            else None
-        )
-        size = size or np.abs(case.values[column]).max() or 1.0
+        least = 1.0 if column in ("theta", "axis", "x") else 0.0
+        size = max(least, np.abs(case.values[column]).max()) or 1.0
         error = np.abs(found[column] - case.values[column]).max() / size
         assert error < tolerance, f"{column}: {error:.1e}"
     turning = made.events.of("turning", significant=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from examples import CANONICAL
 from limits import assert_below
-from touching import LEINE_GLOCKER, STEM, table_of
+from touching import LEINE_GLOCKER, ROLLS_THEN_SLIDES, ROLLS_THEN_SLIDES_MU, STEM, table_of
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import exits
@@ -49,16 +49,11 @@ def test_how_a_slide_is_begun_does_not_show(monkeypatch):
     """The first moments of a slide are a polynomial over a span of choice: what follows does not
     depend on it.
     """
-    start = {
-        "theta": 0.9923530071805531,
-        "phi_dot": -8.355486315805702,
-        "omega3": 88.18683753238034,
-    }
-    start["theta_dot"] = -17.927807956520134
+    friction = {"law": "coulomb", "mu": ROLLS_THEN_SLIDES_MU}
     rows, times = [], []
     for span in (0.06, 0.015):
         monkeypatch.setattr(exits, "SPAN", span)
-        done = run(initial=start, friction={"law": "coulomb", "mu": 0.5935203956711167})
+        done = run(initial=ROLLS_THEN_SLIDES, friction=friction)
         rows.append(done.columns()["theta"].values)
         times.append(done.events.time)
     assert {5, 6} <= set(done.events.kind)
