@@ -42,7 +42,8 @@ class ColumnProgram:
         """Return the results, (results, n), of common numbers (k, 1) and columns (values, n).
 
         Return None if a comparison turns out otherwise than in the recorded call. The results of a
-        motion, see `Program.call`, are follow(place, its inputs).
+        motion, see `Program.call`, are follow(place, its inputs), an array (results, n): its inputs
+        are all registers from `a` up to that of the motion. The results are the last registers.
         """
         inputs = len(common) + len(values)
         first = inputs + len(self.constants)

@@ -103,7 +103,8 @@ def in_symbols(formulas: Formulas, variables: Variables, order: int = 0) -> tupl
     """Return symbols of the variables, and the records (q, carried, body) made of symbols.
 
     With an order, variables and numbers of the body have derivatives along a direction up to it:
-    symbols and parameters too, each after its number.
+    symbols and parameters too, each after its number. `derivatives.through` passes states and
+    parameters in this order.
     """
     size = order + 1
     # of one name: no list by itself
@@ -147,7 +148,8 @@ def integrated(variable: str) -> str:
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """Return angles, vectors and quantities of a row by name, in internal units.
 
-    They are arrays or expressions, as the arguments are.
+    They are arrays or expressions, as the arguments are. SINE2 and SPEED2, if they are there, are
+    for `values_of`, which takes them out; names are those of parts of `row_columns.Source`.
     """
     arguments = moment(form, q, carried, body)
     angles = form.to_angles(q, carried, body)

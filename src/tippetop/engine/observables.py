@@ -69,7 +69,7 @@ class Observables:
     def domains(self, rows: np.ndarray) -> dict[str, float]:
         """Return the least value of each of the form's `domains` over the rows, internal units.
 
-        They must stay positive; the keys are their meanings.
+        They must stay positive; the keys are their meanings, which messages quote.
         """
         state = self.moment(rows)
         body = self.body
@@ -226,7 +226,10 @@ def _widened(values: np.ndarray, problem: Problem) -> np.ndarray:
 
 
 def event_functions(problems: Problems) -> np.ndarray:
-    """Return the event functions of every run at its start, (n, events), internal units."""
+    """Return the event functions of every run at its start, (n, events), internal units.
+
+    They have the order of the system's events; one without a formula is 1.
+    """
     body = problems.body_of_pars(problems.pars.astype(float))
     state = problems.moment(problems.start.astype(float), body)
     events = problems.base.system.events

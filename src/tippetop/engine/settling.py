@@ -88,7 +88,7 @@ CLASSES = (
     "nutating",
     "at-rest",
 )
-"""Fates of a top, by number in a store."""
+"""Fates of a top, by number in a store: a new one goes to the end."""
 
 RATES = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
 # Rates, in internal units, of a body that torques have brought to rest: they are smooth below 1e-6

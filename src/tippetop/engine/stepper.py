@@ -21,7 +21,7 @@ from .opt_level import DEFAULT
 
 
 class Loaded(NamedTuple):
-    """The machine code of an integrator in memory."""
+    """The machine code of an integrator in memory; `Loop` takes the fields by position."""
 
     library: Any  # owns the memory
     step: int  # addresses
