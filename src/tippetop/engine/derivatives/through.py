@@ -666,7 +666,7 @@ class Pass:
 
         `names` are those of the events, or one of all; times in `shifts` need none. A time is that
         of the start, of the end of a phase, or of the zero of an event function. It is NaN in a
-        jump that takes time.
+        jump that takes time. The unit of time is a power of two, so times find their key exactly.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
