@@ -43,7 +43,7 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     kind
         A function of heyoka that compiles: `taylor_adaptive`, `taylor_adaptive_batch` or `cfunc`.
     *arguments, **options
-        Its arguments.
+        Its arguments. Their pickle is the key, so equal ones must have equal pickles.
 
     Returns
     -------

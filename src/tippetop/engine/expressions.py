@@ -116,7 +116,10 @@ def in_symbols(formulas: Formulas, variables: Variables, order: int = 0) -> tupl
 
 
 def expressions_of(values: Iterable, order: int = 0) -> list[Any]:
-    """Return numbers and their derivatives up to an order as expressions, one after another."""
+    """Return numbers and their derivatives up to an order as expressions, one after another.
+
+    Each number is before its derivatives; a plain number becomes a constant.
+    """
     return [hy.expression(0.0) + part for value in values for part in parts_of(value, order)]
 
 

@@ -36,7 +36,7 @@ from .orientation import quaternion
 class Observables:
     """Compute values and columns from rows of internal states (n, variables) of one problem.
 
-    `runs.integration` makes it, and keeps it as `view`.
+    Integrations and recorders keep one as `view`; others make it where they need it.
     """
 
     problem: Problem
@@ -191,7 +191,8 @@ def _computed(
 ) -> Arrays:
     """Return the values of `formulas`, `observed` or `orientation_of`, by name, (k,) each.
 
-    Doubles are computed by a compiled function, wider numbers by numpy in 80 bits.
+    Doubles are computed by a compiled function, wider numbers by numpy in 80 bits. The value of a
+    state has the same bits whatever states are computed with it: stores and ensembles rely on it.
     """
     base = problems.base
     k = states.shape[1]
