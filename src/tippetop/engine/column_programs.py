@@ -27,7 +27,10 @@ class ColumnProgram:
     """
 
     def __init__(self, function: Callable, common: Any, values: Sequence):
-        """Record the function."""
+        """Record the function; its results are the last lines.
+
+        Raises TypeError or ValueError if it does what is no line of a program.
+        """
         program = Program(common, tuple(values))
         same, others = program.inputs
         results = function(same, *others)

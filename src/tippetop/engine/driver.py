@@ -8,7 +8,8 @@ stop. A slice ends after a fixed number of steps or changes of phase, or when th
 after a time: a stored run that is resumed has the slices of an undisturbed one, hence its bits.
 
 Symbols
-    state     the integrated variables and integrals, (variables,), in internal units
+    state     the integrated variables and integrals, (variables,), in internal units; an integrator
+              has more behind them, for event functions: "all variables", at most `width`
     row       a state at a time that the caller requested; a sample: at every EVERY-th step
     passage   a zero of an event function; the log contains those of a slice
     tally     counters and extreme values of a run, see `tallies`
@@ -308,7 +309,11 @@ class Driver:
                 return steps
 
     def request_rows(self) -> None:
-        """Hand over the rows that are filled, and make room for the next ones, as requested."""
+        """Hand over the rows that are filled, and make room for the next ones, as requested.
+
+        Each block has arrays of its own, so the request may keep the rows it receives without a
+        copy. Room of length 0 means that no further rows are wanted.
+        """
         self.deliver_rows()
         times = self.request.next_times()
         n = len(times)
@@ -318,7 +323,10 @@ class Driver:
         self.set_output(Rows(times, states, phases, filled, self.request.rows_at_steps, n))
 
     def deliver_rows(self) -> None:
-        """Hand the rows that were filled since the last call to the request."""
+        """Hand the rows that were filled since the last call to the request.
+
+        `advance` calls it at the end of each slice, which may be within a block.
+        """
         output = self.output
         made = slice(self.delivered, self.made[0])
         rows = self.rows_of(output.phases[made], output.states[made])
@@ -404,7 +412,10 @@ class Driver:
         return (self.workspace.compiled,)
 
     def extremes(self) -> Extremes:
-        """Return the extremes of the normal force so far, internal units; NaN times if unknown."""
+        """Return the extremes of the normal force so far, internal units; NaN times if unknown.
+
+        They are those of all events with `extremes`: each phase may have its own function for it.
+        """
         records = self.all_events.events
         functions = self.functions
         kept = records["extremes"]

@@ -188,7 +188,10 @@ def integrates_axis(system: System, form: Form) -> bool:
 
 
 def orientation_of(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """Return AXES, and psi if the form has it, by name; arrays or expressions."""
+    """Return AXES, and psi if the form has it, by name; arrays or expressions.
+
+    Callers take the first three AXES for axis 1 and the others for axis 3.
+    """
     orientation = form.orientation
     assert orientation is not None
     first, third = orientation.axes(q, carried, body)

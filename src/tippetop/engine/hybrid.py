@@ -10,7 +10,8 @@ Symbols
     n         the result of a jump, a `form.Next`; x: the common state, in which a phase ends
     q         the state of a phase; carried: the record of the integrals of the run
     b, body   parameters of the formulas of a phase; the body, from which they are taken
-    number    of an event: its index among all events of the run, `HybridDriver.numbers`
+    number    of an event: its index among all events of the run, `HybridDriver.numbers`; of an
+              exit the same, or that of the clock or a stall, `endings`
     solver    a `PhaseSolver`; at: the index of its phase
     signs     of event functions: the side of its zero on which each is; zeros: see `begins`
 """
@@ -344,7 +345,11 @@ class PhaseSolver:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
-        """Compile the phase, number its events and exits as the run does, and allocate arrays."""
+        """Compile the phase, number its events and exits as the run does, and allocate arrays.
+
+        A run that stops on liftoff has no exit by it, so the event ends the run. `ahead` is for
+        `python_events`: a second integrator, whose steps do not move the run.
+        """
         problem = run.problem
         phase = run.phases[name]
         self.name = name

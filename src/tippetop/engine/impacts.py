@@ -140,7 +140,11 @@ class ImpactMotions:
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
-        """Return the driver of the motion in a region of slip, compiled when it is first needed."""
+        """Return the driver of the motion in a region of slip, compiled when it is first needed.
+
+        Its start, parameters and end are dummies: `piece` sets them, and programs of jumps do so in
+        its loop.
+        """
         if region not in self.drivers:
             formulas = formulas_of_impact(self.law, region, *self.pattern)
             code = compiled_when((formulas, self.precision, 0.0, 1, False), self.stop)

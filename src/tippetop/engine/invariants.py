@@ -45,7 +45,10 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
 
 
 def reference_of(name: str) -> str:
-    """Return the name of an integral's value where the present contact began: `jellett_taken`."""
+    """Return the name of an integral's value where the present contact began: `jellett_taken`.
+
+    `mechanics.contact.rows` makes these values; `jellett_lost` is an integral of the run.
+    """
     return f"{name}_taken"
 
 

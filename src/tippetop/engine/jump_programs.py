@@ -11,7 +11,8 @@ of a system share the programs of its jumps.
 
 Symbols
     jump      a `hybrid.Jump`; solver, to: the `PhaseSolver` of the phase that ends, of the next
-    number    of an event: its index among all events of the run; of a program: among its jump's
+    number    of an event: its index among all events of the run; of a program: among its jump's;
+              the clock has that after the last event, a stall -1: `HybridDriver.endings`
     lines     the operations of a program; registers: its numbers: inputs, constants, results
 """
 

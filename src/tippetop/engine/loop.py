@@ -8,7 +8,8 @@ record here must be added to its struct in loop.c, at the same place. `driver` a
 Symbols
     tops, lanes  runs in the arrays, and places in a SIMD integrator; 1 each for a single run
     size         order + 1, the number of Taylor coefficients; h: length of the present step
-    width        numbers from one state to the next in logs, samples and rows
+    variables    of an integrator, those added for event functions included
+    width        numbers from one state to the next in logs, samples and rows: the most variables
 """
 
 import ctypes

@@ -69,7 +69,10 @@ class PhaseTables:
             self.rows[name] += [(time, *row) for row in some]
 
     def take_rows(self) -> dict[str, Table]:
-        """Return the rows since the last call, as columns by table, and remove them."""
+        """Return the rows since the last call, as columns by table, and remove them.
+
+        A table without new rows has empty columns.
+        """
         rows = self.rows
         self.rows = defaultdict(list)
         return {

@@ -333,7 +333,10 @@ class HybridPools(Pools, HybridDriver):
     # --- one top ---------------------------------------------------------------------------------
 
     def start(self, new: np.ndarray) -> list[int]:
-        """Make the jumps of tops to their first phases, by programs or by Python."""
+        """Make the jumps of tops to their first phases, by programs or by Python.
+
+        Both push a top that goes on. Return those that end there.
+        """
         begin = partial(library().loop_start, self.record_at, self.notes.place)
         over = [slot for slot in new.tolist() if not begin(slot) and self.attend(slot)]
         signs = self.of_tops.functions[:, new]

@@ -200,7 +200,7 @@ class Log(NamedTuple):
 
     filled: np.ndarray  # (1,) how many there are
     rows: np.ndarray  # (n,) passages; of samples, whose state it is: their phase or top
-    states: np.ndarray  # (n, variables) in the working precision
+    states: np.ndarray  # (n, width) in the working precision
 
 
 def new_log(length: int, variables: int, number: Any = float, row: Any = PASSAGE_RECORD) -> Log:

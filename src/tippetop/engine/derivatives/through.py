@@ -411,7 +411,10 @@ class Pass:
         ways: np.ndarray | None = None,
         order: int = 1,
     ):
-        """Follow the run with derivatives; `rows` then has the states."""
+        """Follow the run with derivatives; `rows` then has the states.
+
+        `_numbers_of` comes first: it sets the start, the body and the scales that all else reads.
+        """
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
@@ -499,7 +502,10 @@ class Pass:
                 found[phase] = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
 
     def _read_phases(self) -> np.ndarray:
-        """Return `rows` of the samples in all phases."""
+        """Return `rows` of the samples in all phases; NaN at times in no phase.
+
+        They are rows of the run, not states of phases, at fixed times.
+        """
         variables = self.problem.variables
         shape = len(variables.names), 2, self.directions + 1, len(self.times)
         rows = np.full(shape, np.nan)
