@@ -676,7 +676,7 @@ class HybridDriver(Driver):
         signs: Any = self.functions["sign"]
         if self.series:
             first = self._ranged(now, time)
-            if before is None:
+            if before is None:  # the run begins with the series; on a zero no side is known
                 sides, zeros, _ = solver.begins(n, first, signs)
                 signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
         signs, zeros, passed = solver.begins(n, values, signs)

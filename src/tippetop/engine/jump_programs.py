@@ -299,7 +299,7 @@ class JumpPrograms:
                 run.tables.begin(time, solver, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
-            run.keep_interval(before, began, time, rest, jump)
+            run.keep_interval(before, began, time, rest, jump)  # the state is behind the tables
             began = min(time + delay, run.end)
             run.until = began + lasts
         if record.length:

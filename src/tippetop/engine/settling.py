@@ -30,7 +30,8 @@ def stays(problem: Problem, values: Arrays) -> bool:
     problem
         The run.
     values
-        theta [rad] and omega3 [internal units] of one state by name, (1,) each.
+        Those of `Observables.evaluate` for one state: theta [rad] and omega3 [internal units] by
+        name, (1,) each, are read.
 
     Returns
     -------
@@ -111,7 +112,8 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
     system
         Its `classes` are the names that apply.
     values
-        The values at the end by name, (n,) each, internal units.
+        The values at the end by name, (n,) each, internal units, as `observables.values_of` returns
+        them; `phase` and `ball` are numbers of PHASES and BALLS.
     second
         Internal units of time [s].
     settled

@@ -135,7 +135,10 @@ class WideDriver(Driver):
         return self.stepper.integrator.state
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state, padded with zeros, and the time as (high, low), of heyoka's integrator."""
+        """Set the state, padded with zeros, and the time as (high, low), of heyoka's integrator.
+
+        The arrays of the loop follow with the next step.
+        """
         ta = self.stepper.integrator
         ta.state[:] = 0
         ta.state[: len(state)], ta.dtime = state, clock
