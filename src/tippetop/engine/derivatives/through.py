@@ -81,7 +81,7 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
+def as_rows(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
     """Return numbers as rows: values and derivatives, (n, 1 + order, directions).
 
     A number without derivatives gets zeros.
@@ -94,7 +94,7 @@ def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> 
 
 
 def duals_of(rows: np.ndarray) -> list[Dual]:
-    """Return rows as dual numbers, (n,): the inverse of `rows_of`.
+    """Return rows as dual numbers, (n,): the inverse of `as_rows`.
 
     The value is that of the first direction, as all are equal.
     """
@@ -338,10 +338,10 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
 
     def call(place: int, *given: Any) -> list:
         """Follow a motion, without a tape."""
-        return duals_of(follow(place, rows_of(leaves(given), directions)))
+        return duals_of(follow(place, as_rows(leaves(given), directions)))
 
     (results, about), changes = noted(function, call, duals_of(numbers))
-    return rows_of(results, directions), least_of(changes, directions), about
+    return as_rows(results, directions), least_of(changes, directions), about
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -456,14 +456,14 @@ class Pass:
             name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
         }
         tops = DualProblems(problem, numbers, problem.orientation)
-        scales = rows_of(tops.scales, self.directions, self.order)
+        scales = as_rows(tops.scales, self.directions, self.order)
         self.scales = Scales(*duals_of(padded(scales)[..., None]))
         body, _ = assembled(problem.system, tops, lambda value: value)
         self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
-            made = rows_of(numbers, self.directions, self.order)
+            made = as_rows(numbers, self.directions, self.order)
             made[:, 0] = np.array(values)[:, None]
             return made
 
@@ -478,7 +478,7 @@ class Pass:
         plain run, it ends there, with a Note of change 0: no derivatives exist from then on.
         """
         self.given = self.body, self.e_n
-        self.known = rows_of(leaves(self.given), self.directions)
+        self.known = as_rows(leaves(self.given), self.directions)
         jump = self.driver.first_jump
         state = self.start
         ended = -1.0  # before the start
@@ -490,7 +490,7 @@ class Pass:
                 break
             phase = solver.phase
             if phase not in self.motions:
-                pars = rows_of(leaves(phase.parameters(self.body)), self.directions)
+                pars = as_rows(leaves(phase.parameters(self.body)), self.directions)
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             since = max(ended, interval.began - BRIEF)
             state = self._ended(number, interval, since, state, lasts, zeros)
@@ -629,7 +629,7 @@ class Pass:
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = rows_of(made, self.directions)
+        results = as_rows(made, self.directions)
         after = slice(3, 3 + size)
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
