@@ -68,7 +68,10 @@ class Entry:
         self.signed = 0  # compilations
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call the compiled function, and sign its machine code if it is new."""
+        """Call the compiled function, and sign its machine code if it is new.
+
+        Code in its folder that is not signed is removed by the next process (`code_folder`).
+        """
         try:
             result = self.compiled(*arguments)
         except OSError:  # numba has compiled it, but cannot keep the code: the disk is full
@@ -164,7 +167,8 @@ def code_folder(function: Callable) -> Path | None:
 def signature(folder: Path, *, new: bool = False) -> str:
     """Return a digest of the files of numba in a folder, which are made private if they are new.
 
-    Raises OSError if another user owns or can write one of them.
+    Raises OSError if another user owns or can write one of them, which `code_folder` takes for a
+    wrong digest.
     """
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*.nb?")):

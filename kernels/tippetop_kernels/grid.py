@@ -31,7 +31,8 @@ STEPS, MOST_STEPS = 2, 8
 def scanned(prepare, slope, value, x, y, r, status, j):
     """Return F and q of the lowest minimum at a point (x, y), found by a scan; write status[j].
 
-    For a point where the iteration did not converge, or the function has several minima.
+    For a point where the iteration did not converge, or the function has several minima. status[j]
+    is that which `row` has found.
     """
     p = prepare(x, y, r)
     turns = np.empty(MOST_EXTREMES)
@@ -78,6 +79,7 @@ def minima(prepare, guess, slopes, slope, value, reaches_pole):
             F[j] = value(q[j], prepare(x, ys[j], r), r)
         for j in range(ys.size):
             lower, upper = reaches_pole(x, ys[j], prepare(x, ys[j], r), r)
+            # codes of Status: UNSETTLED or ATTAINED; then AT_LOWER_END, AT_UPPER_END
             rest = 0 if last[j] <= AT_REST else 4
             status[j] = 1 if lower else (2 if upper else rest)
         for j in range(ys.size):
@@ -86,7 +88,10 @@ def minima(prepare, guess, slopes, slope, value, reaches_pole):
 
     @entry
     def minima(several, xs, ys, r, F, q, status):
-        """Fill F, q and status (xs, ys) with the minimum at each point of the grid."""
+        """Fill F, q and status (xs, ys) with the minimum at each point of the grid.
+
+        `landscape.surface.minima` calls it, with r the coefficients of a body.
+        """
         last = np.empty(ys.size)
         for i in range(xs.size):
             row(several, xs[i], ys, r, F[i], q[i], status[i], last)
@@ -96,6 +101,8 @@ def minima(prepare, guess, slopes, slope, value, reaches_pole):
 
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
     """Call work(slice of rows) on all threads; kernels release the interpreter's lock.
+
+    Each thread gets about eight slices, as rows take unequal times.
 
     numba's prange does not take records of records, and compiles three times as long.
     """
@@ -136,7 +143,8 @@ def turnings(prepare, slope, value, excess, bend, inertia):
         """Write eight numbers of each point to `out`, and its Level to `status`.
 
         They are the crossings around the minimum, its q and F, the curvature there, the period, and
-        the crossings around another minimum below the level, or NaN.
+        the crossings around another minimum below the level, or NaN. `landscape.turning` unpacks
+        them in this order.
         """
         turns = np.empty(MOST_EXTREMES)
         for i in range(xs.size):

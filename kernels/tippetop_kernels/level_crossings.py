@@ -16,7 +16,7 @@ from .minimise import LARGEST, SMALLEST, crossing
 
 
 class Level(IntEnum):
-    """Position of a level relative to a function with one minimum."""
+    """Position of a level relative to a function with one minimum; Datasets contain the numbers."""
 
     ABOVE = 0  # two crossings
     TOUCHING = 1  # the minimum itself, to the rounding that was allowed for
@@ -61,7 +61,7 @@ def band_of(excess, q, maxima, well, at, allowance, r):
 def swing(excess, inertia, low, high, at, r, b):
     """Return the period of the swing between the crossings low and high.
 
-    It is 2 integral of sqrt(inertia/-excess) dtheta.
+    It is 2 integral of sqrt(inertia/-excess) dtheta; inertia(z, b) takes z = (1 - q)/(1 + q).
 
     With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic:
     the midpoint rule converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to

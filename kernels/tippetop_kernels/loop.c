@@ -40,7 +40,7 @@ typedef int64_t integer;
 
 enum {
     DEPTH = 20,   /* halvings of an interval: two zeros within 1e-6 of a step are none */
-    MOST_COEFFICIENTS = 64, /* coefficients of a polynomial; quadruple precision has 47 */
+    MOST_COEFFICIENTS = 64, /* of a polynomial, as in engine.loop; quadruple precision has 47 */
     WIDEST = 32,  /* lanes */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
     TIMES = 4,    /* rows made together, in a vector of the processor */
@@ -60,7 +60,7 @@ static const real BEFORE_END = 1 - 0x1p-53;
 /* --- structures of the caller: `tippetop.engine.loop` makes the same from named tuples, one for
    each group of fields; `filled`, `rows` and `states` there are named after their group here --- */
 
-/* Codes of `engine.status.Status`. */
+/* Codes of `engine.status.Status`. ENDED and those of events come in `Event.ends`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
 /* The number that an event keeps of its passages: the time of the first or the last one, or their
@@ -85,7 +85,7 @@ typedef struct {
     bool watched, ranged; /* whether its zeros are searched, and its extremes */
 } Event;
 
-/* A number that an event keeps: FIRST, LAST or COUNT, of passages in this direction. */
+/* A number that an event keeps: FIRST, LAST or COUNT, of passages in this direction; 0: in both. */
 typedef struct {
     integer what, direction;
 } Number;
@@ -204,7 +204,8 @@ static Jet jet(const real *p, integer n, real x) {
 }
 
 /* The zero of a monotone p on [0, 1], where it ends with the value `end`, by Newton's rule, kept
-   between bounds. 0 if rounding hides the zero there. p as for `jet`. */
+   between bounds. 0 if rounding hides the zero at the start: both ends then have one sign. p as for
+   `jet`. */
 static real zero_of(const real *p, integer n, real end) {
     real low = 0, high = 1, x = p[0] / (p[0] - end);
     if ((p[0] > 0) == (end > 0))
@@ -249,7 +250,7 @@ static real least(real p0, real p1, real p2, real p3) {
 
 /* Write the sign changes of p on [0, 1) to `zeros` (n,), ascending, and return their number.
    `positive` is the sign at the end of the last step: a zero that rounding puts between two steps
-   counts once. */
+   counts once. Signs alternate from it: `find_events` and `log_passage` turn them at each zero. */
 integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
     real part[MOST_COEFFICIENTS] = {0}, total = 0;
     for (integer k = 0; k < n; k++)
@@ -333,7 +334,8 @@ static Function *function(const Loop *l, integer event, integer lane) {
 }
 
 /* Bound the event functions that count over the step: by bounds of the cubic part, plus or minus
-   the sum of the other coefficients. */
+   the sum of the other coefficients. It also writes `factors`, which `search` needs: the powers of
+   h that convert coefficients to time over h. */
 static void bound_functions(const Loop *l) {
     integer n = l->lanes, size = l->size;
     real h[WIDEST], power[WIDEST], rest[WIDEST], low[WIDEST], high[WIDEST];
@@ -462,7 +464,8 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     return theta_of(u);
 }
 
-/* Keep the numbers of an event of the top in a slot, and append it to the log, if there is one. */
+/* Keep the numbers of an event of the top in a slot, and append it to the log, if there is one. Its
+   state is written by `end_step`, or by the caller of `loop_note`. */
 static void keep(const Loop *l, const Event *event, integer slot, const Passage *row) {
     for (integer m = event->first; m < event->last; m++) {
         const Number *number = l->numbers + m;
@@ -483,7 +486,8 @@ static bool counts_turnings(const Loop *l, const Event *event) {
     return event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1);
 }
 
-/* Note event number `e` of the top in a slot, which no step has found, in a state. */
+/* Note event number `e` of the top in a slot, which no step has found, in a state. `note_change`
+   and `HybridDriver._note` call it, and write the state to the log themselves. */
 void loop_note(const Loop *l, const Event *event, integer e, integer slot, integer sign,
                integer phase, real when, const real *state) {
     Tally *tally = l->tallies + slot;
@@ -520,7 +524,7 @@ static void log_passage(const Loop *l, integer e, integer lane, real t, real h, 
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
-   run. */
+   run. Extremes are those up to there. */
 static real find_events(const Loop *l, integer lane, real t, real h) {
     integer size = l->size, events = l->events, ending = -1;
     Tally *tally = tally_of(l, lane);
@@ -575,7 +579,9 @@ static real find_events(const Loop *l, integer lane, real t, real h) {
 
 /* --- rows at given times --- */
 
-/* Write the variables of a lane at an internal time within its present step to `out`. */
+/* Write the variables of a lane at an internal time within its present step to `out` (variables,
+   lanes). The other lanes get theirs at their `limit`, so only this lane counts. It overwrites
+   `limit`, which nothing may need after `finish_step`. */
 static void state_at(const Loop *l, integer lane, real time, real *out) {
     l->limit[lane] = (time - l->start_high[lane]) - l->start_low[lane];
     l->dense(out, l->tc, l->limit);
@@ -592,7 +598,8 @@ typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
 
 /* Write TIMES rows of the present step of the only lane, from row `at` on. (A top that is alone has
    slot 0, where its rows begin.) The sums are compensated; their bits are those of the dense output
-   of a compiled step that fuses. */
+   of a compiled step that fuses: a change of an operation here changes stored rows. The last group
+   overlaps the one before it, so there are at least TOGETHER variables. */
 FUSES static void sum_rows(const Loop *l, integer at) {
     integer size = l->size, n = l->variables;
     for (integer group = 0; group < n; group += TOGETHER) {
@@ -668,8 +675,9 @@ static bool write_rows(const Loop *l, integer lane, bool moved) {
 
 /* --- steps --- */
 
-/* Set `limit` to the longest next step of each lane: up to the end of its run or phase, at most
-   LONGEST; 0 in a lane that has ended. */
+/* Set `limit` to the longest next step of each lane, up to the end of its run or phase, and `h` to
+   the same, at most LONGEST; both are 0 in a lane that has ended. `finish_step` takes a step of the
+   length `limit` for the last one. */
 static void begin_step(const Loop *l) {
     memcpy(l->before, l->state, l->variables * l->lanes * sizeof(real));
     for (integer lane = 0; lane < l->lanes; lane++) {
@@ -704,7 +712,8 @@ static void advance_time(const Loop *l) {
     }
 }
 
-/* Whether a run that has made so many steps may have settled. */
+/* Whether a run that has made so many steps may have settled. The caller decides: it computes
+   whether the top stays so (`ensembles.lanes`). */
 static bool has_settled(const Loop *l, const Tally *tally, integer steps, real when) {
     return when - tally->lasts_since > l->settled_for && steps % l->settled_every == 0;
 }
@@ -747,13 +756,16 @@ static bool finish_step(const Loop *l, integer lane) {
 
 /* --- the loop --- */
 
-/* Whether the log or the samples may have no room for those of the next step. */
+/* Whether the log or the samples may have no room for those of the next step: each coefficient of
+   each function may give a zero, and each lane a sample. `Driver.allocate_tallies` and `PoolOfOne`
+   make more room than that. */
 static bool is_full(const Loop *l) {
     return (l->log_room > 0 && l->logged[0] + l->events * l->size * l->lanes > l->log_room) ||
            (l->sample_room > 0 && l->sampled[0] + l->lanes > l->sample_room);
 }
 
-/* Put the events of a step, from number `first` of the log on, in the order of their times. */
+/* Put the events of a step, from number `first` of the log on, in the order of their times. Equal
+   times keep their order, so that the event that ends a run stays the last one. */
 static void sort_log(const Loop *l, integer first) {
     for (integer k = first + 1; k < l->logged[0]; k++) {
         Passage row = l->passages[k];
@@ -809,8 +821,8 @@ typedef struct {
     integer what, a, b;
 } Line;
 
-/* The operations of arithmetic, in the order of `mechanics.lines`, and their results, of a and b;
-   UNIT needs an int `exponent`. */
+/* The operations of arithmetic, in the order of `mechanics.lines.OPERATIONS`, and their results, of
+   a and b; UNIT needs an int `exponent`. A jump by Python must have the same bits. */
 #define ARITHMETIC(X)            \
     X(ADD, a + b)                \
     X(SUBTRACT, a - b)           \
@@ -851,7 +863,8 @@ typedef struct Program {
     integer length, result, out, after, next, number, logged, passed, ranged;
 } Program;
 
-/* Points of time in a change at which event functions are known, its ends included. */
+/* Points of time in a change at which event functions are known, its ends included, as in
+   `engine.jump_programs.jump_times`. */
 enum { JUMP_PARTS = 8, POINTS = JUMP_PARTS + 1 };
 
 /* Jumps of the tops of a system. */
@@ -877,7 +890,8 @@ typedef struct {
 /* How a phase ends that no event ends: by a stall; or the run ends, or goes on. */
 enum { BY_STALL = -1, NO_EXIT = -2 };
 
-/* Begin a phase or a motion: signs and zeros of its event functions. Its state follows them. */
+/* Begin a phase or a motion: set signs and zeros of its event functions, which are at `start`, and
+   the counts of steps to 0. Return the place of its state, which follows them. */
 static const real *begin_functions(const Loop *l, integer lane, const real *start) {
     Tally *tally = tally_of(l, lane);
     integer events = l->events;
@@ -903,7 +917,8 @@ static void begin_lane(const Loop *l, integer lane, real high, real low, real en
 }
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and
-   zeros of its event functions, state and parameters; its results: status, steps, event, state. */
+   zeros of its event functions, state and parameters; its results: status, steps, event, state.
+   They are those of `ImpactMotions.piece`, in its order. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Tally *tally = l->tallies;
     const real *state = begin_functions(l, 0, in + 2);
@@ -918,8 +933,8 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
-/* Execute a program. Return whether comparisons are as expected, no number is divided by 0, and the
-   loops of its motions are known. */
+/* Execute a program. Return whether comparisons are as expected, no number is divided by 0 (where
+   Python may raise), and the loops of its motions are known. */
 static bool execute(const Jumps *j, const Program *c) {
     real *r = j->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
@@ -963,7 +978,8 @@ integer loop_columns(integer length, integer first, integer n, const Line *lines
 }
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
-   Return it; NULL if there is none, as for a stall, or what follows is not finite. */
+   Return it; NULL if there is none, as for a stall, or what follows is not finite. The inputs have
+   the order of `JumpPrograms._traced`. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
                                     const real *state) {
     integer events = l->events, numbers = j->numbers;
@@ -990,7 +1006,8 @@ static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l,
     return finite == 0 && r[c->after + 1] >= 0 ? c : NULL;
 }
 
-/* Note what a change from a state logs, and what happens in it until `time`. */
+/* Note what a change from a state logs, and what happens in it until `time`, as
+   `HybridDriver._enter` does. */
 static void note_change(const Jumps *j, const Loop *l, integer lane, const Program *c, real when,
                         real time, const real *state) {
     const real *signs = j->registers + c->out, *ranges = signs - c->ranged * POINTS;
@@ -1015,7 +1032,8 @@ static void note_change(const Jumps *j, const Loop *l, integer lane, const Progr
 }
 
 /* Change the phase of the top in a lane in the state where the phase ended. Return the state in
-   which the next phase begins; NULL if the caller must change it. */
+   which the next phase begins. Return NULL, with nothing changed, if Python must do it: a phase
+   that was too short, a jump without a program, a full log, or a row within the jump. */
 static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *state) {
     bool lasts = t->until > t->began;
     if (lasts && t->high - t->began < j->chatter * fmax(t->began, 1))
@@ -1044,7 +1062,7 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     return begin_functions(l, lane, j->registers + c->out);
 }
 
-/* A phase ends in this last part of a run only where the run does. */
+/* A phase ends in this last part of a run only where the run does; as in `engine.hybrid`. */
 static const real AT_END = 0x1p-50;
 
 /* Take the time of a top, and the event by which its phase ends, from its lane. Return whether the
@@ -1066,7 +1084,8 @@ static bool is_at_end(const Top *t) {
     return t->end - t->high <= AT_END * t->end;
 }
 
-/* Change the phase of a run where it has ended. Return false if the caller must do it. */
+/* Change the phase of a run where it has ended. Return false if the caller must do it: the log then
+   ends with the event that ended the phase, as `HybridDriver.run` needs it. */
 static bool change_phase(Jumps *j, Top *t) {
     const Loop *l = j->loops[t->phase];
     bool within = l->tallies->upto < 1;
@@ -1114,8 +1133,9 @@ typedef struct {
     integer calls; /* how many these are */
 } Pools;
 
-/* Append a top to the queue of its phase, where it waits for a lane. Call it instead if it may have
-   settled where this phase begins; if it was called, the caller has looked. */
+/* Append a top to the queue of its phase, where it waits for a lane. If it may have settled where
+   this phase begins, append it to `called` instead, for the caller to look at; it pushes the top
+   again with the status SETTLED, which means that it has looked. */
 void loop_push(Pools *p, integer top) {
     const Top *t = p->tops + top;
     Pool *pool = p->pools + t->phase;
@@ -1153,7 +1173,8 @@ static bool change_top(Jumps *j, Top *t, const Loop *l, integer lane) {
     return next != NULL;
 }
 
-/* Begin the first phase of a top, whose jump is noted by a loop. Return whether a program could. */
+/* Begin the first phase of a top, whose jump is noted by a loop (`HybridPools.notes`). Return
+   whether a program could; otherwise Python makes the jump, and pushes the top. */
 integer loop_start(Pools *p, const Loop *l, integer top) {
     l->slots[0] = top;
     bool is_changed = change_top(&p->jumps, p->tops + top, l, 0);
@@ -1162,8 +1183,9 @@ integer loop_start(Pools *p, const Loop *l, integer top) {
     return is_changed;
 }
 
-/* Take a top out of its lane, and change its phase if that has ended; call it if that needs the
-   caller, or if it ends. */
+/* Take a top out of its lane, and change its phase if that has ended; append it to `called` if that
+   needs the caller, or if it ends. Its state and time are kept in its `Top` first: the lane is then
+   free. */
 static void leave_lane(Pools *p, integer phase, integer lane) {
     Pool *pool = p->pools + phase;
     const Loop *l = pool->loop;

@@ -27,7 +27,10 @@ AT_REST = 1e-5
 
 
 class Status(IntEnum):
-    """Method that found the minimum at a point, or the reason for its absence."""
+    """Method that found the minimum at a point, or the reason for its absence.
+
+    Stored surfaces contain the numbers.
+    """
 
     ATTAINED = 0
     AT_LOWER_END = 1  # an infimum, approached at q -> 0
@@ -64,6 +67,7 @@ def crossing(function, inside, outside, p, r):
     """Return q between `inside`, where function(q, p, r) <= 0, and `outside`, where it is > 0.
 
     By bisection of ln(q) to the last bit. It is next to `outside` where the function is not > 0.
+    `inside` may be the larger of the two.
     """
     while True:
         q = np.sqrt(inside) * np.sqrt(outside)
@@ -96,7 +100,7 @@ def extremes(slope, p, r, q):
             count = count + 1
             falling = not falling
         low = high
-        high = clipped(high * 1.6487212707001282)
+        high = clipped(high * 1.6487212707001282)  # exp(1/2)
     return count // 2
 
 

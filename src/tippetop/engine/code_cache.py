@@ -43,7 +43,7 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     kind
         A function of heyoka that compiles: `taylor_adaptive`, `taylor_adaptive_batch` or `cfunc`.
     *arguments, **options
-        Its arguments.
+        Its arguments. Their pickle is the key, so equal ones must have equal pickles.
 
     Returns
     -------
@@ -81,5 +81,8 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
 
 
 def _digest(key: str, code: bytes) -> bytes:
-    """Return the checksum of a cached file: of its key and its content."""
+    """Return the checksum of a cached file, DIGEST bytes: of its key and its content.
+
+    With the key, a file under another name is rejected.
+    """
     return hashlib.sha256(key.encode() + code).digest()

@@ -27,7 +27,10 @@ class ColumnProgram:
     """
 
     def __init__(self, function: Callable, common: Any, values: Sequence):
-        """Record the function."""
+        """Record the function; its results are the last lines.
+
+        Raises TypeError or ValueError if it does what is no line of a program.
+        """
         program = Program(common, tuple(values))
         same, others = program.inputs
         results = function(same, *others)
@@ -42,7 +45,8 @@ class ColumnProgram:
         """Return the results, (results, n), of common numbers (k, 1) and columns (values, n).
 
         Return None if a comparison turns out otherwise than in the recorded call. The results of a
-        motion, see `Program.call`, are follow(place, its inputs).
+        motion, see `Program.call`, are follow(place, its inputs), an array (results, n): its inputs
+        are all registers from `a` up to that of the motion. The results are the last registers.
         """
         inputs = len(common) + len(values)
         first = inputs + len(self.constants)

@@ -8,7 +8,8 @@ stop. A slice ends after a fixed number of steps or changes of phase, or when th
 after a time: a stored run that is resumed has the slices of an undisturbed one, hence its bits.
 
 Symbols
-    state     the integrated variables and integrals, (variables,), in internal units
+    state     the integrated variables and integrals, (variables,), in internal units; an integrator
+              has more behind them, for event functions: "all variables", at most `width`
     row       a state at a time that the caller requested; a sample: at every EVERY-th step
     passage   a zero of an event function; the log contains those of a slice
     tally     counters and extreme values of a run, see `tallies`
@@ -37,8 +38,9 @@ from .tallies import (
 )
 
 
-STEPS_PER_SLICE = 8192  # about 20 ms of work
-PASSAGES = 4096  # in a slice, at most: one every other step; and those of the last step
+# about 20 ms of work; a stored run that another version resumes has its bits only with this number
+STEPS_PER_SLICE = 8192
+PASSAGES = 4096  # in a slice, at most: one every other step; `is_full` in loop.c ends it there
 EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the steps
 FIRST = 256  # steps of a run that are all looked at: a short run has no more
 ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
@@ -67,7 +69,11 @@ class Passages(NamedTuple):
 
 @dataclass
 class Slice:
-    """The result of `Driver.advance`: the state after some steps, and the events in them."""
+    """The result of `Driver.advance`: the state after some steps, and the events in them.
+
+    `runs.integration.Integration.add_slice` measures and logs it. All states are rows of the run,
+    whatever the phase integrates.
+    """
 
     steps: int
     time: Any  # reached, internal, in the working precision
@@ -115,12 +121,12 @@ class Workspace:
     Parameters
     ----------
     run
-        Has `found`, the tallies, log and samples that all its workspaces share, `rules`, `lanes`,
-        and `stepper_of`, where there is no machine code.
+        A `Driver` or `PoolOfOne`. It has `found`, the tallies, log and samples that all its
+        workspaces share, `rules`, `lanes`, and `stepper_of`, where there is no machine code.
     compiled
         The integrator.
     rows
-        The events.
+        The events, as numbered in `found`: of a hybrid run, all of them in each phase.
     """
 
     def __init__(self, run: Any, compiled: Compiled, rows: EventRows):
@@ -137,8 +143,8 @@ class Workspace:
 class Driver:
     """Integrate one run in doubles, and find its events and rows.
 
-    `runs.Integration` and `impacts` call `advance` or `make_steps`; subclasses add phases and
-    numbers wider than doubles.
+    `runs.integration.Integration` calls `advance`, and `impacts` calls `make_steps`; subclasses add
+    phases and numbers wider than doubles.
 
     Parameters
     ----------
@@ -147,7 +153,7 @@ class Driver:
     rows
         The events as this run looks for them: see `tallies.looked_for`.
     body
-        The parameters of the integrator, perhaps with others behind.
+        The parameters of the integrator, `leaves` of the body, perhaps with others behind.
     start
         The state at the start, (variables,), internal.
     functions
@@ -186,14 +192,18 @@ class Driver:
     def allocate_tallies(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
         """Allocate the tallies, log and samples that all phases of a run share.
 
-        `functions` are the event functions at the start, (events, 1); a phase has at most `width`
-        variables.
+        `functions` are the event functions at the start, (events, 1); those of a hybrid run are
+        dummies, as `_enter` sets their signs. `width` is the length of the longest state of an
+        integrator, the variables that are added for event functions included: C copies that many
+        numbers, with this stride.
         """
+        # `is_full` in loop.c keeps free what one step may find, a zero for each coefficient
         room = PASSAGES + len(rows.events) * MOST_COEFFICIENTS
         number = self.number
         self.all_events = rows
         self.set_tallies(new_tallies(rows, functions))
         self.log = new_log(room, width, number)
+        # in short phases every step is a sample (`FIRST`); a full array would end the slice
         self.samples = new_log(STEPS_PER_SLICE + 2, width, number, np.int64)
         self.found = self.tallies, self.log, self.samples
         is_double = number in (float, np.float64)
@@ -203,7 +213,10 @@ class Driver:
         self.set_output(NO_ROWS)
 
     def set_tallies(self, tallies: Tallies) -> None:
-        """Set the arrays into which the loop counts; `status`, `steps`, ... are views of them."""
+        """Set the arrays into which the loop counts; `status`, `steps`, ... are views of them.
+
+        `HybridPools._load` calls it with those of one of its tops.
+        """
         self.tallies = tallies
         self.functions = tallies.functions[:, 0]
         names = "status", "steps", "upto", "tiny", "t"
@@ -212,7 +225,7 @@ class Driver:
         )
 
     def set_output(self, rows: Rows) -> None:
-        """Set the arrays into which the next steps write their rows; none are written yet."""
+        """Set the arrays into which the next steps write their rows; none are delivered yet."""
         self.output = rows
         self.made = view(rows.filled)
         self.delivered = 0
@@ -271,7 +284,10 @@ class Driver:
         return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def clear_counts(self) -> None:
-        """Reset status, `upto`, `tiny` and `steps` before a phase or a piece of an impact."""
+        """Reset status, `upto`, `tiny` and `steps` before a phase or a piece of an impact.
+
+        Steps 0 mark its first step, in which loop.c and `WideSteps` drop the root at the start.
+        """
         self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
     def clear_findings(self) -> None:
@@ -293,7 +309,11 @@ class Driver:
                 return steps
 
     def request_rows(self) -> None:
-        """Hand over the rows that are filled, and make room for the next ones, as requested."""
+        """Hand over the rows that are filled, and make room for the next ones, as requested.
+
+        Each block has arrays of its own, so the request may keep the rows it receives without a
+        copy. Room of length 0 means that no further rows are wanted.
+        """
         self.deliver_rows()
         times = self.request.next_times()
         n = len(times)
@@ -303,7 +323,10 @@ class Driver:
         self.set_output(Rows(times, states, phases, filled, self.request.rows_at_steps, n))
 
     def deliver_rows(self) -> None:
-        """Hand the rows that were filled since the last call to the request."""
+        """Hand the rows that were filled since the last call to the request.
+
+        `advance` calls it at the end of each slice, which may be within a block.
+        """
         output = self.output
         made = slice(self.delivered, self.made[0])
         rows = self.rows_of(output.phases[made], output.states[made])
@@ -314,9 +337,8 @@ class Driver:
     def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return states (k, width) as rows of the run (k, variables).
 
-        `phases` are their numbers, (k,).
-
-        A run with one phase has its integrated state as row.
+        `phases` are the numbers of their phases, (k,). A run with one phase ignores them, and has
+        its integrated state, without the variables added for event functions, as row.
         """
         return states[:, : self.variables]
 
@@ -331,7 +353,8 @@ class Driver:
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached and the state there.
 
-        They are those of the last passage, if it ended the run within a step.
+        They are those of the last passage, if it ended the run within a step (`upto` < 1): loop.c
+        logs the event that ends a run after all others.
         """
         if self.upto[0] < 1.0:
             last = self.logged[0] - 1
@@ -357,7 +380,10 @@ class Driver:
 
     @property
     def state(self) -> np.ndarray:
-        """Return all integrated variables, (all variables,), in the working precision."""
+        """Return all integrated variables, those added for event functions included.
+
+        Of a run in doubles it is a view of the array of the loop.
+        """
         return self.motion.state[:, 0]
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
@@ -373,7 +399,7 @@ class Driver:
     def last_rows(self) -> dict[str, Arrays]:
         """Return the rows of the tables of phases and impacts that end with the run.
 
-        A run without phases has none.
+        A run without phases has none. `Integration` calls it for a run that ends between slices.
         """
         return {}
 
@@ -386,7 +412,10 @@ class Driver:
         return (self.workspace.compiled,)
 
     def extremes(self) -> Extremes:
-        """Return the extremes of the normal force so far, internal units; NaN times if unknown."""
+        """Return the extremes of the normal force so far, internal units; NaN times if unknown.
+
+        They are those of all events with `extremes`: each phase may have its own function for it.
+        """
         records = self.all_events.events
         functions = self.functions
         kept = records["extremes"]
@@ -404,7 +433,9 @@ class Driver:
     def snapshot(self) -> dict[str, Any]:
         """Return plain data from which a run continues bit by bit, for `restore`.
 
-        Stores contain them: another name or another order of numbers is another format of stores.
+        Stores contain them: another name, or another order of numbers (that of `LANE_RECORD` and
+        `FUNCTION_RECORD` in `tallies`), is another format of stores. Keyframes join the values in
+        the order of the keys, too.
         """
         return {
             "state": self.state.copy(),
@@ -418,7 +449,8 @@ class Driver:
         """Return data for another run that begins in the present state, as `Problem.joint`.
 
         They are the signs of the functions of these events, 0 if unknown: they decide whether a
-        zero in this state has been passed.
+        zero in this state has been passed. `names` are those of the system, in its order. Stores
+        contain the keys; `driver_of` and `HybridDriver` read them.
         """
         signs = self.functions["sign"] * self.workspace.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}

@@ -103,7 +103,8 @@ def in_symbols(formulas: Formulas, variables: Variables, order: int = 0) -> tupl
     """Return symbols of the variables, and the records (q, carried, body) made of symbols.
 
     With an order, variables and numbers of the body have derivatives along a direction up to it:
-    symbols and parameters too, each after its number.
+    symbols and parameters too, each after its number. `derivatives.through` passes states and
+    parameters in this order.
     """
     size = order + 1
     # of one name: no list by itself
@@ -115,7 +116,10 @@ def in_symbols(formulas: Formulas, variables: Variables, order: int = 0) -> tupl
 
 
 def expressions_of(values: Iterable, order: int = 0) -> list[Any]:
-    """Return numbers and their derivatives up to an order as expressions, one after another."""
+    """Return numbers and their derivatives up to an order as expressions, one after another.
+
+    Each number is before its derivatives; a plain number becomes a constant.
+    """
     return [hy.expression(0.0) + part for value in values for part in parts_of(value, order)]
 
 
@@ -147,7 +151,8 @@ def integrated(variable: str) -> str:
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
     """Return angles, vectors and quantities of a row by name, in internal units.
 
-    They are arrays or expressions, as the arguments are.
+    They are arrays or expressions, as the arguments are. SINE2 and SPEED2, if they are there, are
+    for `values_of`, which takes them out; names are those of parts of `row_columns.Source`.
     """
     arguments = moment(form, q, carried, body)
     angles = form.to_angles(q, carried, body)
@@ -183,7 +188,10 @@ def integrates_axis(system: System, form: Form) -> bool:
 
 
 def orientation_of(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """Return AXES, and psi if the form has it, by name; arrays or expressions."""
+    """Return AXES, and psi if the form has it, by name; arrays or expressions.
+
+    Callers take the first three AXES for axis 1 and the others for axis 3.
+    """
     orientation = form.orientation
     assert orientation is not None
     first, third = orientation.axes(q, carried, body)

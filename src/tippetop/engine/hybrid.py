@@ -10,7 +10,8 @@ Symbols
     n         the result of a jump, a `form.Next`; x: the common state, in which a phase ends
     q         the state of a phase; carried: the record of the integrals of the run
     b, body   parameters of the formulas of a phase; the body, from which they are taken
-    number    of an event: its index among all events of the run, `HybridDriver.numbers`
+    number    of an event: its index among all events of the run, `HybridDriver.numbers`; of an
+              exit the same, or that of the clock or a stall, `endings`
     solver    a `PhaseSolver`; at: the index of its phase
     signs     of event functions: the side of its zero on which each is; zeros: see `begins`
 """
@@ -68,7 +69,9 @@ ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 multiple root; and the time over which the rate is taken.
 """
 AT_END = 2.0**-50
-"""An event that ends a phase in this last part of a run is left to a run that begins there."""
+"""An event that ends a phase in this last part of a run is left to a run that begins there. loop.c
+has the same number.
+"""
 QUIET = np.errstate(all="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
 
@@ -80,7 +83,8 @@ QUIET = np.errstate(all="ignore")
 def completed(phase: Phase, variables: Variables) -> Phase:
     """Return a phase with all integrals of a run, so that every phase has the same ones.
 
-    Integrals that the phase does not change have the rate 0. Cached, so that a phase stays the same
+    Integrals that the phase does not change have the rate 0; all have the order of the run's
+    variables, so that `carried` passes from phase to phase. Cached, so that a phase stays the same
     object: its formulas are cached by it.
     """
     moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
@@ -96,8 +100,9 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     """Return the equations and event functions of a phase, to be compiled by `taylor.code_for`.
 
     The events are those of the phase, then those of the system that no phase has. `pattern` is a
-    record like the parameters of the phase, whose numbers do not matter; `types` are its `kinds`,
-    by which results are cached: compiled integrators are cached by the result, as an object.
+    record like the parameters of the phase, whose numbers are all 1; `types` are its `kinds`, as
+    equal records may be of other types. Both are keys of the cache, and compiled integrators are
+    cached by the result, as an object.
     """
     form = phase.form
     own = [event for event in phase.events if event.formula and not event.sampled]
@@ -106,7 +111,10 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     folds = {name: v for name, v in system.folds(form).items() if name in pattern._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
-        """Return the values of the phase's own events at a state, then of those of the system."""
+        """Return the values of the phase's own events at a state, then of those of the system.
+
+        Their order is that of `events`, by which callers number them.
+        """
         state = form.scalars(q, b)
         values = [event.formula(state, b) for event in own]
         if common:
@@ -125,15 +133,18 @@ COLUMN_PROGRAMS: dict[tuple, ColumnProgram] = {}
 
 
 class World(NamedTuple):
-    """The second argument of a jump, see `form.Exit`; a `HybridDriver` makes it."""
+    """The second argument of a jump, see `form.Exit`; a `HybridDriver` makes it.
+
+    User-defined jumps read the attributes that `form.Exit` names, so these names stay.
+    """
 
     body: Any
     system: System
-    rules: Any
+    rules: Any  # the `problem.contact`; None for a system without it: its jumps are checked
     phases: Mapping[str, Phase]
-    struck: Any  # of a body whose contact may open: see `exits`
-    phase: Any = None
-    left: Any = None
+    struck: Any  # `ImpactMotions.struck`, of a body whose contact may open; None without rules
+    phase: Any = None  # that which ends: `Jump` sets it
+    left: Any = None  # the internal time to the end of the run, set for each jump
 
     def rates(self, phase: Phase, q: Any, carried: Any) -> list:
         """Return the rates of the integrals of the run, for the state q of a phase."""
@@ -143,8 +154,9 @@ class World(NamedTuple):
     def repeated(self, key: tuple, function: Callable, values: Sequence) -> Callable:
         """Return function(world, *values), which returns a list, for columns with 80 bits.
 
-        It takes an array (values, n) and returns one (results, n). The function is recorded once
-        for each key, on which its operations depend, as on the kind of the body.
+        It takes an array (values, n) and returns one (results, n), or None where a comparison turns
+        out otherwise than in the recorded call. The function is recorded once for each key, which
+        must have all that its operations depend on but the kind of the body.
         """
         key = *key, kinds(self.body)
         if key not in COLUMN_PROGRAMS:
@@ -163,7 +175,8 @@ class Jump:
     system
         The system.
     kind
-        The kind of its impacts, for which programs are made.
+        The law, restitution and precision of its impacts, on which its programs depend; None
+        without impacts. Jumps of another kind are other objects: see `jump_of`.
     name, phase
         The phase that ends; its name is "" at the start of a run.
     exit
@@ -187,7 +200,7 @@ class Jump:
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
     def check(self, fault: str) -> None:
-        """Raise InputError if there is a fault: what the jump must do, but does not."""
+        """Raise InputError if there is a fault, a clause after "must"; "" is none."""
         if fault:
             raise InputError(f"{self.where} must {fault}.")
 
@@ -195,7 +208,9 @@ class Jump:
         """Make the jump: return its `Next`; the next phase, its variables and event functions.
 
         If the jump raises ArithmeticError, or one of this package cannot compute, the run ends as
-        `stalled`. With derivatives in the body there are no event functions.
+        `stalled`. With derivatives in the body there are no event functions. The phase is a
+        `PhaseSolver`, which may be compiled here; else nothing of the run changes, as
+        `JumpPrograms` and `derivatives.through` call it with other kinds of numbers too.
 
         Parameters
         ----------
@@ -209,7 +224,8 @@ class Jump:
         Raises
         ------
         InputError
-            If the jump fails otherwise, or what it returns cannot follow.
+            If the jump fails otherwise, or what it returns cannot follow. Its cause stays attached:
+            `JumpPrograms._traced` takes a TypeError or ValueError there for "has no program".
         """
         q, carried = variables_of(self.phase.form).split(state)
         x = self.phase.leave(q, self.phase.parameters(world.body))
@@ -245,18 +261,22 @@ class Jump:
 
 
 jump_of = lru_cache(maxsize=256)(Jump)
-"""Returns the same `Jump` for the same exit: runs share its program."""
+"""Returns the same `Jump` for the same exit: runs share its programs, and its count of calls."""
 
 
 def begin_in_first(x: Any, world: World) -> Next:
-    """Begin in the first phase: the jump at the start of a system without `begin`."""
+    """Begin in the first phase: the jump at the start of a system without `begin`.
+
+    Also where `begin` names no phase. So the order of `System.phases` matters here.
+    """
     return Next(next(iter(world.phases)), x)
 
 
 def wrong_time(n: Next, to: "PhaseSolver") -> str:
     """Return the fault of the times or the series of a Next, a clause after "must"; "" without one.
 
-    `to` is the solver of the phase that it leads to.
+    `to` is the solver of the phase that it leads to. Like `wrong_root` it is for jumps of systems
+    without contact rules, which users write; those of this package are not checked.
     """
     for what in ("delay", "lasts"):
         time = getattr(n, what)
@@ -301,12 +321,15 @@ def wrong_root(n: Next, to: "PhaseSolver", q: Any, carried: Any, values: Sequenc
 
 
 class PhaseInterval(NamedTuple):
-    """A phase that a run has gone through: internal times, the last state, and the jump."""
+    """A phase that a run has gone through: internal times, the last state, and the jump.
+
+    `HybridDriver.keep_interval` makes it for `derivatives.through.Pass`.
+    """
 
     solver: "PhaseSolver"
     began: float
     ended: float
-    last: list[float]
+    last: list[float]  # variables of the phase, without those added for event functions
     jump: Jump | None  # None: by the end of the run
 
 
@@ -322,7 +345,11 @@ class PhaseSolver:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
-        """Compile the phase, number its events and exits as the run does, and allocate arrays."""
+        """Compile the phase, number its events and exits as the run does, and allocate arrays.
+
+        A run that stops on liftoff has no exit by it, so the event ends the run. `ahead` is for
+        `python_events`: a second integrator, whose steps do not move the run.
+        """
         problem = run.problem
         phase = run.phases[name]
         self.name = name
@@ -354,7 +381,7 @@ class PhaseSolver:
         """Return the records of all events of the run; only those of this phase are searched.
 
         `mine` are the records of its events, in their order. This also writes the scale and
-        `extremes` of these events to `run.all_events`, which reports read.
+        `extremes` of these events to `run.all_events`, for `Driver.extremes` and `ensembles.lanes`.
         """
         known = run.all_events.events
         records = np.zeros_like(run.all_events.events)
@@ -383,7 +410,8 @@ class PhaseSolver:
     def points(self, states: Iterable, b: Any) -> dict[int, tuple]:
         """Return the event functions in `states` of a jump to this phase, by number.
 
-        The states are those at `jump_times`; b are the parameters of the phase.
+        The states are those at `jump_times`, which each tuple follows; b are the parameters of the
+        phase. They may be numbers of a program.
         """
         points = [self.formulas.functions(*self.variables.split(state), b) for state in states]
         return dict(zip(self.events, zip(*points, strict=True), strict=True))
@@ -392,7 +420,8 @@ class PhaseSolver:
         """Return whether event `number` is logged if a jump from phase `before` passes its zero.
 
         A turning is logged if its function was not at zero where that phase ended, in `state` with
-        parameters b; a lasting event always; any other one is logged by jumps, if at all.
+        its parameters b; a lasting event always; any other one is logged by jumps, if at all. The
+        answer is a bool also for numbers of a program, whose comparison becomes a line.
         """
         event = self.events[number]
         if event.lasting or not event.sense:
@@ -414,13 +443,15 @@ class PhaseSolver:
         values
             The event functions of this phase.
         signs
-            Signs of all event functions before the jump; 0: not known.
+            Signs of all event functions before the jump, by number; 0: not known. Like the values
+            they may be numbers of a program, so the comparisons here become lines of it.
 
         Returns
         -------
         signs, zeros, passed
-            Signs, 0 for events of other phases; 1 for functions that begin on a zero, and minus the
-            multiplicity of the root for exits; numbers of the events that happened in the jump.
+            Fields `sign` and `on_zero` of `tallies.FUNCTION_RECORD`: signs, 0 for events of other
+            phases; 1 for functions that begin on a zero, and minus the multiplicity of the root for
+            exits. Then the numbers of the events that happened in the jump.
         """
         sides = [0.0] * len(signs)
         zeros = [0.0] * len(signs)
@@ -442,6 +473,9 @@ class PhaseSolver:
 
 def assembled(system: System, tops: Any, number: Callable) -> tuple[Any, Any]:
     """Return bodies as jumps take them, in internal units, and the phases of their system by name.
+
+    The leaves of the body are the first inputs of programs; `pools` and `derivatives.through` take
+    them in the same order.
 
     Parameters
     ----------
@@ -476,22 +510,25 @@ class HybridDriver(Driver):
     """
 
     solver: PhaseSolver
-    slot = 0  # of the tallies of the run
-    parameters_in: Any  # slots of tops in lanes and a phase -> its parameters
+    slot = 0  # of the tallies of the run; `HybridPools` sets that of the top which it loads
+    parameters_in: Any  # slots of tops in lanes and a phase -> its parameters; of `HybridPools`
     first_jump: Jump  # to the first phase
     last: np.ndarray  # the state where the last phase ended
     intervals: list[PhaseInterval] | None = None  # of the run, if they are to be kept
-    short_phases = 0  # phases in a row that were too short
+    short_phases = 0  # phases in a row that were too short; changes by loop.c set it to 0
     changes = 0  # of phase, in a slice
     learns_start = False  # whether the jump to the first phase gets programs
-    series: Any = None  # of the jump to the present phase, if it takes time
-    keeps_extremes = True  # of event functions
+    # internal times -> states (times, variables) of the jump to the present phase, if it takes time
+    series: Any = None
+    keeps_extremes = True  # of event functions; `ensembles` may do without
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         """Assemble the body and its phases, number all events, and begin the run.
 
-        Each phase is compiled when it is first entered.
+        Each phase is compiled when it is first entered. The events of the system come first, in its
+        order: `runs.event_log` and `ensembles.lanes` number them so. Solvers and jumps read
+        attributes of the run, so all are set before `begin_run`.
         """
         system = problem.system
         number = float if problem.precision == "double" else problem.number
@@ -538,7 +575,10 @@ class HybridDriver(Driver):
         self.begin_run()
 
     def begin_run(self) -> None:
-        """Enter the first phase from the start of the problem."""
+        """Enter the first phase from the start of the problem; pools override it.
+
+        `first` is the row at time 0: during a first jump that takes time, that of its `series`.
+        """
         self._start(tuple(self.problem.start().tolist()))
         self.first = self.present()
         if self.series:
@@ -549,7 +589,8 @@ class HybridDriver(Driver):
         """Make the jump from the start, at time 0, to the first phase.
 
         `state` are the variables at the start, internal. If it is the end of another run, the
-        `joint` names the phase. A jump that names none leaves it to `begin_in_first`.
+        `joint` (made by `joint` below) names the phase. A jump that names none leaves it to
+        `begin_in_first`. `HybridPools.attend` calls it for each top that no program starts.
         """
         system = self.problem.system
         world = self.world._replace(left=self.end)
@@ -599,7 +640,10 @@ class HybridDriver(Driver):
         return tuple(self.solver_of(name).workspace.compiled for name in self.phases)
 
     def set_phase(self, solver: PhaseSolver, began: float) -> None:
-        """Make the next steps in a phase that begins at an internal time; its state is not set."""
+        """Make the next steps in a phase that begins at an internal time; its state is not set.
+
+        `until`, `series` and the signs of event functions are the caller's to set, too.
+        """
         self.solver = solver
         self.began = began
         self.set_workspace(solver.workspace)
@@ -608,12 +652,14 @@ class HybridDriver(Driver):
         """Begin a phase by the result of a jump, which was made at the internal time `now`.
 
         It sets phase, state, time and signs of event functions, and logs the events that the jump
-        passed; the caller makes the jump, and logs its `logged` events.
+        passed; the caller makes the jump, and logs its `logged` events. `JumpPrograms` has the same
+        work done by `change` in loop.c: a change of one is a change of both.
 
         Parameters
         ----------
         begun
-            The result of `Jump`: the Next, its solver, the state there and its event functions.
+            The result of `Jump`: the Next, its solver, the state there and its event functions, in
+            the order of the solver's events.
         now
             The time of the jump; its `delay` is added here.
         before
@@ -630,7 +676,7 @@ class HybridDriver(Driver):
         signs: Any = self.functions["sign"]
         if self.series:
             first = self._ranged(now, time)
-            if before is None:
+            if before is None:  # the run begins with the series; on a zero no side is known
                 sides, zeros, _ = solver.begins(n, first, signs)
                 signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
         signs, zeros, passed = solver.begins(n, values, signs)
@@ -646,8 +692,9 @@ class HybridDriver(Driver):
     ) -> None:
         """Append a phase that has ended to `intervals`, if they are kept (for derivatives).
 
-        `began` and `ended` are internal times, `state` its last one, whose first numbers are the
-        variables of the phase, and `jump` that by which it ended, or None.
+        `began` and `ended` are internal times, `jump` that by which it ended, or None. `state` is
+        its last one, of which only the first numbers, the variables of the phase, are read:
+        `JumpPrograms.drive` passes an iterator that is longer.
         """
         if self.intervals is not None:
             last = [float(one) for one in islice(state, len(solver.variables.names))]
@@ -663,7 +710,9 @@ class HybridDriver(Driver):
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Advance by at most `most` steps, through as many phases as they take, at most PER_SLICE.
 
-        Returns what `Driver.run` does: steps, internal time, state, status or None.
+        Returns what `Driver.run` does: steps, internal time, state, status or None. The state is of
+        the phase in which the slice ends. A phase with sampled events makes one step at a time,
+        because `end_next` looks for them in the next step only.
         """
         self.changes = 0
         steps = 0
@@ -707,7 +756,8 @@ class HybridDriver(Driver):
         """Set the time at which the next steps end: with the phase, or at a sampled event.
 
         `ending` becomes the number of that event, or that of the clock. `run` calls it before each
-        `drive`.
+        `drive`, and `JumpPrograms.drive` after its changes. If no time is left, the phase is
+        FINISHED without a step, which `run` takes for the exit by `ending`.
         """
         when, self.ending = self.next_end()
         self.set_end(when)
@@ -729,7 +779,8 @@ class HybridDriver(Driver):
         """Make the jump by which a phase ends at the internal time `when`, and begin the next one.
 
         It begins in `self.last`, which `run` has set. Return the status of a run that ends here,
-        with the reason in `sentence`, or None.
+        with the reason in `sentence`, or None. Here the changes are counted that are too short
+        (CHATTER): loop.c leaves each such change to this method.
         """
         shortest = CHATTER * max(self.began, 1.0)
         if float(self.until) > self.began:  # it was to last some time
@@ -774,7 +825,10 @@ class HybridDriver(Driver):
         return self.jump_programs.drive(most, PER_SLICE - self.changes)
 
     def add_in_jump(self) -> None:
-        """Write the rows at given times within the jump to the present phase, without a step."""
+        """Write the rows at given times within the jump to the present phase, without a step.
+
+        They are those before `began`. If the jump has no `series`, they get the state at its end.
+        """
         if not self.output.steps:
             times = self.output.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):
@@ -784,7 +838,7 @@ class HybridDriver(Driver):
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Write rows at internal times that lie in no step; there must be room for them.
 
-        `states` are of the present phase, (k, variables).
+        `states` are of `self.solver`, (k, variables): `rows_of` converts them later, by its number.
         """
         rows = self.output
         made = self.made
@@ -795,7 +849,8 @@ class HybridDriver(Driver):
     def _note(self, number: int, time: Any, sign: int, solver: Any, state: np.ndarray) -> None:
         """Log event `number` that no step has found, at an internal time, +1 rising or -1 falling.
 
-        `state` are the variables of the phase of `solver`, or a row if that is None.
+        `state` are the variables of the phase of `solver`, or a row if that is None, which has the
+        number after the last phase (see `rows_of`). C counts and logs the passage.
         """
         at = self.logged[0]
         loop = solver.workspace.loop if solver else self.loop
@@ -817,7 +872,8 @@ class HybridDriver(Driver):
     def _ranged(self, began: Any, end: Any) -> list:
         """Update the extremes of event functions, if kept, in a jump from time `began` to `end`.
 
-        Return the values of the event functions at its start.
+        Return the values of the event functions at its start. `note_change` in loop.c does the same
+        at the same times.
         """
         solver = self.solver
         times = jump_times(began, end)[: None if self.keeps_extremes else 1]
@@ -851,8 +907,8 @@ class HybridDriver(Driver):
     def rows_of(self, phases: np.ndarray, states: np.ndarray, slots: Any = None) -> np.ndarray:
         """Return states (k, width) of phases, by number (k,), as rows (k, variables) of the run.
 
-        The number after the last phase marks states that are rows already.
-        `slots` are those of the tops, (k,), where a loop has many.
+        The number after the last phase marks states that are rows already (`_note` at the start).
+        `slots` are those of the tops, (k,), where a loop has many; None: a run alone.
         """
         variables = self.problem.variables
         rows = states[:, : self.variables].copy()
@@ -883,6 +939,8 @@ class HybridDriver(Driver):
     def joint(self, names: Iterable[str]) -> PlainData:
         """Return the data with which another run continues in the present phase: fields of a Next
         as `next`, and how long the phase has `lasted`, besides those of `Driver.joint`.
+
+        `names` are ignored: it has the signs of all events of the run. `_start` reads the keys.
         """
         joint = super().joint(self.numbers)
         lasts = float(self.until - self.now)
@@ -899,7 +957,8 @@ class HybridDriver(Driver):
     def snapshot(self) -> dict[str, Any]:
         """Return plain data from which a run continues bit by bit, with its phase.
 
-        The lists have the same length in every phase, except for `state`.
+        The lists have the same length in every phase, except for `state`, which keyframes pad: so
+        all keyframes of a run are rows of one array. `restore` reads them by position.
         """
         phase = [self.solver.at, self.short_phases, self.began, *self.tables.under_way]
         return super().snapshot() | {"phase": phase, "until": [self.until]}
@@ -908,7 +967,7 @@ class HybridDriver(Driver):
         """Continue in the phase of a snapshot `kept`, as `Driver.restore` does.
 
         The phase is set first, because state and time are those of its integrator, and rows in the
-        tables since the start of this process are dropped.
+        tables since the start of this process are dropped. `state` may be padded, as keyframes are.
         """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]

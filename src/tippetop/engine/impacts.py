@@ -123,7 +123,11 @@ class ImpactMotions:
         stop: threading.Event | None = None,
         body: Any = None,
     ):
-        """Prepare the stages of an impact; each is compiled when it is first needed."""
+        """Prepare the stages of an impact; each is compiled when it is first needed.
+
+        `pattern` are the arguments of `formulas_of_impact`; the order of `stages` numbers the loops
+        of `JumpPrograms`.
+        """
         self.law = law
         self.restitution = restitution
         self.precision = precision
@@ -136,7 +140,11 @@ class ImpactMotions:
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
-        """Return the driver of the motion in a region of slip, compiled when it is first needed."""
+        """Return the driver of the motion in a region of slip, compiled when it is first needed.
+
+        Its start, parameters and end are dummies: `piece` sets them, and programs of jumps do so in
+        its loop.
+        """
         if region not in self.drivers:
             formulas = formulas_of_impact(self.law, region, *self.pattern)
             code = compiled_when((formulas, self.precision, 0.0, 1, False), self.stop)
@@ -159,7 +167,8 @@ class ImpactMotions:
     ) -> list:
         """Integrate one stage until its clock reaches `end` or an event happens; `struck` calls it.
 
-        Programs of jumps and derivatives replace this method by one with the same arguments.
+        Programs of jumps and derivatives replace this method by one with the same arguments, and
+        `follow_motion` in loop.c reads and writes the same numbers in this order.
 
         Parameters
         ----------
@@ -192,9 +201,11 @@ class ImpactMotions:
         return [code, steps, event, *driver.reached()[1].tolist()]
 
     def struck(self, x: Moving, b: Touch, e_n: Any, piece: Callable | None = None) -> Impact:
-        """Return the impact of a ball whose lowest point moves down.
+        """Return the impact of a ball whose lowest point moves down: the `struck` of a `World`.
 
-        `piece` replaces the method of this name, to record or differentiate the impact.
+        `piece` replaces the method of this name, to record or differentiate the impact: numbers may
+        then be those of a program or dual, whose comparisons are recorded. The stage, its mode and
+        the steps that are left are attributes, so one thread makes one impact at a time.
 
         Raises
         ------
@@ -232,7 +243,11 @@ class ImpactMotions:
         return Impact(p, twist, self.mode, *works)
 
     def _followed(self, q: Any, b: Any) -> Any:
-        """Return the motion at the end of compression or restitution, through all stages."""
+        """Return the motion at the end of compression or restitution, through all stages.
+
+        `b` is a Blow, whose goal ends it by the event "reached". `struck` sets `region`, `left` and
+        `mode`, which the stages change. Raises ArithmeticError, by which the run ends as stalled.
+        """
         span = REST_SPAN
         passed = "" if q.grown > b.stops else "stops"
         while self.left > 0:

@@ -33,7 +33,9 @@ INSTRUMENTS |= {
 
 
 def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arrays:
-    """Return the values of INSTRUMENTS by name, in internal units, (k,) each.
+    """Return the values of INSTRUMENTS by the names of their parts, internal units, (k,) each.
+
+    The order in which they are computed is that of INSTRUMENTS.
 
     `states` (variables, k) are of the runs with the numbers `which` (k,). The specific force is the
     acceleration of the centre of mass less that of gravity.

@@ -57,7 +57,7 @@ def awaited_once(make: Callable, key: tuple, text: str, stop: threading.Event | 
     Parameters
     ----------
     make
-        A cached function.
+        A cached function: the thread fills its cache, and the last call returns from it.
     key
         Its arguments.
     text
@@ -170,8 +170,8 @@ def _source(
 ) -> tuple[int, int, float, float] | None:
     """Return where the coefficients of event function `e` are, or None if it is not integrated.
 
-    It is a variable plus an offset (shift 0), or the rate of one (shift 1) times a scale: return
-    the index of the variable, shift, scale and offset.
+    It is a variable plus an offset (shift 0); or, times a scale, the rate of one (shift 1). Return
+    the index of the variable, shift, scale and offset, as `tallies.event_rows` takes them.
     """
     for index, (variable, rate) in enumerate(equations):
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)

@@ -27,8 +27,8 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
     -------
     dict
         The conserved quantities of the system; if the ball in contact has changed, their change
-        since then; energy_balance = energy + work of friction; axis_norm =
-        |3hat| in forms that integrate the axis. Internal units, (k,) each.
+        since then; energy_balance = energy + work of friction; axis_norm = |3hat| in forms that
+        integrate the axis. Internal units, (k,) each. Stores have the drift of each by this name.
     """
     integrals = {
         name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(reference_of(name), 0.0)
@@ -45,7 +45,10 @@ def invariants(problem: Problem, values: Arrays) -> Arrays:
 
 
 def reference_of(name: str) -> str:
-    """Return the name of an integral's value where the present contact began: `jellett_taken`."""
+    """Return the name of an integral's value where the present contact began: `jellett_taken`.
+
+    `mechanics.contact.rows` makes these values; `jellett_lost` is an integral of the run.
+    """
     return f"{name}_taken"
 
 

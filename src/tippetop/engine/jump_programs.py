@@ -11,7 +11,8 @@ of a system share the programs of its jumps.
 
 Symbols
     jump      a `hybrid.Jump`; solver, to: the `PhaseSolver` of the phase that ends, of the next
-    number    of an event: its index among all events of the run; of a program: among its jump's
+    number    of an event: its index among all events of the run; of a program: among its jump's;
+              the clock has that after the last event, a stall -1: `HybridDriver.endings`
     lines     the operations of a program; registers: its numbers: inputs, constants, results
 """
 
@@ -49,16 +50,24 @@ NUMBERS, STATE = 24, 40
 START = "start"
 """How a phase before the first one ends, from which tops in lanes begin."""
 JUMP_PARTS = 8
-"""Parts of a jump that takes time, between which the extremes of event functions are sought."""
+"""Parts of a jump that takes time, between which the extremes of event functions are sought; the
+same number as in loop.c."""
 
 
 def jump_times(began: Any, end: Any) -> list:
-    """Return times of a jump from `began` to `end`, at which extremes are sought: first `began`."""
+    """Return times of a jump from `began` to `end`, at which extremes are sought: first `began`.
+
+    They may be numbers of a program. `note_change` in loop.c computes the same times.
+    """
     return [began + (end - began) * k / JUMP_PARTS for k in range(JUMP_PARTS + 1)]
 
 
 class _Program(NamedTuple):
-    """The structure `Program` of `loop.c`: a program, and the effects of its jump."""
+    """The structure `Program` of `loop.c`, field by field: a program, and the effects of its jump.
+
+    `events` are those that it logs, then those that it passes, then those with extremes in it:
+    `logged`, `passed` and `ranged` of them. `other` is the address of the jump's next program.
+    """
 
     lines: np.ndarray
     constants: np.ndarray
@@ -83,12 +92,16 @@ TOP_RECORD = record_type(
 """A top: its clock, the ends of the run, of its phase and of its next steps, and the start of the
 phase, internal; the event at the end of the next steps; the phase, and the event that ended it, or
 a number below 0; steps before those of its tally; phases in a row that were too short; addresses of
-its state and of the numbers of its body.
+its state and of the numbers of its body. It is the struct `Top` of loop.c; `JumpPrograms.drive`
+fills it by position.
 """
 
 
 class Jumps(NamedTuple):
-    """The structure `Jumps` of `loop.c`: the loops and programs of the phases of a system."""
+    """The structure `Jumps` of `loop.c`: the loops and programs of the phases of a system.
+
+    The fields have its order; see `JumpPrograms`, which makes it, for the arrays.
+    """
 
     loops: np.ndarray
     programs: np.ndarray
@@ -115,7 +128,7 @@ class JumpProgram(NamedTuple):
 class JumpPrograms:
     """Record the jumps of a run as programs, and let the loop execute them.
 
-    `HybridDriver` makes it.
+    `HybridDriver` makes it, for runs in doubles of a system with contact rules.
 
     Parameters
     ----------
@@ -133,6 +146,7 @@ class JumpPrograms:
         # by phase and event, the last by the clock: where its first program is; the start comes
         # after all phases
         self.table = np.zeros((len(run.phases) + 1, run.clock_number + 1), np.uint64)
+        # of each change: time, event, program, `lasts`, `delay`, numbers of tables, last state
         self.made = np.zeros((PER_SLICE, 5 + NUMBERS + STATE))
         # of the body and its contact, the constant inputs of programs
         self.body = np.array([*leaves(run.world.body), run.world.rules.e_n])
@@ -149,9 +163,9 @@ class JumpPrograms:
     def learn(self, jump: Any, *given: Any) -> None:
         """Count a jump that Python has made with these arguments (state, world).
 
-        Record it when it is due.
-
-        Only a jump that begins a phase, and does nothing else, becomes a program.
+        Record it when it is due: only a jump that begins a phase, and does nothing else, becomes a
+        program. `run.solver` and `run.functions` must still be those before the jump, so it comes
+        before `HybridDriver._enter`. Runs on other threads may add programs too, hence the lock.
         """
         jump.calls += 1
         is_due = jump.calls >= self.patience and not jump.calls & (jump.calls - 1)
@@ -182,11 +196,19 @@ class JumpPrograms:
                 self.add_loop(self.place_of(region), run.impacts.driver(region).loop)
 
     def place_of(self, region: str) -> int:
-        """Return the number of the loop of the motions in a region of impacts."""
+        """Return the number of the loop of the motions in a region of impacts.
+
+        The stages follow the phases in `loops`, in their order.
+        """
         return len(self.run.phases) + [*self.run.impacts.stages].index(region)
 
     def _traced(self, jump: Any, state: tuple, world: Any) -> JumpProgram | None:
-        """Record the program of a jump; return None if it does more than begin a phase."""
+        """Record the program of a jump; return None if it does more than begin a phase.
+
+        The inputs have the order in which `execute_first` in loop.c writes them. The results have
+        that in which `note_change`, `begin_functions` and `change` read them, from `out` on signs,
+        zeros and state, and from `after` on what `drive` reads from `made`.
+        """
         run = self.run
         solver = run.solver
         regions = list[str]()
@@ -237,6 +259,7 @@ class JumpPrograms:
         lines = program.code()
         constants = np.array([*program.constants.values()])
         result = program.count + len(constants)
+        # the loop copies a whole row of `made`, beyond the last result
         if result + len(lines) + NUMBERS + STATE > MOST_REGISTERS:
             return None
         out = first.place + len(constants) + len(ranged)
@@ -250,7 +273,8 @@ class JumpPrograms:
     def drive(self, steps: int, changes: int) -> int:
         """Make at most `steps` steps and `changes` changes of phase; return the number of steps.
 
-        The changes that the loop made are entered into the tables of the run.
+        The changes that the loop made are entered into the tables of the run, which is then where
+        `HybridDriver._enter` would have left it: in the last phase, with its `began` and `until`.
         """
         run: Any = self.run
         record = self.record
@@ -274,7 +298,7 @@ class JumpPrograms:
                 run.tables.begin(time, solver, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
-            run.keep_interval(before, began, time, rest, jump)
+            run.keep_interval(before, began, time, rest, jump)  # the state is behind the tables
             began = min(time + delay, run.end)
             run.until = began + lasts
         if record.length:

@@ -8,7 +8,8 @@ record here must be added to its struct in loop.c, at the same place. `driver` a
 Symbols
     tops, lanes  runs in the arrays, and places in a SIMD integrator; 1 each for a single run
     size         order + 1, the number of Taylor coefficients; h: length of the present step
-    width        numbers from one state to the next in logs, samples and rows
+    variables    of an integrator, those added for event functions included
+    width        numbers from one state to the next in logs, samples and rows: the most variables
 """
 
 import ctypes
@@ -72,7 +73,7 @@ NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1,
 class _Sizes(NamedTuple):
     """Lengths of the arrays of a `_Loop`."""
 
-    width: int
+    width: int  # 0: a stepper in Python keeps the states
     variables: int
     parameters: int
     size: int
@@ -85,7 +86,7 @@ class _Sizes(NamedTuple):
 
 
 class _Loop(NamedTuple):
-    """The structure `Loop` of `loop.c`."""
+    """The structure `Loop` of `loop.c`, field by field."""
 
     step: int
     dense: int
@@ -106,7 +107,11 @@ class _Loop(NamedTuple):
 
 @cache
 def structure(record: type) -> type[ctypes.Structure]:
-    """Return the type of the structure of C that has the fields of a named tuple."""
+    """Return the type of the structure of C that has the fields of a named tuple.
+
+    Annotations decide the types in C, so a field is an int, a bool (8 bytes too), a float, an array
+    or another such tuple.
+    """
     integer = ctypes.c_int64
     number = ctypes.c_double
     pointer = ctypes.c_void_p
@@ -143,7 +148,8 @@ def _field(value: Any) -> Any:
 def library() -> ctypes.CDLL:
     """Return the compiled loop.
 
-    Raises BuildError if it is missing, or was compiled from another source.
+    A function that Python calls needs an entry in `arguments` with the types of its declaration in
+    loop.c. Raises BuildError if the loop is missing, or was compiled from another source.
     """
     folder = Path(tippetop_kernels.__file__).parent
     built = folder / "loop.so"
@@ -180,7 +186,10 @@ def library() -> ctypes.CDLL:
 
 
 def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion:
-    """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
+    """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients.
+
+    `variables` are those of the integrator, with those added for event functions.
+    """
     numbers = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
     of_lanes = *np.zeros((7, lanes)), *np.zeros((4, lanes), np.int64)
     motion = Motion._make([*np.zeros((2, variables, lanes)), *numbers, *of_lanes])
@@ -200,7 +209,7 @@ class Loop:
     rules
         When a run ends or is sampled.
     stepper
-        Makes the Taylor steps.
+        Makes the Taylor steps. One whose code is NULL makes none: `HybridPools` notes events by it.
     """
 
     def __init__(
@@ -240,7 +249,10 @@ class Loop:
         self.output = NO_ROWS
 
     def fill(self, rows: Rows) -> None:
-        """Set the arrays into which the next steps write their rows."""
+        """Set the arrays into which the next steps write their rows.
+
+        Each phase has a loop, so it is called before every drive; the same object changes nothing.
+        """
         if rows is not self.output:
             states = rows.states if self.record.sizes.width else self.out
             self.structure.output = filled(rows._replace(states=states))
@@ -295,8 +307,8 @@ def count_turnings(
     Parameters
     ----------
     lane
-        The tallies of runs. Turnings of the first are counted; its loop has a log, and therefore
-        leaves the count to its caller, or leaves the end of the run.
+        The tallies of runs, of which the first is counted: of a single run, whose loop leaves all
+        turnings to `runs.event_log`; or of a top in lanes, whose end is the only one left.
     signs, theta
         (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end
         of a run, which end a swing; [rad].

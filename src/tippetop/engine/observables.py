@@ -36,7 +36,7 @@ from .orientation import quaternion
 class Observables:
     """Compute values and columns from rows of internal states (n, variables) of one problem.
 
-    `runs.integration` makes it, and keeps it as `view`.
+    Integrations and recorders keep one as `view`; others make it where they need it.
     """
 
     problem: Problem
@@ -69,7 +69,7 @@ class Observables:
     def domains(self, rows: np.ndarray) -> dict[str, float]:
         """Return the least value of each of the form's `domains` over the rows, internal units.
 
-        They must stay positive; the keys are their meanings.
+        They must stay positive; the keys are their meanings, which messages quote.
         """
         state = self.moment(rows)
         body = self.body
@@ -191,7 +191,8 @@ def _computed(
 ) -> Arrays:
     """Return the values of `formulas`, `observed` or `orientation_of`, by name, (k,) each.
 
-    Doubles are computed by a compiled function, wider numbers by numpy in 80 bits.
+    Doubles are computed by a compiled function, wider numbers by numpy in 80 bits. The value of a
+    state has the same bits whatever states are computed with it: stores and ensembles rely on it.
     """
     base = problems.base
     k = states.shape[1]
@@ -226,7 +227,10 @@ def _widened(values: np.ndarray, problem: Problem) -> np.ndarray:
 
 
 def event_functions(problems: Problems) -> np.ndarray:
-    """Return the event functions of every run at its start, (n, events), internal units."""
+    """Return the event functions of every run at its start, (n, events), internal units.
+
+    They have the order of the system's events; one without a formula is 1.
+    """
     body = problems.body_of_pars(problems.pars.astype(float))
     state = problems.moment(problems.start.astype(float), body)
     events = problems.base.system.events

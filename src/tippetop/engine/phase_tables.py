@@ -41,7 +41,8 @@ class PhaseTables:
     def begin(self, time: float, solver: Any, cause: str) -> None:
         """Add the row of the present phase, and begin that of `solver` at an internal time.
 
-        `cause` is the word in its column `reason`.
+        `cause` is the word in its column `reason`. A system's table of phases may have the columns
+        `phase`, `ball` and `reason`, no others.
         """
         self.end(time)
         name = solver.name
@@ -68,7 +69,10 @@ class PhaseTables:
             self.rows[name] += [(time, *row) for row in some]
 
     def take_rows(self) -> dict[str, Table]:
-        """Return the rows since the last call, as columns by table, and remove them."""
+        """Return the rows since the last call, as columns by table, and remove them.
+
+        A table without new rows has empty columns.
+        """
         rows = self.rows
         self.rows = defaultdict(list)
         return {
@@ -78,7 +82,10 @@ class PhaseTables:
 
 
 def number_of(value: Any, kind: Any) -> Any:
-    """Return the index of a word in `kind`, the words of its column; a number unchanged."""
+    """Return the index of a word in `kind`, the words of its column; a number unchanged.
+
+    So stores have the index: the order of words is part of their format.
+    """
     return kind.index(value) if isinstance(value, str) else value
 
 

@@ -57,7 +57,8 @@ from .tallies import (
 LANES = 8
 """As fast as 32, and they compile in 1 s instead of 6."""
 EVERY = 64
-"""Steps of a top between two samples, and between two looks whether it has settled."""
+"""Steps of a top between two samples, and between two looks whether it has settled; a power of two.
+"""
 SETTLED = Status.SETTLED.code
 NO_EXIT = -2
 """The event of a top whose phase has not ended by an exit, as in the loop."""
@@ -66,10 +67,11 @@ PATIENCE = 2
 
 
 POOL_RECORD = record_type(uint="loop parameters", int="by_steps first count occupied")
+"""The struct `Pool` of loop.c; `add_pool` fills it by position."""
 
 
 class _Pools(NamedTuple):
-    """The structure `Pools` of `loop.c`."""
+    """The structure `Pools` of `loop.c`, field by field."""
 
     jumps: Jumps
     pools: np.ndarray
@@ -82,7 +84,10 @@ class _Pools(NamedTuple):
 
 
 class Tops(NamedTuple):
-    """The arrays of n tops, which several threads share; each integrates other tops."""
+    """The arrays of n tops, which several threads share; each integrates other tops.
+
+    Records contain addresses of states and bodies, so none of the arrays may be replaced.
+    """
 
     records: np.ndarray  # (n,)
     states: np.ndarray  # (n, width)
@@ -104,17 +109,18 @@ def new_tops(
     Parameters
     ----------
     pools
-        Those of one of the threads.
+        Those of one of the threads, for the events and the width of states.
     threads
-        Number of threads.
+        Number of threads. Each gets one more tally, which has ended, for its empty lanes.
     problems
         The tops.
     functions
         Their event functions at the start, (n, events); (n, 1) NaN where the first phase is chosen.
     bodies
-        The numbers of their bodies, (numbers, n), internal.
+        The numbers of their bodies, (numbers, n), internal: `bodies_of`, or the parameters `pars`
+        of a system of one phase.
     times
-        Internal times of rows, (n, k).
+        Internal times of rows, (n, k), ascending; a top gets no row at a time below 0.
     """
     n, count = times.shape
     rows = pools.all_events
@@ -146,7 +152,7 @@ class Pools:
     tops, states, bodies, of_tops, rows
         The arrays of `Tops`.
     log, samples
-        Events and states on the way, of tops times phases plus the phase.
+        Events and states on the way; their number `in_lane` is the top times phases plus the phase.
     failures
         Why tops are invalid.
     """
@@ -191,20 +197,30 @@ class Pools:
         self.record_at = ctypes.addressof(self.record)
 
     def add_pool(self, phase: int, loop: Loop, parameters: Any, *, by_steps: bool = False) -> None:
-        """Add the pool of a phase, whose parameters are these numbers of a body, by index."""
+        """Add the pool of a phase, whose parameters are these numbers of a body, by index.
+
+        Its lanes are empty. `by_steps`: the loop makes one step at a time, because Python sets the
+        end of each, in a phase with sampled events.
+        """
         loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, self.empty
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
         self.pools[phase] = ctypes.addressof(loop.structure), mine.ctypes.data, by_steps, 0, 0, 0
 
     def start(self, new: np.ndarray) -> list[int]:
-        """Begin the first phases of the tops in some slots, (k,); return those that end there."""
+        """Begin the first phases of the tops in some slots, (k,); return those that end there.
+
+        A system of one phase has no jump to it, so its tops are only queued.
+        """
         for slot in new.tolist():
             self.push(slot)
         return []
 
     def push(self, slot: int) -> None:
-        """Append the top in a slot to the queue of its phase, `tops["phase"]`."""
+        """Append the top in a slot to the queue of its phase, `tops["phase"]`.
+
+        If it may have settled, the next `step` returns it instead.
+        """
         library().loop_push(self.record_at, slot)
 
     def attend(self, slot: int) -> bool:
@@ -218,7 +234,8 @@ class Pools:
     def step(self, most: int) -> tuple[list[int], list[int]]:
         """Make about this many steps of lanes.
 
-        Return the tops that have ended, and those that may have settled.
+        Return the tops that have ended, and those that may have settled, which the caller pushes
+        again if they have not (`ensembles.lanes.run_tops`).
         """
         self.possible += self.lanes * library().loop_pools(self.record_at, most)
         called = self.called[: self.record.calls].tolist()
@@ -240,7 +257,10 @@ class Pools:
 
 
 def bodies_of(tops: Problems) -> np.ndarray:
-    """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs."""
+    """Return the numbers of the bodies of tops, (numbers, n), as the inputs of programs.
+
+    They are the leaves of the body and e_n, in the order of `JumpPrograms.body`.
+    """
     body, _ = assembled(tops.base.system, tops, lambda value: value.astype(float))
     numbers = *leaves(body), tops.contact.e_n
     return np.array([np.broadcast_to(v, tops.n) for v in numbers], float)
@@ -273,7 +293,12 @@ class HybridPools(Pools, HybridDriver):
         self.jump_programs.patience = PATIENCE
 
     def join(self, tops: Tops, thread: int) -> None:
-        """Set the arrays of the tops; see `Pools.share`."""
+        """Set the arrays of the tops; see `Pools.share`.
+
+        `before` takes the place of the phase before the first one: its number is the last row of
+        the table of programs, and its exit, `START`, has the number of the clock. `notes` is the
+        loop by which C notes events of that jump.
+        """
         phases = len(self.phases)
         self.share(tops, thread, phases, self.jump_programs)
         self.tops["event"], self.tops["phase"] = self.clock_number, phases
@@ -289,7 +314,11 @@ class HybridPools(Pools, HybridDriver):
     # --- lanes of phases -------------------------------------------------------------------------
 
     def add_solver(self, solver: PhaseSolver) -> None:
-        """Add a phase, which gets a pool."""
+        """Add a phase, which gets a pool.
+
+        Its parameters are called with the indices of the numbers of the body: those of a contact
+        select numbers, and compute none.
+        """
         super().add_solver(solver)
         body = self.world.body
         order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
@@ -304,7 +333,10 @@ class HybridPools(Pools, HybridDriver):
     # --- one top ---------------------------------------------------------------------------------
 
     def start(self, new: np.ndarray) -> list[int]:
-        """Make the jumps of tops to their first phases, by programs or by Python."""
+        """Make the jumps of tops to their first phases, by programs or by Python.
+
+        Both push a top that goes on. Return those that end there.
+        """
         begin = partial(library().loop_start, self.record_at, self.notes.place)
         over = [slot for slot in new.tolist() if not begin(slot) and self.attend(slot)]
         signs = self.of_tops.functions[:, new]
@@ -314,7 +346,8 @@ class HybridPools(Pools, HybridDriver):
     def _load(self, slot: int) -> None:
         """Load a top from its slot into the driver: the methods of `HybridDriver` act on it.
 
-        Tallies, rows and state are views of the arrays of all tops; `_store` writes back the rest.
+        Tallies, rows, state and clock are views of the arrays of all tops; `_store` writes back the
+        rest. Every attribute that a jump reads must be set here, or the last top's remains.
         """
         *numbers, e_n = self.bodies[slot].tolist()
         body = refill(self.world.body, iter(numbers))
@@ -339,7 +372,10 @@ class HybridPools(Pools, HybridDriver):
         self.last = self.state.copy()
 
     def _store(self) -> None:
-        """Write the top that the driver holds back to its slot, after a jump."""
+        """Write the top that was loaded back to its slot, after a jump.
+
+        Rows at times within the jump are written first; rows of tables are dropped.
+        """
         self.add_in_jump()
         top = self.top
         top["until"] = min(self.until, self.end)
@@ -352,7 +388,8 @@ class HybridPools(Pools, HybridDriver):
     def attend(self, slot: int) -> bool:
         """Start a top, make its jump, or set the end of its next step in a sampled phase.
 
-        Return whether it has ended; otherwise it is in a queue.
+        Return whether it has ended; otherwise it is in a queue. An InputError makes this top
+        invalid, with its first sentence in `failures`; others go on.
         """
         self._load(slot)
         ends = None

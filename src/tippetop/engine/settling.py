@@ -30,7 +30,8 @@ def stays(problem: Problem, values: Arrays) -> bool:
     problem
         The run.
     values
-        theta [rad] and omega3 [internal units] of one state by name, (1,) each.
+        Those of `Observables.evaluate` for one state: theta [rad] and omega3 [internal units] by
+        name, (1,) each, are read.
 
     Returns
     -------
@@ -88,7 +89,7 @@ CLASSES = (
     "nutating",
     "at-rest",
 )
-"""Fates of a top, by number in a store."""
+"""Fates of a top, by number in a store: a new one goes to the end."""
 
 RATES = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
 # Rates, in internal units, of a body that torques have brought to rest: they are smooth below 1e-6
@@ -111,7 +112,8 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
     system
         Its `classes` are the names that apply.
     values
-        The values at the end by name, (n,) each, internal units.
+        The values at the end by name, (n,) each, internal units, as `observables.values_of` returns
+        them; `phase` and `ball` are numbers of PHASES and BALLS.
     second
         Internal units of time [s].
     settled

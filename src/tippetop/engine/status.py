@@ -45,7 +45,10 @@ class Status(Enum):
 
     @property
     def code(self) -> int:
-        """Return the number of the status in stores: its index in the enumeration."""
+        """Return the number of the status in stores: its index in the enumeration.
+
+        loop.c has some of these numbers, so a new status goes to the end.
+        """
         return list(Status).index(self)
 
     @property

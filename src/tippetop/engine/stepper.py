@@ -21,17 +21,23 @@ from .opt_level import DEFAULT
 
 
 class Loaded(NamedTuple):
-    """The machine code of an integrator in memory."""
+    """The machine code of an integrator in memory; `Loop` takes the fields by position."""
 
     library: Any  # owns the memory
     step: int  # addresses
     dense: int
-    fused: bool  # whether `dense` rounds a product and the difference that takes it once
+    # whether `dense` rounds a product and the difference that takes it once: then the loop may sum
+    # rows itself (`sum_rows`), with the same bits; False is always right, but slower
+    fused: bool
     tape: int  # doubles that `step` works on
 
 
 def load(code: list[bytes], level: int, tape: int = 0) -> Loaded:
     """Load the object files of an integrator that LLVM has optimised at this level.
+
+    Each is linked under a new name, because all share one linker. `tape` is the length of the array
+    that compact code works on, in doubles. At another level than DEFAULT the operations that are
+    fused are not known, so `fused` is False.
 
     Raises BuildError if a function that it calls or has is missing.
     """
@@ -48,7 +54,7 @@ def load(code: list[bytes], level: int, tape: int = 0) -> Loaded:
 
 
 class Called:
-    """Base of steppers in Python, whose methods the loop calls.
+    """Base of steppers in Python, whose methods the loop calls: `WideSteps` is the only one.
 
     It writes state, time and coefficients rounded to the arrays of the loop, and keeps states at
     passages and rows itself. It may also correct the time at which the step starts (`start_high`
@@ -63,7 +69,11 @@ class Called:
         raise NotImplementedError
 
     def keep(self) -> None:
-        """Store the state at the next passage of the present step, or else at the next row."""
+        """Store the state at the next passage of the present step, or else at the next row.
+
+        The loop calls it as `dense`: for each passage, in the order of the sorted log, then for
+        each row.
+        """
         raise NotImplementedError
 
 
@@ -75,7 +85,7 @@ _numbers = itertools.count()
 
 @cache
 def _linker() -> Any:
-    """Return LLVM's linker of objects in memory.
+    """Return LLVM's linker of objects in memory, one for the whole process: so it is cached.
 
     It puts all parts of an object into one piece of memory. LLVM's older linker asks for them one
     by one, and ends the process where two are more than 2 GiB apart, as they may be in a large

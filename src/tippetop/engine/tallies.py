@@ -1,7 +1,7 @@
 """Arrays that the loop fills (tallies, log of events, samples), and its table of events.
 
-`event_rows` converts events to records for C, `new_tallies`, `new_log` and `new_samples` allocate
-the arrays. Their layout is that of the structs in loop.c: change both together.
+`event_rows` converts events to records for C, `new_tallies` and `new_log` allocate the arrays.
+Their layout is that of the structs in loop.c: change both together.
 
 Symbols
     event function  formula of an `Event` along a run; coefficients: those of its Taylor polynomial
@@ -27,8 +27,8 @@ WHAT = {"first": FIRST, "last": LAST, "count": COUNT}
 class EventRows(NamedTuple):
     """The events of a system, in its order, as arrays of records that the loop reads.
 
-    An event function is variable `row` plus `offset` (`shift` 0), or the rate of this variable
-    (`shift` 1), times `scale`, a power of two. `direction`, `sense`, `lasting` and `extremes` are
+    An event function is variable `row` plus `offset` (`shift` 0); or, times `scale`, a power of
+    two, the rate of this variable (`shift` 1). `direction`, `sense`, `lasting` and `extremes` are
     those of `Event`; `ends` is the code of the status of a run that it ends, or 0; it keeps the
     `numbers` from `first` to before `last`. Only `watched` events are searched for zeros, and only
     `ranged` ones for extremes.
@@ -68,7 +68,9 @@ _LANE: dict[str, Any] = {
     # when the lasting event last happened, while it may last; 0: it lasts from the start
     "lasts_since": math.nan,
 }
-"""Initial values of a lane; times are internal, NaN if the event did not happen."""
+"""Initial values of a lane; times are internal, NaN if the event did not happen. The order is that
+of `Tally` in loop.c, and of snapshots in stores.
+"""
 
 
 def record_type(**kinds: str) -> np.dtype:
@@ -81,7 +83,7 @@ _FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high")]
 FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
 """The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
 its first k Taylor coefficients vanish there; of the present step its bounds; its least and greatest
-values, in the scale of the coefficients, and their times.
+values, in the scale of the coefficients, and their times. Snapshots in stores have this order.
 """
 
 
@@ -105,10 +107,11 @@ NUMBER_RECORD = record_type(int="what direction")
 def event_rows(
     events: Sequence[Event], sources: Sequence[tuple[int, int, float, float]], axis: Sequence[int]
 ) -> EventRows:
-    """Return events as arrays of records.
+    """Return events as arrays of records, all watched; `looked_for` selects those of a run.
 
-    `sources` contains variable, shift, scale and offset of each function; `axis` the variables of
-    3hat, empty in a form without it.
+    `sources` contains variable, shift, scale and offset of each function, which `compiled_from`
+    finds; `axis` the variables of 3hat, empty in a form without it. The numbers that events keep
+    are in the order of the events: `runs.event_log` and `ensembles.lanes` read them so.
     """
     records: list[tuple] = []
     numbers: list[tuple[int, int]] = []
@@ -134,11 +137,11 @@ def looked_for(
     rows
         All events.
     watched
-        Whether the zeros of each are found.
+        Whether the zeros of each are found, in the order of the events.
     ranged
         Whether its extremes are found; None: of all events that report them.
     stops
-        Whether events may end the run.
+        Whether events may end the run: the option `on_liftoff`, for all of them.
     """
     records = rows.events.copy()
     records["watched"] = list(watched)
@@ -152,7 +155,8 @@ def looked_for(
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     """Return the tallies of runs that start with these event functions, (events, lanes).
 
-    The sign of a function that is NaN is not known: 0.
+    The sign of a function that is NaN is not known: 0. One nearer to zero than ON_ZERO starts on
+    its zero, which then is no event.
     """
     lanes = functions.shape[1]
     lane = np.empty(lanes, LANE_RECORD)
@@ -196,10 +200,13 @@ class Log(NamedTuple):
 
     filled: np.ndarray  # (1,) how many there are
     rows: np.ndarray  # (n,) passages; of samples, whose state it is: their phase or top
-    states: np.ndarray  # (n, variables) in the working precision
+    states: np.ndarray  # (n, width) in the working precision
 
 
 def new_log(length: int, variables: int, number: Any = float, row: Any = PASSAGE_RECORD) -> Log:
-    """Return an empty log with room for `length` rows, with states of type `number`."""
+    """Return an empty log with room for `length` rows, with states of type `number`.
+
+    `row` is PASSAGE_RECORD for passages, an integer for samples. Length 0: the loop keeps none.
+    """
     states = np.empty((length, variables), number)
     return Log(np.zeros(1, np.int64), np.empty(length, row), states)

@@ -63,7 +63,7 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     signs = problem.joint.get("signs", {})
     for k, event in enumerate(system.events):
         if signs.get(event.name) and abs(functions[k]) < ON_ZERO:
-            functions[k] = signs[event.name] * ON_ZERO
+            functions[k] = signs[event.name] * ON_ZERO  # its zero may still be found
     kind = Driver if problem.precision == "double" else WideDriver
     return kind(code, rows, leaves(body), problem.start(), functions, internal_end(problem))
 
@@ -90,7 +90,10 @@ def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
 
 
 def fingerprint(driver: Driver) -> str:
-    """Return a digest of the equations of a driver and of the compiler options."""
+    """Return a digest of the equations of a driver and of the compiler options.
+
+    Stores contain it, and a run is not resumed with another one.
+    """
     return _digest(driver.codes(), opt_level())
 
 

@@ -56,7 +56,10 @@ class Moving(Dual):
 
 
 def in_motion(variables: Variables, state: Sequence[Any], body: Any, order: int) -> list[Any]:
-    """Return the variables of a state as numbers with their time derivatives, up to this order."""
+    """Return the variables of a state as numbers with their time derivatives, up to this order.
+
+    Each pass through the rates adds one derivative.
+    """
     moving: list[Any] = [*state]
     for _ in range(order):
         rates = variables.rates(*variables.split(moving), body)

@@ -51,7 +51,11 @@ class WideSteps(Called):
         self.run = run
 
     def step(self, motion: Motion) -> None:
-        """Make a step, at most to the end of the run."""
+        """Make a step, at most to the end of the run.
+
+        If it is not finite, `motion.h` becomes NaN, by which the loop ends the run, and heyoka's
+        state is set back.
+        """
         ta = self.integrator
         run = self.run
         self.before = (ta.state.copy(), ta.dtime)
@@ -79,7 +83,11 @@ class WideSteps(Called):
             rows[row, :n] = ta.state
 
     def keep(self) -> None:
-        """Store the next zero of the log, refined, or else the next row."""
+        """Store the next zero of the log, refined, or else the next row.
+
+        The loop has logged all zeros of the step, in order, before it calls for the first of them;
+        `step` sets `refined` to where they begin.
+        """
         ta = self.integrator
         run = self.run
         n = len(self.integrator.state)
@@ -127,7 +135,10 @@ class WideDriver(Driver):
         return self.stepper.integrator.state
 
     def set_state(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Set the state, padded with zeros, and the time as (high, low), of heyoka's integrator."""
+        """Set the state, padded with zeros, and the time as (high, low), of heyoka's integrator.
+
+        The arrays of the loop follow with the next step.
+        """
         ta = self.stepper.integrator
         ta.state[:] = 0
         ta.state[: len(state)], ta.dtime = state, clock
@@ -135,6 +146,8 @@ class WideDriver(Driver):
 
 def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
     """Return the Taylor coefficients of an event function in a step, from number `roots` on.
+
+    They are those that `search` in loop.c takes, in wider numbers, and not in time over h.
 
     `tc` are those of all variables, (variables, order + 1); `event` is a record of `tallies`.
     """

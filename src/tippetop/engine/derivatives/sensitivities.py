@@ -49,14 +49,15 @@ def differentiate(
     moments
         Columns of times at which phases change [s], by the name of their table.
     driver
-        That of the run, if its contact may change, with its `intervals`.
+        That of the run, at its end, with its `intervals` (`runs.run.with_phases`); only read if its
+        contact may change.
 
     Returns
     -------
     tables
         SI units per SI unit: `trajectory`, along time and parameter; `events`, of the time of an
         event, and of theta there; `second`, along a second parameter too, empty for order 1; and
-        those of the moments.
+        those of the moments. The keys are fields of `library.derivatives.Sensitivities`.
     sentences
         Why there are no derivatives, where there are none.
 
@@ -137,20 +138,20 @@ def _limit(
 ) -> list[str]:
     """Add `valid_within` to tables, and make undefined derivatives NaN, in place.
 
-    Return sentences on why they are undefined.
+    Return sentences on why they are undefined. Only for runs whose contact may change.
 
     Parameters
     ----------
     tables
         Columns of derivatives by table.
     notes
-        Those of the `Pass`, by time.
+        `Pass.margins()`, by time: a change of a number is valid up to the least before a row.
     wrt
         Names of the numbers.
     unit
         The internal unit of time [s].
     whens
-        The time of each row [s], by table.
+        The time of each row [s], by the name of each table that gets `valid_within`.
     """
     least = np.fmin.accumulate([np.full(len(wrt), np.inf), *(note.least for note in notes)])
     starts = np.array([note.time for note in notes]) * unit
@@ -179,8 +180,8 @@ def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """Return all second derivatives by n numbers, (parts, n, n, times).
 
     `along` are second derivatives along lines, (parts, lines, times): line k goes along the mean of
-    the directions of the numbers i[k] and j[k]. There is one for each pair i <= j, that of the last
-    number at the end. The mixed ones follow by polarisation.
+    the directions of the numbers i[k] and j[k]. There is one for each pair i >= j, that of the last
+    number at the end, as `np.tril_indices` has them. The mixed ones follow by polarisation.
     """
     n = i[-1] + 1
     means = np.empty((len(along), n, n, along.shape[-1]))
@@ -192,7 +193,10 @@ def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 def _column(
     values: np.ndarray, units: str, subject: str, by: tuple[str, ...], dims: tuple[str, ...] = ()
 ) -> Column:
-    """Return a column of derivatives (parts, numbers, times), SI per SI, along `by` and `dims`."""
+    """Return a column of derivatives (parts, numbers, times), SI per SI, along `by` and `dims`.
+
+    All dimensions are reversed: `by` begins with the time, `dims` are those of the parts, if any.
+    """
     attributes = {
         "units": f"{units} per unit of the parameter",
         "long_name": f"derivative of {subject}",

@@ -81,8 +81,11 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
-    """Return numbers as rows: values and derivatives, (n, 1 + order, directions)."""
+def as_rows(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
+    """Return numbers as rows: values and derivatives, (n, 1 + order, directions).
+
+    A number without derivatives gets zeros.
+    """
     rows = np.empty((len(numbers), 1 + order, directions))
     for row, one in zip(rows, numbers, strict=True):
         for part, given in zip(row, parts_of(one, order), strict=True):
@@ -91,7 +94,10 @@ def rows_of(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> 
 
 
 def duals_of(rows: np.ndarray) -> list[Dual]:
-    """Return rows as dual numbers, (n,): the inverse of `rows_of`."""
+    """Return rows as dual numbers, (n,): the inverse of `as_rows`.
+
+    The value is that of the first direction, as all are equal.
+    """
     return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
@@ -105,7 +111,7 @@ class Motion(NamedTuple):
 
     formulas: Formulas
     variables: Variables
-    pars: np.ndarray  # as rows
+    pars: np.ndarray  # leaves of the parameters of the formulas, as rows
 
     @property
     def body(self) -> Any:
@@ -115,7 +121,9 @@ class Motion(NamedTuple):
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
 
-        `state` are the rows from which it flows, the time last; `times` count from there.
+        `state` are the rows from which it flows; `times` count from there. Rows after those of the
+        variables, such as the time, keep their numbers: the derivatives are those after a fixed
+        duration. At the end of a phase `_ended` replaces the values by those of the plain run.
         """
         size = len(self.variables.names)
         _, parts, directions = state.shape
@@ -143,7 +151,10 @@ class Motion(NamedTuple):
         return after[..., back[1:]]
 
     def in_time(self, state: np.ndarray) -> np.ndarray:
-        """Return states (n, ..., times) at fixed times, with time as one more direction."""
+        """Return states (n, ..., times) at fixed times, with time as one more direction.
+
+        The last row of a state is its time, whose derivatives are taken out of those of all rows.
+        """
         q, carried = self.variables.split(state[:, 0, 0])
         rates = *self.variables.rates(q, carried, plain(self.body)), 1.0
         moved = np.concatenate([state, state[:, :, :1]], axis=2)
@@ -162,6 +173,8 @@ class Motion(NamedTuple):
     def slopes(self, event: Any, state: np.ndarray) -> tuple:
         """Return the rates of a state; and a function of an event, or the time without one, and its
         first two time derivatives, as rows.
+
+        `state` are rows at one time. The rates end with that of the time, 1, if the state has it.
         """
         count = len(self.pars)
         size = len(self.variables.names)
@@ -186,7 +199,8 @@ class Motion(NamedTuple):
         direction at which the event no longer happens.
 
         There the next extreme of its function comes to zero. `known`: the derivatives of its
-        function, where they are known better than from the state.
+        function, (directions,), where they are known better than from the state; for a time, minus
+        its derivatives. `_ended` and `_impact` call it.
         """
         rates, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state)
         moved = state.copy()
@@ -206,6 +220,8 @@ def least_of(changes: Sequence | np.ndarray, directions: int) -> np.ndarray:
 def noted(function: Callable, *given: Any) -> tuple[Any, list]:
     """Call a function; return its result, and the changes along the directions at which each of its
     comparisons turns out otherwise.
+
+    Dual numbers report comparisons to `COMPARED`, which is set for this call alone.
     """
     changes: list[Any] = []
 
@@ -229,14 +245,19 @@ class Tape:
     function
         As for `evaluated`: a function of its inputs alone, as the program repeats this branch.
     numbers
-        Inputs, as rows.
+        Inputs, as rows of order 1.
+    follow
+        follow(place, columns (2 n, directions)) -> columns of the results of a motion.
     """
 
     def __init__(self, function: Callable, numbers: np.ndarray, follow: Callable):
         """Call the function once, and record its operations."""
 
         def recorded(_: Any, *inputs: Any) -> list:
-            """Return the results and their derivatives, then the changes of comparisons."""
+            """Return the results and their derivatives, then the changes of comparisons.
+
+            `__call__` splits them there.
+            """
 
             def call(place: int, *given: Any) -> list:
                 """Record a motion with derivatives as one line."""
@@ -288,12 +309,12 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
     Parameters
     ----------
     key
-        Identifies the function.
+        Identifies the function, with all on which its operations depend but `numbers`.
     function
-        function(call, numbers) -> numbers, and what they depend on; call(place, *inputs) follows a
-        motion.
+        function(call, numbers) -> numbers, and a second result, which a tape repeats as it was on
+        its branch; call(place, *inputs) follows a motion.
     numbers
-        The inputs, as rows.
+        The inputs, as rows of order 1.
     follow
         follow(place, rows) -> the results of a motion, as rows.
     """
@@ -317,17 +338,20 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
 
     def call(place: int, *given: Any) -> list:
         """Follow a motion, without a tape."""
-        return duals_of(follow(place, rows_of(leaves(given), directions)))
+        return duals_of(follow(place, as_rows(leaves(given), directions)))
 
     (results, about), changes = noted(function, call, duals_of(numbers))
-    return rows_of(results, directions), least_of(changes, directions), about
+    return as_rows(results, directions), least_of(changes, directions), about
 
 
 # --- the pass -------------------------------------------------------------------------------------
 
 
 class DualProblems(Problems):
-    """A run whose numbers have derivatives."""
+    """A run whose numbers have derivatives.
+
+    `Problems` converts numbers to arrays and rounds them by the two methods that are replaced here.
+    """
 
     def _wide(self, value: Any) -> Any:
         """Return the number as it is."""
@@ -387,7 +411,10 @@ class Pass:
         ways: np.ndarray | None = None,
         order: int = 1,
     ):
-        """Follow the run with derivatives; `rows` then has the states."""
+        """Follow the run with derivatives; `rows` then has the states.
+
+        `_numbers_of` comes first: it sets the start, the body and the scales that all else reads.
+        """
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
@@ -413,7 +440,8 @@ class Pass:
         """Set start, body and scales of the run, in internal units, with derivatives.
 
         Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
-        `of_world` is the body of the plain run, whose values are kept bit by bit.
+        `of_world` is the body of the plain run (`World.body`), whose values are kept bit by bit. It
+        is called by `noted`, because formulas of the start may compare numbers.
         """
         problem = self.problem
         keys = (name.partition(".")[::2] for name in wrt)
@@ -428,14 +456,14 @@ class Pass:
             name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
         }
         tops = DualProblems(problem, numbers, problem.orientation)
-        scales = rows_of(tops.scales, self.directions, self.order)
+        scales = as_rows(tops.scales, self.directions, self.order)
         self.scales = Scales(*duals_of(padded(scales)[..., None]))
         body, _ = assembled(problem.system, tops, lambda value: value)
         self.e_n = (tops.contact.e_n,) if tops.contact else ()
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
-            made = rows_of(numbers, self.directions, self.order)
+            made = as_rows(numbers, self.directions, self.order)
             made[:, 0] = np.array(values)[:, None]
             return made
 
@@ -446,10 +474,11 @@ class Pass:
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives.
 
-        It fills `samples`, `between`, `shifts` and `notes`.
+        It fills `samples`, `between`, `shifts` and `notes`. If a jump leads elsewhere than in the
+        plain run, it ends there, with a Note of change 0: no derivatives exist from then on.
         """
         self.given = self.body, self.e_n
-        self.known = rows_of(leaves(self.given), self.directions)
+        self.known = as_rows(leaves(self.given), self.directions)
         jump = self.driver.first_jump
         state = self.start
         ended = -1.0  # before the start
@@ -461,7 +490,7 @@ class Pass:
                 break
             phase = solver.phase
             if phase not in self.motions:
-                pars = rows_of(leaves(phase.parameters(self.body)), self.directions)
+                pars = as_rows(leaves(phase.parameters(self.body)), self.directions)
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             since = max(ended, interval.began - BRIEF)
             state = self._ended(number, interval, since, state, lasts, zeros)
@@ -473,7 +502,10 @@ class Pass:
                 found[phase] = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
 
     def _read_phases(self) -> np.ndarray:
-        """Return `rows` of the samples in all phases."""
+        """Return `rows` of the samples in all phases; NaN at times in no phase.
+
+        They are rows of the run, not states of phases, at fixed times.
+        """
         variables = self.problem.variables
         shape = len(variables.names), 2, self.directions + 1, len(self.times)
         rows = np.full(shape, np.nan)
@@ -491,8 +523,9 @@ class Pass:
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
-        Return the next phase, the events whose functions are zero where it begins, the derivatives
-        of the longest time that it lasts, and the state there.
+        Return the name of the next phase ("" if the run ends), the events whose functions are zero
+        where it begins, the derivatives of the longest time that it lasts, and the state there, as
+        rows, the time last.
         """
         driver = self.driver
         world = driver.world
@@ -500,9 +533,9 @@ class Pass:
         def jumped(call: Callable, numbers: Sequence) -> tuple:
             """Make the jump with given numbers of the body, of the impact rules, and of the state.
 
-            `evaluated` calls it, and says what `call` is: pieces of an impact are made by it.
-            Return numbers (the longest time of the next phase, then the state in it) and the name
-            of this phase with its zeros. If the run ends: the delay, and an empty name.
+            `evaluated` calls it; `call` makes pieces of an impact, by the index of their region, as
+            `_impact` does. Return numbers (the longest time of the next phase, then the state in
+            it) and the name of this phase with its zeros. If the run ends: the delay, and "".
             """
             body, rules = refill(self.given, iter(numbers))
             state = numbers[len(self.known) :]
@@ -542,8 +575,9 @@ class Pass:
     ) -> np.ndarray:
         """Return the state where a phase ends, of that where it begins.
 
-        Rows after `since` are of this phase. `zeros`: the events whose functions are zero where it
-        begins.
+        Rows after `since` are of this phase. `lasts` and `zeros` are those of `_jumped`: the
+        derivatives of the longest time of the phase, by which an exit by the clock moves, and the
+        events whose functions are zero where it begins.
         """
         solver, done, end, last, jump = interval
         phase = solver.phase
@@ -582,7 +616,8 @@ class Pass:
     def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
         """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`.
 
-        It has the same arguments and results, but `numbers` has those after the region, as rows.
+        It has the same arguments and results, in the same order, but `numbers` has those after the
+        region, as rows, and the results are rows too. `place` is the index of the region.
         """
         impacts = self.driver.impacts
         region = [*impacts.stages][place]
@@ -594,7 +629,7 @@ class Pass:
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = rows_of(made, self.directions)
+        results = as_rows(made, self.directions)
         after = slice(3, 3 + size)
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
@@ -609,7 +644,10 @@ class Pass:
 
     @QUIET
     def read(self) -> dict[str, Dual]:
-        """Return the columns at all times, by name; their derivatives are (directions, times)."""
+        """Return the columns at all times, by name; their derivatives are (directions, times).
+
+        The last direction is the time. Values are in internal units; `sensitivities` scales them.
+        """
         problem = self.problem
         variables = problem.variables
         key = problem.system, variables, problem.law, self.order
@@ -632,8 +670,9 @@ class Pass:
     def times_of(self, names: Any, times: np.ndarray) -> np.ndarray:
         """Return the derivatives of the times of events, (directions, events).
 
-        `names` are those of the events, or one of all. A time is that of the start, of the end of a
-        phase, or of the zero of an event function. There is none in a jump that takes time.
+        `names` are those of the events, or one of all; times in `shifts` need none. A time is that
+        of the start, of the end of a phase, or of the zero of an event function. It is NaN in a
+        jump that takes time. The unit of time is a power of two, so times find their key exactly.
         """
         shifts = np.full((self.directions, len(times)), np.nan)
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
@@ -646,7 +685,10 @@ class Pass:
 
     @QUIET
     def margins(self) -> list[Note]:
-        """Return all notes in order of time, with those of exits that nearly happened."""
+        """Return all notes in order of time, with those of exits that nearly happened.
+
+        These have the time at which their phase began: from there on it may end otherwise.
+        """
         notes = list(self.notes)
         for phase, (which, state) in self.between.items():
             motion = self.motions[phase]
