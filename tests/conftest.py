@@ -6,7 +6,7 @@ import os
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -24,27 +24,24 @@ os.environ.setdefault(
 )  # ten times faster to compile; .ci/nightly runs all with 3
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each child compiles all that it imports
 sys.dont_write_bytecode = False
-_lru_cache = functools.lru_cache
-
-
-def _kept(maxsize: Any = 128, typed: bool = False) -> Callable:
-    """Cache all results of functions of the package; other packages get what they state."""
-    if callable(maxsize):
-        return _kept()(maxsize)
-
-    def decorate(function: Callable) -> Callable:
-        ours = str(getattr(function, "__module__", "")).startswith("tippetop.")
-        return _lru_cache(None if ours else maxsize, typed)(function)
-
-    return decorate
-
-
-# a process keeps the 64 systems, formulas and integrators that it used lately; a session of
-# tests uses hundreds, again and again
-functools.lru_cache = _kept  # type: ignore[assignment]
 MEMORY = Path("/dev/shm")
 if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > 4 * 2**30:
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))  # stores would wait for a disk
+
+
+@pytest.fixture(scope="session", autouse=True)
+def all_compiled_is_kept() -> None:
+    """A process keeps the 32 integrators that it used lately; a session of tests uses hundreds,
+    again and again.
+    """
+    from tippetop.engine import expressions, integrator
+
+    for cached in (integrator.compiled_from, expressions.compile_observables):
+        kept = functools.lru_cache(maxsize=None)(cached.__wrapped__)
+        for module in list(sys.modules.values()):
+            for name, value in list(getattr(module, "__dict__", {}).items()):
+                if value is cached:
+                    setattr(module, name, kept)
 
 
 @pytest.hookimpl(trylast=True)

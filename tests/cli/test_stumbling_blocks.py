@@ -77,17 +77,6 @@ def test_negative_ranges_work_as_typed(tmp_path: Path, said: Callable) -> None:
     assert "F = " in said("potential flying --D -1e-4 --lambda 4e-6")[0]  # its sphere's
 
 
-def test_a_surface_replaces_a_store_only_if_asked(tmp_path: Path, said: Callable) -> None:
-    store = tmp_path / "s.zarr"
-    command = "surface inverting --D 0:1e-4:3 --lambda 0:1e-6:3 --out"
-    said(f"{command} {store}")
-    (store / "mark").touch()
-    assert "must not exist yet" in said(f"{command} {store}", code=5)[1]
-    assert (store / "mark").exists()
-    said(f"{command} {store} --overwrite")
-    assert not (store / "mark").exists()
-
-
 def test_warnings_are_lines_of_ours_on_stderr(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

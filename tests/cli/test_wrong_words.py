@@ -23,6 +23,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("run invertin", 2, "neither a TOML file nor a preset. Did you mean `inverting`?"),
     ("run inverting --out ''", 2, "`--out` must be a path, but is ''."),
     ("run inverting --out RUN.zarr", 5, "`RUN.zarr` must not exist yet"),
+    ("surface inverting --out RUN.zarr", 5, "`RUN.zarr` must not exist yet"),
     ("run inverting --out folder --overwrite", 5, "must be a store of tippetop"),
     ("run inverting --out film.csv/a.zarr", 5, "must be writable"),
     ("run inverting --until 0.1 --figure there.png", 5, "must not exist yet, but does: use --over"),
