@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ..engine.status import Status
-from ..ensembles.outcomes import columns_of
+from ..ensembles.outcomes import LYAPUNOV, ORIENTATION, columns_of
 from ..errors import InputError
 from ..mechanics.event import NUMBERED, Event
 from ..mechanics.system import Quantity, System
@@ -113,7 +113,8 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
     faults = _names("the name of an event", names, system, known)
     faults += _names("the name of a column", [c.name for c in columns], system, known, names)
     faults += [] if faults else rivals([*system.events, *events])
-    numbers = {*columns_of(system), *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
+    optional = *ORIENTATION, LYAPUNOV
+    numbers = {*columns_of(system), *optional, *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
     numbers.update(*(law.parameters for law in system.laws.values()))
     numbers.update(f"{column.name}_end" for column in columns)
     kept = [k.name for event in events for k in event.kept]

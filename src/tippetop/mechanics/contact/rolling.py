@@ -54,7 +54,7 @@ horizontal part of the reaction.
 def motion_terms(s, b):
     """Return q |3hat'|^2 + R omega_3 phi' sin(theta)^2, where q = c - R z [m/s^2].
 
-    It is the part of F.3hat/m, beyond z'', that the condition v_A = 0 requires.
+    The condition v_A = 0 requires 3hat.s'' = this - R z''.
     """
     return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
 
