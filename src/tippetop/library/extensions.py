@@ -113,8 +113,8 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
     faults = _names("the name of an event", names, system, known)
     faults += _names("the name of a column", [c.name for c in columns], system, known, names)
     faults += [] if faults else rivals([*system.events, *events])
-    optional = *ORIENTATION, LYAPUNOV
-    numbers = {*columns_of(system), *optional, *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
+    numbers = {*columns_of(system), *ORIENTATION, LYAPUNOV, *BUILT_IN, "mu", "until"}
+    numbers.update(system.parameters, system.initial)
     numbers.update(*(law.parameters for law in system.laws.values()))
     numbers.update(f"{column.name}_end" for column in columns)
     kept = [k.name for event in events for k in event.kept]
