@@ -64,7 +64,7 @@ class ColumnProgram:
                 return None
             if made == len(lines):
                 return registers[-self.results :]
-            _, a, place = lines[made]
+            _, a, place = lines[made]  # the MOTION: registers of its first input and its number
             done += made + 1
             results = follow(int(registers[place, 0]), registers[a : first + done - 1])
             registers[first + done - 1 :][: len(results)] = results

@@ -155,8 +155,8 @@ def looked_for(
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     """Return the tallies of runs that start with these event functions, (events, lanes).
 
-    The sign of a function that is NaN is not known: 0. One nearer to zero than ON_ZERO starts on
-    its zero, which then is no event.
+    The sign of a function that is NaN is not known: 0. A function nearer to zero than ON_ZERO
+    starts on a zero, which then is no event. `PhaseSolver.begins` has the same rule.
     """
     lanes = functions.shape[1]
     lane = np.empty(lanes, LANE_RECORD)

@@ -96,6 +96,7 @@ class WideSteps(Called):
             start = self.before[1][0]
             when, event, *_ = run.log.rows[k]
             on_zero = int(run.functions["on_zero"][event])
+            # as `roots` in loop.c, but this step is already counted
             roots = -min(0, on_zero) if run.steps[0] == 1 else 0
             function = _function(ta.tc, run.workspace.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
