@@ -29,7 +29,7 @@ class ColumnProgram:
     def __init__(self, function: Callable, common: Any, values: Sequence):
         """Record the function; its results are the last lines.
 
-        Raises TypeError or ValueError if it does what is no line of a program.
+        Raises TypeError or ValueError if an operation of the function has no line in a program.
         """
         program = Program(common, tuple(values))
         same, others = program.inputs

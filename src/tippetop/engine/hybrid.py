@@ -201,7 +201,7 @@ class Jump:
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
     def check(self, fault: str) -> None:
-        """Raise InputError if there is a fault, a clause after "must"; "" is none."""
+        """Raise InputError if there is a fault, a clause after "must"; "": no fault."""
         if fault:
             raise InputError(f"{self.where} must {fault}.")
 
@@ -730,7 +730,7 @@ class HybridDriver(Driver):
         steps = 0
         while True:
             self.end_next()
-            is_full = self.logged[0] > PASSAGES - MOST_LOGGED  # the jump may log so many
+            is_full = self.logged[0] > PASSAGES - MOST_LOGGED  # a jump logs MOST_LOGGED at most
             is_over = self.changes >= PER_SLICE or is_full or not self.clock[0] < self.end
             room = 0 if is_over else most - steps  # 0: only rows, or a jump
             steps += self.drive(min(room, 1) if self.solver.sampled else room)
@@ -907,7 +907,8 @@ class HybridDriver(Driver):
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log event `number`, whose function passed zero in the jump from `before` at time `now`.
 
-        `sign` is that of the function after it. In a jump that takes time its zero is searched.
+        `before` is the `PhaseSolver` of the phase that ended, None at the start; `sign` that of the
+        function after the jump. In a jump that takes time its zero is searched.
         """
         solver = self.solver
         during = self.series
@@ -986,8 +987,9 @@ class HybridDriver(Driver):
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue in the phase of a snapshot `kept`, as `Driver.restore` does.
 
-        The phase is set first, because state and time are those of its integrator, and rows in the
-        tables since the start of this process are dropped. `state` may be padded, as keyframes are.
+        The phase is set first, because state and time are those of its integrator; the numbers of
+        `kept["phase"]` have the order of `snapshot`. Rows in the tables since the start of this
+        process are dropped. `state` may be padded, as keyframes are.
         """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]

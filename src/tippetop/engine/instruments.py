@@ -69,5 +69,5 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
 
 
 def _rates(vector: Vector) -> Vector:
-    """Return the time derivative of a vector whose components have derivatives."""
+    """Return the time derivative of a vector whose components are `variational.Moving`."""
     return Vector(*(one.rate for one in vector))

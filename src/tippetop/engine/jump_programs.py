@@ -157,7 +157,7 @@ class JumpPrograms:
         self.record: Any = filled(self.jumps)
 
     def add_loop(self, place: int, loop: Any) -> None:
-        """Let programs use a loop by its number `place`: of a phase, or after them of a motion."""
+        """Let programs use a `Loop` by its number `place`: see `loops` of `Jumps`."""
         self.loops[place] = ctypes.addressof(loop.structure)
 
     def learn(self, jump: Any, *given: Any) -> None:

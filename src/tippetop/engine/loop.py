@@ -308,8 +308,9 @@ def count_turnings(
     Parameters
     ----------
     lane
-        The tallies of runs, of which the first is counted: of a single run, whose loop leaves all
-        turnings to `runs.event_log`; or of a top in lanes, whose end is the only one left.
+        The tallies of runs (LANE_RECORD), of which the first is counted: of a single run, whose
+        loop leaves all turnings to `runs.event_log`; or of a top in lanes, whose end is the only
+        one left.
     signs, theta
         (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end
         of a run, which end a swing; [rad].

@@ -42,8 +42,8 @@ class PhaseTables:
     def begin(self, time: float, solver: Any, cause: str) -> None:
         """Add the row of the phase that ends, and begin that of `solver` at an internal time.
 
-        `cause` is the word in its column `reason`. A system's table of phases may have the columns
-        `phase`, `ball` and `reason`, no others.
+        `solver` is a `PhaseSolver`, `cause` the word in the column `reason` of its row. A
+        system's table of phases may have the columns `phase`, `ball` and `reason`, no others.
         """
         self.end(time)
         name = solver.name

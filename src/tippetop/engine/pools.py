@@ -155,7 +155,8 @@ class Pools:
     tops, states, bodies, of_tops, rows
         The arrays of `Tops`.
     log, samples
-        Events and states on the way; their number `in_lane` is the top times phases plus the phase.
+        Events and states on the way; their number `in_lane` is the top times phases plus the phase,
+        as `enter_lane` in loop.c sets it.
     failures
         Why tops are invalid.
     """
@@ -230,7 +231,7 @@ class Pools:
     def attend(self, slot: int) -> bool:
         """Make a jump that the loop cannot make; return whether the top has ended.
 
-        Without phases there is none.
+        A system of one phase has no jumps, so the top has ended.
         """
         return True
 

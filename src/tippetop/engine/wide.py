@@ -150,7 +150,7 @@ def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
 
     They are those that `search` in loop.c takes, in wider numbers, and not in time over h.
 
-    `tc` are those of all variables, (variables, order + 1); `event` is a record of `tallies`.
+    `tc` are those of all variables, (variables, order + 1); `event` is a `tallies.EVENT_RECORD`.
     """
     whole = tc[event["row"]]
     if event["shift"] == 1:  # the rate of the variable
