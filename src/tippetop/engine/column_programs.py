@@ -29,7 +29,7 @@ class ColumnProgram:
     def __init__(self, function: Callable, common: Any, values: Sequence):
         """Record the function; its results are the last lines.
 
-        Raises TypeError or ValueError if it does what is no line of a program.
+        Raises TypeError or ValueError if an operation of the function has no line in a program.
         """
         program = Program(common, tuple(values))
         same, others = program.inputs
@@ -64,7 +64,7 @@ class ColumnProgram:
                 return None
             if made == len(lines):
                 return registers[-self.results :]
-            _, a, place = lines[made]
+            _, a, place = lines[made]  # the MOTION: registers of its first input and its number
             done += made + 1
             results = follow(int(registers[place, 0]), registers[a : first + done - 1])
             registers[first + done - 1 :][: len(results)] = results

@@ -258,6 +258,7 @@ class Driver:
         sampled = slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
         self.deliver_rows()
+        # passages, samples, and behind them the one last state, of the present phase
         phases = events["phase"], self.samples.rows[sampled], self.motion.in_lane
         states = (
             self.log.states[logged],
@@ -305,7 +306,7 @@ class Driver:
             if self.made[0] == self.output.length:
                 self.request_rows()
             steps += self.make_steps(most - steps if self.status[0] == RUNNING else 0)
-            if self.made[0] < max(1, self.output.length):
+            if self.made[0] < max(1, self.output.length):  # 1: no rows are wanted, none are made
                 return steps
 
     def request_rows(self) -> None:
@@ -354,7 +355,7 @@ class Driver:
         """Return the internal time reached and the state there.
 
         They are those of the last passage, if it ended the run within a step (`upto` < 1): loop.c
-        logs the event that ends a run after all others.
+        logs the event that ends a run after all others. `follow_motion` there takes the same state.
         """
         if self.upto[0] < 1.0:
             last = self.logged[0] - 1
@@ -419,6 +420,7 @@ class Driver:
         records = self.all_events.events
         functions = self.functions
         kept = records["extremes"]
+        # from the scale of the coefficients, as in `ensembles.lanes`
         values = functions["extremes"][kept] / records["scale"][kept, None]
         pairs = np.stack([values, functions["times"][kept]], axis=-1)
         least = min(pairs[:, 0].tolist(), default=(np.inf, np.nan))
@@ -435,7 +437,8 @@ class Driver:
 
         Stores contain them: another name, or another order of numbers (that of `LANE_RECORD` and
         `FUNCTION_RECORD` in `tallies`), is another format of stores. Keyframes join the values in
-        the order of the keys, too.
+        the order of the keys, too, and each entry in the precision of the run must be in
+        `runs.keyframes.EXACT`.
         """
         return {
             "state": self.state.copy(),
@@ -452,6 +455,7 @@ class Driver:
         zero in this state has been passed. `names` are those of the system, in its order. Stores
         contain the keys; `driver_of` and `HybridDriver` read them.
         """
+        # a function without a search for zeros keeps its first sign
         signs = self.functions["sign"] * self.workspace.rows.events["watched"]
         return {"signs": dict(zip(names, signs.astype(int).tolist(), strict=False))}
 

@@ -203,17 +203,17 @@ def orientation_of(system: System, form: Form, q: Any, carried: Any, body: Any) 
 def compile_observables(
     formulas: Callable, system: System, variables: Variables, friction: Any, order: int = 0
 ) -> tuple[tuple[str, ...], Any]:
-    """Return the names of the values of `observed` or `orientation_of`, and them compiled.
+    """Return the names of the values of `observed` or `orientation_of`, and a function for them.
 
-    It is f(inputs=(variables, n), pars=(leaves, n)). They are compiled apart, so that neither
-    changes the bits of the other. They take 11 ns a row where numpy takes 590, so that a store
-    keeps pace with the integrator. With an order, values and inputs have derivatives up to it: see
-    `in_symbols`.
+    The compiled function is f(inputs=(variables, n), pars=(leaves, n)). `observed` and
+    `orientation_of` are compiled apart, so that neither changes the bits of the other. Compiled
+    values take 11 ns a row where numpy takes 590, so that a store keeps pace with the integrator.
+    With an order, values and inputs have derivatives up to it: see `in_symbols`.
     """
     form = variables.form
     symbols, *records = in_symbols(formulas_of(system, form.name, friction), variables, order)
     values = formulas(system, form, *records)
     outputs = expressions_of(values.values(), order)
-    level = min(opt_level(), 1) if order else opt_level()
+    level = min(opt_level(), 1) if order else opt_level()  # as `variational.compiled_flow`
     function = compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=level)
     return tuple(values), function

@@ -108,6 +108,7 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     own = [event for event in phase.events if event.formula and not event.sampled]
     of_phases = {event.name for other in system.phases.values() for event in other.events}
     common = [event for event in system.events if event.formula and event.name not in of_phases]
+    # as in `formulas_of`, but the parameters of a phase may lack some of these
     folds = {name: v for name, v in system.folds(form).items() if name in pattern._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -200,7 +201,7 @@ class Jump:
         return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
 
     def check(self, fault: str) -> None:
-        """Raise InputError if there is a fault, a clause after "must"; "" is none."""
+        """Raise InputError if there is a fault, a clause after "must"; "": no fault."""
         if fault:
             raise InputError(f"{self.where} must {fault}.")
 
@@ -284,7 +285,7 @@ def wrong_time(n: Next, to: "PhaseSolver") -> str:
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
     if not n.delay < math.inf:
         return f"have a finite `delay`, but has {n.delay!r:.60}"
-    if not callable(n.series or len):
+    if not callable(n.series or len):  # `len` is a function in place of None
         return f"have a function in `series`, but has {n.series!r:.60}"
     if n.series:
         values = to.variables.join(*n.series(np.zeros(2)))
@@ -363,7 +364,7 @@ class PhaseSolver:
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
-        pattern = refill(self.b, repeat(1.0))
+        pattern = refill(self.b, repeat(1.0))  # equal for all bodies: a key of caches
         self.formulas = formulas_of_phase(problem.system, phase, pattern, kinds(pattern))
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
         code = code_for(problem, self.formulas, run.stop, run.lanes)
@@ -380,8 +381,9 @@ class PhaseSolver:
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the records of all events of the run; only those of this phase are searched.
 
-        `mine` are the records of its events, in their order. This also writes the scale and
-        `extremes` of these events to `run.all_events`, for `Driver.extremes` and `ensembles.lanes`.
+        `mine` are the records (`tallies.EVENT_RECORD`) of its events, in their order. This also
+        writes the scale and `extremes` of these events to `run.all_events`, for `Driver.extremes`
+        and `ensembles.lanes`.
         """
         known = run.all_events.events
         records = np.zeros_like(run.all_events.events)
@@ -391,6 +393,7 @@ class PhaseSolver:
             new = records[number]
             whole["scale"] = record["scale"]
             whole["extremes"] |= bool(event.extremes)
+            # as in `driver_of`: turnings are many, and found only if they are logged
             new["watched"] = not event.sense or event.name in run.problem.events
             if number in self.exits:  # its jump logs
                 new["first"] = new["last"] = 0
@@ -420,8 +423,9 @@ class PhaseSolver:
         """Return whether event `number` is logged if a jump from phase `before` passes its zero.
 
         A turning is logged if its function was not at zero where that phase ended, in `state` with
-        its parameters b; a lasting event always; any other one is logged by jumps, if at all. The
-        answer is a bool also for numbers of a program, whose comparison becomes a line.
+        the parameters b of `before`, its `PhaseSolver`; a lasting event always; any other one is
+        logged by jumps, if at all. The result is a bool also for numbers of a program, whose
+        comparison becomes a line.
         """
         event = self.events[number]
         if event.lasting or not event.sense:
@@ -457,10 +461,10 @@ class PhaseSolver:
         zeros = [0.0] * len(signs)
         passed = []
         for (k, event), value in zip(self.events.items(), values, strict=True):
-            if k in self.exits:
+            if k in self.exits:  # as in `ImpactMotions._followed`
                 sides[k] = n.sides.get(event.name, -event.direction)
                 zeros[k] = -n.zeros.get(event.name, 0)
-            elif signs[k] == 0:
+            elif signs[k] == 0:  # as in `new_tallies`
                 sides[k], zeros[k] = 1 if value > 0 else -1, abs(value) < ON_ZERO
             elif value * signs[k] < 0 and abs(value) > ON_ZERO:
                 sides[k] = -signs[k]
@@ -539,16 +543,20 @@ class HybridDriver(Driver):
         variables = problem.variables
         self.phases = ReadOnly({name: completed(one, variables) for name, one in phases.items()})
         self.variables = len(problem.variables.names)
-        self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
+        # positive: a jump chooses the first phase, so `Integration` ends no run at its start
+        self.at_start = np.ones(len(system.events))
         in_phases = (event for phase in phases.values() for event in phase.events)
+        # the system's events twice: the first give the order, the last replace those of phases
         events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
         self.numbers = {name: k for k, name in enumerate(events)}
         self.clock_number = len(events)
         of_clock = dict.fromkeys((CLOCK, START), self.clock_number)
         self.endings = {**self.numbers, **of_clock, STALL: -1}  # numbers of exits
+        # the positions of functions are dummies: each phase has its own, see `_records`
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
         phase_widths = (len(variables_of(phase.form).names) for phase in self.phases.values())
         width = max(self.variables, *phase_widths)
+        # an integrator has at most one further variable for each event
         self.allocate_tallies(rows, np.ones((len(events), 1)), width + len(events))
         signs = problem.joint.get("signs", {})
         self.functions["sign"] = [signs.get(name, 0.0) for name in events]  # 0: not known
@@ -562,7 +570,7 @@ class HybridDriver(Driver):
             self.impacts = ImpactMotions(*kind, stop, body[0])
             struck = self.impacts.struck
         tables = dict(system.tables)
-        self.words = {
+        self.words = {  # that a Next may have: for `Exit.fault`
             "logged": [event.name for event in system.events],
             **dict.fromkeys(("zeros", "sides"), self.numbers),
             "cause": tables.pop("phases").get("reason", ()),
@@ -611,9 +619,12 @@ class HybridDriver(Driver):
         if self.learns_start:
             self.jump_programs.learn(jump, state, world)
         self._enter(begun, self.number(0), None)
+        # the phase began in the run before; `_change` compares its whole length with CHATTER
         self.began -= joint.get("lasted", 0.0)
         for name in n.logged:
             self._note(self.numbers[name], self.number(0), 1, None, np.array(state))
+        # this overwrites a time that the jump noted, as the end of `HybridPools.start` does: a
+        # change of one is a change of both
         self.tallies.lane["lasts_since"] = lasts_from_start(self.tallies.functions, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
@@ -642,7 +653,7 @@ class HybridDriver(Driver):
     def set_phase(self, solver: PhaseSolver, began: float) -> None:
         """Make the next steps in a phase that begins at an internal time; its state is not set.
 
-        `until`, `series` and the signs of event functions are the caller's to set, too.
+        The caller must also set `until`, `series` and the signs of event functions.
         """
         self.solver = solver
         self.began = began
@@ -681,11 +692,12 @@ class HybridDriver(Driver):
                 signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
         signs, zeros, passed = solver.begins(n, values, signs)
         self.functions["sign"], self.functions["on_zero"] = signs, zeros
+        # `_note_passed` takes the end of the phase before, or the series
         for number in passed if before or self.series else ():
             self._note_passed(number, signs[number], before, now)
         self.clear_counts()
         self.time[0] = self.began
-        self.until = time + self.number(n.lasts)
+        self.until = time + self.number(n.lasts)  # as in `JumpPrograms.drive`
 
     def keep_interval(
         self, solver: PhaseSolver, began: float, ended: Any, state: Iterable, jump: Jump | None
@@ -718,13 +730,14 @@ class HybridDriver(Driver):
         steps = 0
         while True:
             self.end_next()
-            is_full = self.logged[0] > PASSAGES - MOST_LOGGED
+            is_full = self.logged[0] > PASSAGES - MOST_LOGGED  # a jump logs MOST_LOGGED at most
             is_over = self.changes >= PER_SLICE or is_full or not self.clock[0] < self.end
-            room = 0 if is_over else most - steps
+            room = 0 if is_over else most - steps  # 0: only rows, or a jump
             steps += self.drive(min(room, 1) if self.solver.sampled else room)
             code, (when, last) = self.status[0], self.reached()
             self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
+            # as `ends_phase` and `is_at_end` in loop.c; a change of one is a change of both
             endings: dict[Any, Any] = {Status.FINISHED: self.ending, Status.STALLED: -1}
             ending: Any = endings.get(status)
             within = self.upto[0] < 1.0
@@ -737,7 +750,7 @@ class HybridDriver(Driver):
                 jump = None
                 when = self.end
                 status = Status.FINISHED
-                if within:
+                if within:  # the loop has turned the sign; the run that begins there finds the zero
                     self.functions["sign"][ending] *= -1
             if jump:
                 status = self._change(jump, when)
@@ -745,7 +758,7 @@ class HybridDriver(Driver):
                 break
         if status is None and not self.clock[0] < self.end:
             status = Status.FINISHED  # a phase begins where the run ends, and takes no step
-            self.tally["upto"] = 0.0
+            self.tally["upto"] = 0.0  # no step ends here: `Integration` writes the row at the end
         if status is not None:
             self.tables.end(float(when))
             if not jump:
@@ -782,7 +795,7 @@ class HybridDriver(Driver):
         with the reason in `sentence`, or None. Here the changes are counted that are too short
         (CHATTER): loop.c leaves each such change to this method.
         """
-        shortest = CHATTER * max(self.began, 1.0)
+        shortest = CHATTER * max(self.began, 1.0)  # as in `change` of loop.c and in `joint`
         if float(self.until) > self.began:  # it was to last some time
             self.short_phases = self.short_phases + 1 if float(when) - self.began < shortest else 0
         now = self.number(when)
@@ -820,6 +833,7 @@ class HybridDriver(Driver):
     def make_steps(self, most: int) -> int:
         """Let the loop in C make at most `most` steps, and the jumps that have programs."""
         self.add_in_jump()
+        # with rows at steps Python makes all jumps: `_change` adds the row where a phase ends
         if self.jump_programs is None or self.output.steps:
             return super().make_steps(most)
         return self.jump_programs.drive(most, PER_SLICE - self.changes)
@@ -867,15 +881,17 @@ class HybridDriver(Driver):
         `series` is that of the Next, whose time 0 is the internal time `began`.
         """
         values = self.solver.variables.join(*series(np.array(times, self.number) - began))
+        # a series may compute in 80 bits (`World.repeated`): back to the precision of the run
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
         """Update the extremes of event functions, if kept, in a jump from time `began` to `end`.
 
         Return the values of the event functions at its start. `note_change` in loop.c does the same
-        at the same times.
+        at the same times: a change of one is a change of both.
         """
         solver = self.solver
+        # the values at the start are always needed
         times = jump_times(began, end)[: None if self.keeps_extremes else 1]
         points = solver.points(self.series(*times), solver.b)
         for number, values in points.items():
@@ -891,11 +907,12 @@ class HybridDriver(Driver):
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log event `number`, whose function passed zero in the jump from `before` at time `now`.
 
-        `sign` is that of the function after it. In a jump that takes time its zero is searched.
+        `before` is the `PhaseSolver` of the phase that ended, None at the start; `sign` that of the
+        function after the jump. In a jump that takes time its zero is searched.
         """
         solver = self.solver
         during = self.series
-        if during:
+        if during:  # `zero_of` takes a function that is positive at first
             now = zero_of(
                 lambda t: -sign * solver.value(number, during(t)[0], solver.b), now, self.began
             )
@@ -914,7 +931,8 @@ class HybridDriver(Driver):
         rows = states[:, : self.variables].copy()
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)
-            # NumPy cannot multiply an array of quadruple numbers by a literal
+            # NumPy cannot multiply an array of quadruple numbers by a literal: one state at a time;
+            # of other numbers all at once, or none
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
                 b = solver.b if slots is None else self.parameters_in(slots[some], solver)
@@ -940,7 +958,8 @@ class HybridDriver(Driver):
         """Return the data with which another run continues in the present phase: fields of a Next
         as `next`, and how long the phase has `lasted`, besides those of `Driver.joint`.
 
-        `names` are ignored: it has the signs of all events of the run. `_start` reads the keys.
+        `names` are ignored: the joint has the signs of all events of the run. `_start` reads the
+        keys.
         """
         joint = super().joint(self.numbers)
         lasts = float(self.until - self.now)
@@ -951,6 +970,7 @@ class HybridDriver(Driver):
         lasted = float(self.now) - self.began
         if lasted < CHATTER * max(self.began, 1.0):  # it has begun here
             roots = zip(self.numbers, self.functions["on_zero"].tolist(), strict=True)
+            # of exits, as `begins` sets them; positive ones have no multiplicity
             follows["zeros"] = {name: -int(root) for name, root in roots if root < 0}
         return joint | {"next": follows, "lasted": lasted}
 
@@ -958,7 +978,8 @@ class HybridDriver(Driver):
         """Return plain data from which a run continues bit by bit, with its phase.
 
         The lists have the same length in every phase, except for `state`, which keyframes pad: so
-        all keyframes of a run are rows of one array. `restore` reads them by position.
+        all keyframes of a run are rows of one array. `restore` reads them by position. An entry in
+        the precision of the run, such as `until`, must be in `runs.keyframes.EXACT`.
         """
         phase = [self.solver.at, self.short_phases, self.began, *self.tables.under_way]
         return super().snapshot() | {"phase": phase, "until": [self.until]}
@@ -966,8 +987,9 @@ class HybridDriver(Driver):
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue in the phase of a snapshot `kept`, as `Driver.restore` does.
 
-        The phase is set first, because state and time are those of its integrator, and rows in the
-        tables since the start of this process are dropped. `state` may be padded, as keyframes are.
+        The phase is set first, because state and time are those of its integrator; the numbers of
+        `kept["phase"]` have the order of `snapshot`. Rows in the tables since the start of this
+        process are dropped. `state` may be padded, as keyframes are.
         """
         at, short, began, *under_way = kept["phase"]
         self.short_phases, (self.until,) = int(short), kept["until"]

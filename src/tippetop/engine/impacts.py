@@ -62,16 +62,17 @@ in which a contact at rest gives way.
 def formulas_of_impact(friction: Any, name: str, lies: Any, pattern: Any) -> Formulas:
     """Return the equations and events of one stage of an impact under a friction law.
 
-    `name` is its region. `pattern` is a record like the body, and `lies` one like its axis or
-    frame; the numbers in them do not matter. Cached, as compiled integrators are cached by the
-    result.
+    `name` is its region. `pattern` is a record like the body, a `Touch` or `Asymmetric`, and `lies`
+    one like its axis or frame, a `Vector` or `Frame`; the numbers in them do not matter.
+    `ImpactMotions` makes both. Cached, as compiled integrators are cached by the result.
     """
     stage = motion.stages(friction)[name]
     vector = Vector(1.0, 1.0, 1.0)
+    # by; goal, speed, ratio, stops; u; L; touch: the leaves must be those of the Blow of `struck`
     template = motion.Blow(vector, *(1.0,) * 4, lies, vector, pattern)
 
     def functions(q: Any, carried: Any, b: Any) -> list:
-        """Return the event functions of the stage."""
+        """Return the event functions of the stage; q is a `Motion`, b a `Blow`."""
         return [event.formula(q, b) for event in stage.events]
 
     return Formulas(stage.form, stage.events, functions, partial(refill, template))
@@ -125,8 +126,8 @@ class ImpactMotions:
     ):
         """Prepare the stages of an impact; each is compiled when it is first needed.
 
-        `pattern` are the arguments of `formulas_of_impact`; the order of `stages` numbers the loops
-        of `JumpPrograms`.
+        `pattern` are the last two arguments of `formulas_of_impact`, lies and pattern; the order of
+        `stages` numbers the loops of `JumpPrograms`.
         """
         self.law = law
         self.restitution = restitution
@@ -135,6 +136,8 @@ class ImpactMotions:
         self.stages = motion.stages(law)
         lies: Any = Frame if isinstance(body, Asymmetric) else Vector
         if lies is Vector:
+            # not the body itself: R and c of an outline are (), those of the ball that `struck`
+            # passes are numbers, and the leaves must be those of its `Blow`
             body = Touch(*(1.0,) * 6, law._make(law._fields))
         self.pattern = lies(*(1.0,) * len(lies._fields)), refill(alone(body), repeat(1.0))
         self.drivers: dict[str, Driver] = {}
@@ -147,6 +150,8 @@ class ImpactMotions:
         """
         if region not in self.drivers:
             formulas = formulas_of_impact(self.law, region, *self.pattern)
+            # the key of `code_for`, with the rounding unit as tolerance, for one run without
+            # orientation
             code = compiled_when((formulas, self.precision, 0.0, 1, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[self.precision])
             pars = [1.0] * len(code.integrator.pars)
@@ -168,7 +173,8 @@ class ImpactMotions:
         """Integrate one stage until its clock reaches `end` or an event happens; `struck` calls it.
 
         Programs of jumps and derivatives replace this method by one with the same arguments, and
-        `follow_motion` in loop.c reads and writes the same numbers in this order.
+        `follow_motion` in loop.c reads and writes the same numbers in this order: a change of one
+        is a change of both.
 
         Parameters
         ----------
@@ -177,7 +183,8 @@ class ImpactMotions:
         end, most
             The last time on its clock, and the most steps.
         signs, zeros
-            Of the event functions: their signs at the start, and minus the multiplicity of a root.
+            Of the event functions: their signs at the start, and minus the multiplicity of a root
+            there, 0 without one.
         state, pars
             The motion, padded to the width of the driver, and the numbers of a `Blow`.
 
@@ -217,6 +224,7 @@ class ImpactMotions:
         self.mode = "slip"
         b = alone(b)  # which stays within an impact
         (v, omega), none = velocities(x, b), 0 * x.height
+        # of the edge of a disc, in place of the normal velocity
         slip = v._replace(z=b.friction.patch * omega.z if self.law.regions else none)
         speed = unit_of(*v, slip.z)
         unit = unit_of(v.z)
@@ -224,15 +232,17 @@ class ImpactMotions:
         slip = times(1 / speed, slip)
         grown = none
         if motion.can_rest(self.law):
-            w = sqrt(dot(slip, slip)) + math.exp(stops - 1)
+            w = sqrt(dot(slip, slip)) + math.exp(stops - 1)  # of no slip, log(w) is below `stops`
             slip = times(1 / w, slip)
             grown = log(w)
+        # compression ends where v_n = 0, whatever law ends restitution
         blow = motion.Blow(motion.ENDS["newton"], 0.0, speed, unit / speed, stops, x.u, x.L, b)
-        q = motion.Motion(*slip, grown, v.z / unit, *(none,) * 7)
+        q = motion.Motion(*slip, grown, v.z / unit, *(none,) * 7)  # no impulses and no work yet
         self.region = motion.region_at(q, blow)
         q = pressed = self._followed(q, blow)
         if e_n > 0:
             by = motion.ENDS[self.restitution]
+            # v_n and work_n begin at 0 again, p_n continues: so its goal is that of both parts
             goals = Vector(-e_n * v.z / unit, -(e_n**2) * q.work_n, (1 + e_n) * q.p_n)
             restored = blow._replace(by=by, goal=dot(by, goals))
             q = self._followed(q._replace(v_n=none, work_n=none), restored)
@@ -245,10 +255,12 @@ class ImpactMotions:
     def _followed(self, q: Any, b: Any) -> Any:
         """Return the motion at the end of compression or restitution, through all stages.
 
-        `b` is a Blow, whose goal ends it by the event "reached". `struck` sets `region`, `left` and
-        `mode`, which the stages change. Raises ArithmeticError, by which the run ends as stalled.
+        `b` is a Blow, whose goal ends it by the event "reached"; q is a Motion. `struck` sets
+        `region`, `left` and `mode`, which the stages change. Raises ArithmeticError, by which the
+        run ends as stalled.
         """
         span = REST_SPAN
+        # under a law that cannot hold the contact at rest `grown` is 0, above `stops`
         passed = "" if q.grown > b.stops else "stops"
         while self.left > 0:
             if passed == "stops":
@@ -269,6 +281,7 @@ class ImpactMotions:
                 continue
             if not 0 < motion.responses(b, acts)[0].z < np.inf:
                 raise ArithmeticError(UNSOLVED)
+            # as `PhaseSolver.begins` sets those of exits: the stage begins on the zero just passed
             signs = tuple(-event.direction for event in stage.events)
             zeros = tuple(-float(event.name == passed) for event in stage.events)
             pad = self.driver(self.region).width - len(q)
@@ -278,7 +291,8 @@ class ImpactMotions:
             given = end, self.left, signs, zeros, state, pars
             status, steps, k, *after = self.follow(self.region, *given)
             after = motion.Motion._make(after[: len(q)])
-            self.left -= steps + 1
+            self.left -= steps + 1  # so stages without a step come to an end, too
+            # the contact gives way within the piece, which is made again, half as long
             if rests and span > SHORTEST and motion.holding_margin(stage.acts(after, b), b) < 0:
                 span /= 2
                 continue

@@ -49,9 +49,10 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     first, third = (Vector(*(found[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
     axes = first, cross(third, first), third
     moves = [_rates(axis) for axis in axes]
+    # omega_1 = 2hat' . 3hat, and cyclically
     own = Vector(*(dot(moves[i - 2], axes[i - 1]) for i in range(3)))
     omega = plus(cross(third, moves[2]), times(own.z, third))
-    if not hasattr(carried, "x"):  # on a fixed tip
+    if not hasattr(carried, "x"):  # on a fixed tip, from which the centre of mass is at -c 3hat
         place = times(-body.c, third)
     else:
         y = getattr(carried, "y", 0 * carried.x)  # a planar motion has none
@@ -63,9 +64,10 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     felt = (dot(axis, force) for axis in axes)
     values = place.z, *own, *omega, *_rates(own), *felt
     names = (part for source in INSTRUMENTS.values() for part in source.parts)
+    # a constant becomes a column (k,) too
     return {n: v.value + 0 * states[0] for n, v in zip(names, values, strict=True)}
 
 
 def _rates(vector: Vector) -> Vector:
-    """Return the time derivative of a vector whose components have derivatives."""
+    """Return the time derivative of a vector whose components are `variational.Moving`."""
     return Vector(*(one.rate for one in vector))

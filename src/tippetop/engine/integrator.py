@@ -136,7 +136,9 @@ def compiled_from(
         function = hy.expression(0.0) + formula
         source = _source(e, function, equations, formulas, variables)
         if not source and event.extremes in of_integrals:
+            # the integral behind the state whose rate this function is, times its scale
             source = variables.moving + of_integrals.index(event.extremes), 1, INTEGRAL_SCALE, 0.0
+        # a resolved one must control the step
         scale = 1.0 if event.name in formulas.form.resolved else INTEGRAL_SCALE
         sources.append(source or (len(equations), 1, scale, 0.0))
         if not source:

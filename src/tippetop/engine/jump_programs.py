@@ -69,16 +69,16 @@ class _Program(NamedTuple):
     `logged`, `passed` and `ranged` of them. `other` is the address of the jump's next program.
     """
 
-    lines: np.ndarray
+    lines: np.ndarray  # (length, 3) see `Program.code`
     constants: np.ndarray
-    events: np.ndarray
-    other: int
+    events: np.ndarray  # numbers of events
+    other: int  # 0: none
     length: int
-    result: int
-    out: int
+    result: int  # register of the first line's result
+    out: int  # registers from which on results are read, see `JumpPrograms._traced`
     after: int
-    next: int
-    number: int
+    next: int  # number of the next phase
+    number: int  # of the program
     logged: int
     passed: int
     ranged: int
@@ -103,15 +103,15 @@ class Jumps(NamedTuple):
     The fields have its order; see `JumpPrograms`, which makes it, for the arrays.
     """
 
-    loops: np.ndarray
-    programs: np.ndarray
-    events: np.ndarray
-    registers: np.ndarray
-    made: np.ndarray
-    chatter: float
-    length: int
+    loops: np.ndarray  # (phases + stages of impacts,) addresses; 0: not compiled
+    programs: np.ndarray  # (phases + 1, events + 1) addresses of first programs; 0: none
+    events: np.ndarray  # (events,) EVENT_RECORD
+    registers: np.ndarray  # (MOST_REGISTERS,) of the program that is executed
+    made: np.ndarray  # (PER_SLICE, width) changes made; empty for tops in lanes
+    chatter: float  # CHATTER
+    length: int  # how many changes `made` has
     width: int
-    numbers: int
+    numbers: int  # of the body and its contact, the first inputs of a program
 
 
 class JumpProgram(NamedTuple):
@@ -148,7 +148,7 @@ class JumpPrograms:
         self.table = np.zeros((len(run.phases) + 1, run.clock_number + 1), np.uint64)
         # of each change: time, event, program, `lasts`, `delay`, numbers of tables, last state
         self.made = np.zeros((PER_SLICE, 5 + NUMBERS + STATE))
-        # of the body and its contact, the constant inputs of programs
+        # of the body and its contact, the constant inputs of programs, as in `pools.bodies_of`
         self.body = np.array([*leaves(run.world.body), run.world.rules.e_n])
         self.top = np.zeros(1, TOP_RECORD)
         registers = np.empty(MOST_REGISTERS)
@@ -157,7 +157,7 @@ class JumpPrograms:
         self.record: Any = filled(self.jumps)
 
     def add_loop(self, place: int, loop: Any) -> None:
-        """Let programs use a loop by its number `place`: of a phase, or after them of a motion."""
+        """Let programs use a `Loop` by its number `place`: see `loops` of `Jumps`."""
         self.loops[place] = ctypes.addressof(loop.structure)
 
     def learn(self, jump: Any, *given: Any) -> None:
@@ -168,13 +168,14 @@ class JumpPrograms:
         before `HybridDriver._enter`. Runs on other threads may add programs too, hence the lock.
         """
         jump.calls += 1
+        # at powers of two
         is_due = jump.calls >= self.patience and not jump.calls & (jump.calls - 1)
         if is_due and len(jump.programs) < BRANCHES:
             written = self._traced(jump, *given)
             with self.lock:
                 known = {program.code.lines.tobytes() for program in jump.programs}
                 if written and written.code.lines.tobytes() not in known:
-                    written.structure.number = len(known)
+                    written.structure.number = len(known)  # its index in `jump.programs`
                     if known:
                         jump.programs[-1].structure.other = ctypes.addressof(written.structure)
                     jump.programs.append(written)
@@ -237,6 +238,7 @@ class JumpPrograms:
             sides, zeros, passed = to.begins(n, values, signs)
             ranges = dict[int, tuple]()
             if n.series:
+                # Python must search the zero, or cut the delay at the end of the run
                 if passed or not n.delay < left:
                     return None
                 times = jump_times(now, now + n.delay)
@@ -263,6 +265,7 @@ class JumpPrograms:
         if result + len(lines) + NUMBERS + STATE > MOST_REGISTERS:
             return None
         out = first.place + len(constants) + len(ranged)
+        # the number 0 is a placeholder, as is that for `other` below: `learn` sets both
         places = result, out, out + 2 * len(sides) + len(after) + len(pad), to.at, 0
         events = [run.numbers[name] for name in n.logged], passed, [*ranges]
         every = np.array([*chain(*events)], np.int64)
@@ -281,6 +284,7 @@ class JumpPrograms:
         for solver in run.solvers.values():
             solver.workspace.loop.fill(run.output)
         until = run.motion.end[0]
+        # clock and state are 0: the loop takes them from the lane
         ends = run.end, until, until, run.began
         begun = run.ending, run.solver.at, 0, 0, run.short_phases
         self.top[0] = 0.0, 0.0, *ends, *begun, 0, self.body.ctypes.data
@@ -297,8 +301,10 @@ class JumpPrograms:
             if program.cause:
                 run.tables.begin(time, solver, program.cause)
             for name, size in program.tables:
+                # as `PhaseTables.add`
                 run.tables.rows[name].append([time, *islice(rest, size)])
             run.keep_interval(before, began, time, rest, jump)  # the state is behind the tables
+            # as in `HybridDriver._enter`
             began = min(time + delay, run.end)
             run.until = began + lasts
         if record.length:

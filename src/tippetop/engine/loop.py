@@ -76,21 +76,21 @@ class _Sizes(NamedTuple):
     width: int  # 0: a stepper in Python keeps the states
     variables: int
     parameters: int
-    size: int
+    size: int  # Taylor coefficients of a variable
     lanes: int
-    tops: int
+    tops: int  # tallies
     events: int
-    axis: int
-    log: int
-    samples: int
+    axis: int  # rows of 3hat: 3, or 0 where it is not integrated
+    log: int  # room for passages
+    samples: int  # room for samples
 
 
 class _Loop(NamedTuple):
     """The structure `Loop` of `loop.c`, field by field."""
 
-    step: int
+    step: int  # address; None: no steps are made
     dense: int
-    fused: bool
+    fused: bool  # as in `Loaded`
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -190,6 +190,7 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
 
     `variables` are those of the integrator, with those added for event functions.
     """
+    # by position, as the fields of `Motion`: state, before; pars, tc; high to h; in_lane to the end
     numbers = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
     of_lanes = *np.zeros((7, lanes)), *np.zeros((4, lanes), np.int64)
     motion = Motion._make([*np.zeros((2, variables, lanes)), *numbers, *of_lanes])
@@ -229,7 +230,7 @@ class Loop:
         self.failures: list[BaseException] = []  # of steps that C has called
         tape = np.empty(0)
         if isinstance(stepper, Loaded):
-            *code, length = stepper[1:]
+            *code, length = stepper[1:]  # step, dense, fused; tape
             tape = np.empty(length + 7)
             tape = tape[-tape.ctypes.data % 64 // 8 :][:length]  # LLVM's vectors lie on 64 bytes
         width = log.states.shape[1]  # numbers from one state to the next
@@ -307,8 +308,9 @@ def count_turnings(
     Parameters
     ----------
     lane
-        The tallies of runs, of which the first is counted: of a single run, whose loop leaves all
-        turnings to `runs.event_log`; or of a top in lanes, whose end is the only one left.
+        The tallies of runs (LANE_RECORD), of which the first is counted: of a single run, whose
+        loop leaves all turnings to `runs.event_log`; or of a top in lanes, whose end is the only
+        one left.
     signs, theta
         (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end
         of a run, which end a swing; [rad].

@@ -205,7 +205,7 @@ def _computed(
     pars = problems.pars[: function.nparams, which]
     outputs = []
     tables = states, np.broadcast_to(pars, (len(pars), k))
-    for first in range(0, k or 1, BLOCK):
+    for first in range(0, k or 1, BLOCK):  # without states, one empty block
         some = [table[:, first : first + BLOCK] for table in tables]
         n = some[0].shape[1]
         # whole batches, the last state again: neighbours change no bit of a column

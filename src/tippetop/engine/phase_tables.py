@@ -28,7 +28,8 @@ class PhaseTables:
     Attributes
     ----------
     under_way
-        Start and words of the present phase; empty without one.
+        Internal time at which the present phase began, then the indices of its words, as
+        `number_of` returns them; empty without a phase. Snapshots contain it.
     """
 
     def __init__(self, problem: Problem):
@@ -36,13 +37,13 @@ class PhaseTables:
         self.scales = problem.scales
         self.under_way: list[float] = []
         self.rows = defaultdict[str, list[Sequence]](list)
-        self.numbers = dict[tuple, list]()  # of the words of a phase that begins
+        self.numbers = dict[tuple, list]()  # (phase, cause) -> indices of its words
 
     def begin(self, time: float, solver: Any, cause: str) -> None:
-        """Add the row of the present phase, and begin that of `solver` at an internal time.
+        """Add the row of the phase that ends, and begin that of `solver` at an internal time.
 
-        `cause` is the word in its column `reason`. A system's table of phases may have the columns
-        `phase`, `ball` and `reason`, no others.
+        `solver` is a `PhaseSolver`, `cause` the word in the column `reason` of its row. A
+        system's table of phases may have the columns `phase`, `ball` and `reason`, no others.
         """
         self.end(time)
         name = solver.name
@@ -64,7 +65,10 @@ class PhaseTables:
             self.under_way = []
 
     def add(self, time: float, rows: Mapping[str, Sequence]) -> None:
-        """Add rows of other tables, by table, at an internal time, which is put before each."""
+        """Add rows of other tables, by table, at an internal time, which is put before each.
+
+        `JumpPrograms.drive` adds those of changes by programs in the same layout.
+        """
         for name, some in rows.items():
             self.rows[name] += [(time, *row) for row in some]
 

@@ -67,20 +67,23 @@ PATIENCE = 2
 
 
 POOL_RECORD = record_type(uint="loop parameters", int="by_steps first count occupied")
-"""The struct `Pool` of loop.c; `add_pool` fills it by position."""
+"""The struct `Pool` of loop.c; `add_pool` fills it by position: addresses of the `Loop` and of the
+indices of its parameters; 1 if Python sets the end of each step; the first slot in the ring of its
+queue, and how many are in it; the number of lanes with a top.
+"""
 
 
 class _Pools(NamedTuple):
     """The structure `Pools` of `loop.c`, field by field."""
 
     jumps: Jumps
-    pools: np.ndarray
-    queues: np.ndarray
-    tops: np.ndarray
-    called: np.ndarray
+    pools: np.ndarray  # (phases,) POOL_RECORD
+    queues: np.ndarray  # (phases, room) rings of slots
+    tops: np.ndarray  # (n,) TOP_RECORD
+    called: np.ndarray  # (room,) slots of tops that wait for Python
     phases: int
-    room: int
-    calls: int
+    room: int  # length of a ring; also the slot of empty lanes, see `leave_lane` in loop.c
+    calls: int  # how many slots `called` has
 
 
 class Tops(NamedTuple):
@@ -89,7 +92,7 @@ class Tops(NamedTuple):
     Records contain addresses of states and bodies, so none of the arrays may be replaced.
     """
 
-    records: np.ndarray  # (n,)
+    records: np.ndarray  # (n,) TOP_RECORD
     states: np.ndarray  # (n, width)
     bodies: np.ndarray  # (n, numbers)
     tallies: Tallies  # of the tops, then of the empty lanes of each thread
@@ -124,7 +127,7 @@ def new_tops(
     """
     n, count = times.shape
     rows = pools.all_events
-    every = np.ones((len(rows.events), n + threads))
+    every = np.ones((len(rows.events), n + threads))  # dummies for empty lanes
     every[:, :n] = functions.T
     tallies = new_tallies(rows, every)
     tallies.lane["status"][n:] = Status.FINISHED.code
@@ -152,7 +155,8 @@ class Pools:
     tops, states, bodies, of_tops, rows
         The arrays of `Tops`.
     log, samples
-        Events and states on the way; their number `in_lane` is the top times phases plus the phase.
+        Events and states on the way; their number `in_lane` is the top times phases plus the phase,
+        as `enter_lane` in loop.c sets it.
     failures
         Why tops are invalid.
     """
@@ -191,7 +195,7 @@ class Pools:
         none = np.zeros(0)
         jumps = programs.jumps if programs else Jumps(none, none, none, none, none, 0.0, 0, 0, 0)
         arrays = self.pools, queues, self.tops, self.called
-        # must outlive the structure
+        # must outlive the structure; with `made` NULL the loop keeps no rows of changes
         self.arrays = _Pools(jumps._replace(made=none), *arrays, phases, self.empty, calls=0)
         self.record: Any = filled(self.arrays)
         self.record_at = ctypes.addressof(self.record)
@@ -202,6 +206,7 @@ class Pools:
         Its lanes are empty. `by_steps`: the loop makes one step at a time, because Python sets the
         end of each, in a phase with sampled events.
         """
+        # of empty lanes, as `leave_lane` in loop.c sets them
         loop.record.motion.in_lane[:], loop.record.motion.slots[:] = -1, self.empty
         loop.fill(self.rows)
         self.parameters[phase] = mine = np.array(parameters, np.int64)
@@ -226,7 +231,7 @@ class Pools:
     def attend(self, slot: int) -> bool:
         """Make a jump that the loop cannot make; return whether the top has ended.
 
-        Without phases there is none.
+        A system of one phase has no jumps, so the top has ended.
         """
         return True
 
@@ -244,6 +249,7 @@ class Pools:
         looks = list[int]()
         for slot in called:
             status = self.of_tops.lane["status"][slot]
+            # a phase that an exit has ended has the status of a run that has ended
             goes_on = status == RUNNING or self.tops["event"][slot] != NO_EXIT
             if status == SETTLED:
                 looks.append(slot)
@@ -322,7 +328,7 @@ class HybridPools(Pools, HybridDriver):
         super().add_solver(solver)
         body = self.world.body
         order = solver.phase.parameters(refill(body, iter(range(len(leaves(body))))))
-        mine = leaves(order)[: len(solver.workspace.motion.pars)]
+        mine = leaves(order)[: len(solver.workspace.motion.pars)]  # as `Driver.set_parameters`
         self.add_pool(solver.at, solver.workspace.loop, mine, by_steps=bool(solver.sampled))
 
     def set_workspace(self, workspace: Any) -> None:
@@ -339,6 +345,9 @@ class HybridPools(Pools, HybridDriver):
         """
         begin = partial(library().loop_start, self.record_at, self.notes.place)
         over = [slot for slot in new.tolist() if not begin(slot) and self.attend(slot)]
+        # the tops stay at the start of their first phase, which `lanes.run_tops` reads next by
+        # `rows_in`; this overwrites a time that the jump noted, as the end of `HybridDriver._start`
+        # does: a change of one is a change of both
         signs = self.of_tops.functions[:, new]
         self.of_tops.lane["lasts_since"][new] = lasts_from_start(signs, self.all_events)
         return over
@@ -378,6 +387,7 @@ class HybridPools(Pools, HybridDriver):
         """
         self.add_in_jump()
         top = self.top
+        # these fields as `change` in loop.c sets them; a change of one is a change of both
         top["until"] = min(self.until, self.end)
         top["stop"], top["stops_by"] = self.next_end()
         top["began"], top["phase"] = self.began, self.solver.at

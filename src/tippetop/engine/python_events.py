@@ -13,9 +13,10 @@ from ..mechanics.operand import leaves
 def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
     """Return the internal times and numbers of the sampled events in the next step of a run.
 
-    The step is made by a copy of the integrator of the phase, `solver.ahead`, from the state of the
-    run. The functions are positive at its start; a zero is sought by their signs at its middle and
-    end. The next step of the run must end at the first one: `end_next` sets it.
+    `run` is a `HybridDriver`. The step is made by a copy of the integrator of its phase,
+    `solver.ahead`, from the state of the run. The functions are positive at its
+    start; a zero is sought by their signs at its middle and end. The next step of the run must end
+    at the first one: `end_next` sets it.
     """
     solver, (high, low) = run.solver, run.clock
     ta = solver.ahead

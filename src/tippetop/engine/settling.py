@@ -70,7 +70,7 @@ def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
         scalars = problems.base.form.scalars(
             problems.variables.split(states.astype(float))[0], body
         )
-        v2 = getattr(scalars, "v2", 0.0)  # a tip that is held has none
+        v2 = getattr(scalars, "v2", 0.0)  # |v_A|^2; a tip that is held has none
         body = touching(scalars, body)
         fast = v2 > SLIDES**2 * body.g * (body.R + np.abs(body.c))
     return np.broadcast_to(fast, states.shape[1])
@@ -155,6 +155,7 @@ def classes_of(system: System, values: Arrays, second: Any, settled: Any, body: 
         *((name, ends[name] & ~(free & swings | parts)) for name in reversed(system.classes)),
         ("rolling", rolls),
     ]
+    # the first rule that applies counts, but the last of `classes`: so these are reversed
     names, conditions = zip(*rules, strict=True)
     numbers = [CLASSES.index(name) for name in names]
     return np.select(conditions, numbers, CLASSES.index("under-way"))

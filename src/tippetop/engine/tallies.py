@@ -155,8 +155,8 @@ def looked_for(
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     """Return the tallies of runs that start with these event functions, (events, lanes).
 
-    The sign of a function that is NaN is not known: 0. One nearer to zero than ON_ZERO starts on
-    its zero, which then is no event.
+    The sign of a function that is NaN is not known: 0. A function nearer to zero than ON_ZERO
+    starts on a zero, which then is no event. `PhaseSolver.begins` has the same rule.
     """
     lanes = functions.shape[1]
     lane = np.empty(lanes, LANE_RECORD)
@@ -173,7 +173,8 @@ def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
 def lasts_from_start(functions: np.ndarray, rows: EventRows) -> np.ndarray:
     """Return 0 for runs in which an event lasts from the start, (lanes,); NaN for others.
 
-    It lasts if its function, one of the records (events, lanes), has the sign for it there.
+    It lasts if the sign of its function at the start is its direction. `functions` are
+    FUNCTION_RECORDs, (events, lanes).
     """
     lasting, direction = (rows.events[name][:, None] for name in ("lasting", "direction"))
     lasts = lasting & (functions["sign"] == direction)

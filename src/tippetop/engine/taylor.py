@@ -56,14 +56,15 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     system = problem.system
     body = problem.internal_body
     code = code_for(problem, formulas_of(system, problem.form.name, body.friction.__class__), stop)
-    # turnings are many: they are found only if they are logged
+    # turnings are many: they are found only if they are logged; as in `PhaseSolver._records`
     watched = (not event.sense or event.name in problem.events for event in system.events)
     rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
     functions = event_functions(problem.alone)[0]
     signs = problem.joint.get("signs", {})
     for k, event in enumerate(system.events):
         if signs.get(event.name) and abs(functions[k]) < ON_ZERO:
-            functions[k] = signs[event.name] * ON_ZERO  # its zero may still be found
+            # for `new_tallies` just not on a zero: its zero may still be found
+            functions[k] = signs[event.name] * ON_ZERO
     kind = Driver if problem.precision == "double" else WideDriver
     return kind(code, rows, leaves(body), problem.start(), functions, internal_end(problem))
 

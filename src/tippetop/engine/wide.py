@@ -96,6 +96,7 @@ class WideSteps(Called):
             start = self.before[1][0]
             when, event, *_ = run.log.rows[k]
             on_zero = int(run.functions["on_zero"][event])
+            # as `roots` in loop.c, but this step is already counted
             roots = -min(0, on_zero) if run.steps[0] == 1 else 0
             function = _function(ta.tc, run.workspace.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
@@ -149,7 +150,7 @@ def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
 
     They are those that `search` in loop.c takes, in wider numbers, and not in time over h.
 
-    `tc` are those of all variables, (variables, order + 1); `event` is a record of `tallies`.
+    `tc` are those of all variables, (variables, order + 1); `event` is a `tallies.EVENT_RECORD`.
     """
     whole = tc[event["row"]]
     if event["shift"] == 1:  # the rate of the variable
