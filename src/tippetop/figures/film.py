@@ -54,6 +54,7 @@ def film(
     rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))
     rows = np.unique(np.clip(rows, 0, len(t) - 1))
     poses = [pose(trajectory.isel(time=row), shape, rotation) for row in rows]
+    # of facets and shadows
     corners = np.concatenate([each.reshape(-1, 2) for parts in poses for each in parts[:2]])
     left, bottom = corners.min(axis=0)
     right, top = corners.max(axis=0)
@@ -203,7 +204,7 @@ def _farthest(direction: Array, half: Array, profile: Array) -> Array:
     x, y, z = half * direction
     across = np.hypot(x, y)
     radius, height = profile[:, np.argmax([across, z] @ profile)]
-    radius /= across or 1.0
+    radius /= across or 1.0  # across = 0: the term is 0 in any direction
     return half * [radius * x, radius * y, height]
 
 

@@ -104,11 +104,12 @@ def reconstruct(
     end = float(times[-1])
     length = LONGEST * period
     start = np.array([z, 0.0, 0.0])
+    # of the order of z''/(2 pi/period), with z'' = Q_z/2; pieces replace it by their own
     fastest = abs(equation.slope(z, t)) * period / 20
     spread = np.zeros((2, 2))  # of z and z' at the start of a piece: the covariance of their errors
     while t < end:
         piece, apart, ways = equation.piece(t, min(t + length, end), start, fastest, period)
-        if not apart <= APART:
+        if not apart <= APART:  # NaN too
             length /= 2
             if length < SHORTEST * period:
                 return Reconstruction(out, np.array(turnings[1:]), apart, True)
@@ -227,6 +228,7 @@ class Equation:
 
         half = (last - first) / 2
         times = first + half * (NODES + 1)
+        # NODES descend, and scipy needs ascending times
         guess = solve_ivp(rates, (first, last), start, "DOP853", times[::-1], rtol=1e-8, atol=1e-10)
         if len(guess.t) < len(times):
             return Chebyshev([0.0], [first, last]), np.inf, np.empty(0)
