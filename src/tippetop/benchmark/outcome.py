@@ -59,8 +59,8 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     """Return whether a motion turns over, lifts off, sticks at its end and stands on its stem.
 
     Outcomes that need columns which the motion lacks are left out. `case_files.README` has the
-    limits TOUCH, RISES and STICKS in words: a change of one is a change of both. The keys are those of
-    `case.json` and of its README; `score` compares them with those of the reference.
+    limits TOUCH, RISES and STICKS in words: a change of one is a change of both. The keys are those
+    of `case.json` and of its README; `score` compares them with those of the reference.
     """
     theta = theta_of(motion.quaternion)
     result = {"turns over": bool(theta[0] < math.pi / 2 - ROUNDED < math.pi / 2 < theta.max())}

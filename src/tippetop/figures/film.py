@@ -263,6 +263,7 @@ def _shadow(centre: Array, axes: Array, half: Array, profile: Array) -> Array:
     `centre` and `axes` (3, 3) place it in space; half axes and profile as of `_farthest`.
     """
     angle = np.linspace(0, 2 * np.pi, FACETS)[:, None]
+    # one, other: unit vectors across LIGHT; where it grazes the surface the shadow has its rim
     _, one, other = np.linalg.svd(LIGHT[None])[2]
     around = (np.cos(angle) * one + np.sin(angle) * other) @ axes
     rim = centre + [axes @ _farthest(way, half, profile) for way in around]

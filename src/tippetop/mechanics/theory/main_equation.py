@@ -97,7 +97,7 @@ def reconstruct(
     """
     equation = Equation(system, b, times, momenta, energy)
     out = np.full(len(times), np.nan)
-    turnings = [float(times[0])]
+    turnings = [float(times[0])]  # with the start, which the results leave out
     mismatch = 0.0
     out[0] = z
     t = float(times[0])
@@ -133,6 +133,7 @@ def reconstruct(
         out[inside] = piece(times[inside])
         roots = speed.roots()
         for turning in np.sort(roots[np.abs(roots.imag) < SAME * period].real):
+            # not the one before again; in the piece or, by rounding, just before it
             if max(turnings[-1], t - 2 * SAME * period) + SAME * period < turning <= last:
                 turnings.append(float(turning))
         if len(turnings) > 2:
