@@ -168,6 +168,7 @@ def export(
     """
     root = path_of("folder", folder)
     chosen = [case(name) for name in dict.fromkeys(cases or names())]
+    # all folders first: one that cannot be made is refused before the long runs
     for each in chosen:
         with disk.writing(root / each.name):
             (root / each.name).mkdir(parents=True, exist_ok=True)
@@ -193,6 +194,7 @@ def export(
     write("VERSION", f"{VERSION}\n")
     schema = (files(__package__) / "case.schema.json").read_text(encoding="utf-8")
     write("case.schema.json", schema)
+    # cases of an earlier export are listed too
     others = [root / each / name for each in present for name in (*CONTENT, "case.json")]
     sums = [
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}"
@@ -308,6 +310,7 @@ def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.nda
     """
     columns = {"t [s]": rounded_to_digits(motion.t)}
     for header, (values, power) in scaled(motion).items():
+        # + 0.0 makes 0.0 of -0.0
         columns[header] = np.floor(values + 1 - thresholds.get(header, 0.5)) / power + 0.0
     return columns
 
@@ -348,7 +351,10 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
 
 
 def _csv(columns: Mapping[str, Any]) -> str:
-    """Return columns, by header, as the text of a CSV file with 12 digits."""
+    """Return columns, by header, as the text of a CSV file with 12 digits.
+
+    The digits are those of `_parquet` and of DIGITS: a change of one is a change of all.
+    """
     from pandas import DataFrame
 
     return DataFrame(columns).to_csv(index=False, float_format="%.12g", lineterminator="\n")

@@ -108,8 +108,8 @@ def case(name: str | Path) -> Case:
 def _own(path: Path) -> Case:
     """Return a scenario, a TOML file or a preset, as a case; it is run. Raises InputError.
 
-    Its certificate has the entries that `Case` and `case_files` read, without the `rounding` that
-    `bench.certificates` finds for named cases.
+    Its certificate has the entries of `bench.certificates.certificate` that `Case` and `case_files`
+    read, without the `rounding`, which is found for named cases only.
     """
     problem = replace(starting.load(path), orientation=True)
     require_still(problem.tables, f"`{path}`", tilted=True)

@@ -58,8 +58,9 @@ def _gaps(motion: Truth, arms: np.ndarray) -> np.ndarray:
 def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     """Return whether a motion turns over, lifts off, sticks at its end and stands on its stem.
 
-    Outcomes that need columns which it lacks are left out. The keys are those of `case.json` and of
-    its README; `score` compares them with those of the reference.
+    Outcomes that need columns which the motion lacks are left out. `case_files.README` has the
+    limits TOUCH, RISES and STICKS in words: a change of one is a change of both. The keys are those
+    of `case.json` and of its README; `score` compares them with those of the reference.
     """
     theta = theta_of(motion.quaternion)
     result = {"turns over": bool(theta[0] < math.pi / 2 - ROUNDED < math.pi / 2 < theta.max())}
@@ -76,6 +77,7 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
         result["lands on the stem"] = bool((touches & (nearest == 1)).any())
     moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()
     if problem.law.set_valued and moves:
+        # v_A of the ball that is lowest in the last row
         slip = motion.velocity[-1] + np.cross(motion.omega[-1], arms[nearest[-1], -1])
         slow = math.hypot(slip[0], slip[1]) < STICKS * math.sqrt(body.g * size(body))
         result["sticks"] = bool(touches[-1] and slow)

@@ -29,7 +29,9 @@ from .truth import OF_EXCHANGE, VECTORS, Truth, differences, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
-"""Units of the errors: rad, rad, m, rad/s, relative to the first value, and in units of m g."""
+"""Units of the errors: rad, rad, m, rad/s, relative to the first value, and in units of m g.
+
+HEAD and the table of `case_files.README` have this order: a change of one is a change of all."""
 
 WRONG_START = 0.1
 """Difference of the first row above which a file is not a result of its case.
@@ -159,6 +161,7 @@ class Score:
                 "outcome_is_right": {"right": True, "wrong": False}.get(r.judgement.split(":")[0]),
                 "judgement": r.judgement,
             }
+            # the first result is its own predecessor: equal steps have no order
             for before, r in itertools.pairwise([*self.results[:1], *self.results])
         ]
 
@@ -223,6 +226,8 @@ def _order(coarse: Compared, fine: Compared) -> float | None:
     """Return the order of the rms attitude between two steps.
 
     None if the first is not the larger one, or an error is saturated or made by rounding.
+    `case_files.README` and the help of `cli.benchmark` describe it: a change of one is a change of
+    all.
     """
     sizes = [c.numbers["attitude"] for c in (coarse, fine)]
     ratio = (coarse.step or 0.0) / (fine.step or math.inf)
@@ -318,6 +323,7 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     if key not in known:
         times = np.unique(np.append(np.minimum(t, each.problem.until), 0.0))
         whole = truth(each.problem, times)[0]
+        # without the row at 0 that was added before the first time
         known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
     exact = known[key]
     there = _motion(table)

@@ -32,20 +32,24 @@ DISK_ERRORS = {  # of the operating system, wherever they come from: the program
 }
 LIMITS = errno.EMFILE, errno.ENFILE, errno.ENOMEM
 
-_received: list[int] = []  # exit codes of the signals that came
+_received: list[int] = []  # exit codes of the signals that came, the first one first
 
 
 def _interrupt(*_: Any) -> NoReturn:
-    """Handle SIGINT: raise KeyboardInterrupt; exit immediately if a signal came before."""
+    """Handle SIGINT: raise KeyboardInterrupt; exit immediately if a signal came before.
+
+    The exit code is that of the first signal, which may have been a SIGTERM.
+    """
     if _received:
         os._exit(_received[0])  # a second signal: exit now; acknowledged data are on the disk
+    # before the raise: by this entry `main` tells a signal from a bug
     _received.append(INTERRUPTED)
     raise KeyboardInterrupt
 
 
 def _terminate(*_: Any) -> NoReturn:
     """Handle SIGTERM: exit after open files were closed."""
-    _received.append(TERMINATED)
+    _received.append(TERMINATED)  # as in `_interrupt`
     signal.signal(signal.SIGTERM, signal.SIG_IGN)  # open files are being closed
     raise SystemExit(TERMINATED)
 
@@ -65,6 +69,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         # an import turned the signal into an ImportError
         code = complain(["interrupted while it was loaded."], _received[0])
     except SystemExit as stopped:
+        # without an entry it comes from `run_command`, whose handlers note signals elsewhere and
+        # which has printed its sentence
         if stopped.code == TERMINATED and _received:
             complain(["terminated; data on the disk are kept."], TERMINATED)
         code = stopped.code if isinstance(stopped.code, int) else BUG

@@ -93,8 +93,8 @@ def _score(
 ) -> int:
     """Print the score of results, and draw the figures; return the exit code.
 
-    The arguments are those of `benchmark`. The code is 2 if a file of results could not be read,
-    else 4 if `fail_above` found one too large.
+    The arguments are those of `benchmark`. The code is 2 (`cli.USAGE`) if a file of results could
+    not be read, else 4 (`cli.ACCURACY`) if a result fails `fail_above`.
     """
     from itertools import groupby
 

@@ -16,6 +16,7 @@ from .values import Place, Whole
 Lengths = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
 
+# the fields are keywords of `library.exchanging.compare` and `fit`
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Frames:

@@ -96,7 +96,7 @@ def film(
     shown = np.arange(times[0], times[-1], speed / fps)
     if not shown.size:
         raise InputError("a film must have two rows, but there is one.")
-    # the places of the numbers are listed in `samples`
+    # channels of `samples.samples`: 0-3 orientation, 7-9 centre of mass, 19 theta
     at = spacing.interpolated(times, kept, shown)
     texts = [
         f"{t:.3f} s   θ = {theta:.1f}°   {speed:g}×"
@@ -112,7 +112,7 @@ def film(
             ffmpeg_log_level="error",
             **FORMATS[out.suffix],
         )
-        film.send(None)
+        film.send(None)  # starts the generator, which then takes a frame by each `send`
         for picture in frames(at[:, :4], at[:, 7:10], texts, shape(attrs), rotation, sizes):
             film.send(picture)
         film.close()

@@ -83,6 +83,7 @@ def surface(
     Ds = _axis("--D", D, ANGULAR_MOMENTUM) if D else default
     minimal = partial(surface.minimal_surface, top, gradient=False, threads=threads)
     if out is not None:
+        # V overflows first at the largest momenta; formulas are compiled before the bar is shown
         corners = [axis[[0, -1]] for axis in (Ds, lambdas)]
         if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
             raise InputError("`--D` and `--lambda` must keep V finite, but at their ends do not.")
@@ -238,6 +239,7 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
         f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} "
         "× 10⁻⁶ kg m³ s⁻¹"
     )
+    # as `turning_angles` names it, without a level: `well.potential` reads these names
     at = least.squeeze(drop=True).rename(theta="theta_star")
     return drawing.drawn(lambda: well.potential([("", V, at)], title), look)
 

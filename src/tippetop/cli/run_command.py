@@ -233,8 +233,8 @@ def _print(
         files = [(name, str(place)) for name, place in places.items() if place is not None]
         table([*lines(content, seconds), *files])
     if attrs["status"] in ("non-finite", "stalled"):
-        return complain([attrs["reason"]], 3)
+        return complain([attrs["reason"]], 3)  # `cli.PHYSICS`
     broken = broken_promises(attrs)
     for sentence in broken:
         report(sentence)
-    return 4 if broken else 0
+    return 4 if broken else 0  # `cli.ACCURACY`

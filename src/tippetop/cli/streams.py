@@ -72,7 +72,7 @@ def flush(code: int) -> int:
         _discard(1)
         if not isinstance(error, BrokenPipeError):
             report(f"standard output must be writable, but: {error.strerror}.")
-            return code or 5
+            return code or 5  # `cli.STORE`
     return code
 
 

@@ -53,7 +53,11 @@ def view(
 
 
 def _text(store: Path | None, start: float | None, until: float | None) -> str:
-    """Return the page of a store, or without one the playground, as HTML."""
+    """Return the HTML of the page of a store; of the playground if `store` is None.
+
+    `start` and `until` [s] are the options `--from` and `--until`; `view` has refused both for the
+    playground. `page_of_store` refuses a store that is neither a run nor a sweep.
+    """
     if store is None:
         from ..views.playground import playground
 

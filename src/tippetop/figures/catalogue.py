@@ -49,7 +49,10 @@ class RunFigure:
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a figure: another title, width and height [inches], dots per inch, colours."""
+    """The look of a figure: another title, width and height [inches], dots per inch, colours.
+
+    The fields are keywords of `StoredRun.plot`, to which `cli.plot` passes them.
+    """
 
     title: str | None = None
     size: tuple[float, float] | None = None

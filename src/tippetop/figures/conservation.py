@@ -97,6 +97,7 @@ def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
             if len(handed):
                 words += ", since its ball touched first"
         piece, *others = np.split(values, handed)
+        # the first row of the whole run may be on another ball, with another lambda
         begun = None if "ball" in trajectory else first.get(name)
         pieces = [relative(piece, begun), *map(relative, others)]
         curves.append((words, t, np.concatenate(pieces)))
@@ -107,7 +108,7 @@ def changes(trajectory: Any, attrs: Attributes) -> list[Curve]:
         curves.append(("energy balance E + ∫ friction power", t, balance))
     if "axis" in trajectory:
         length = np.linalg.norm(trajectory["axis"].values, axis=1)
-        change = relative(length, 1.0 if first else None)
+        change = relative(length, 1.0 if first else None)  # every run starts with length 1
         curves.append(("length of the axis $|\\hat{3}|$", t, change))
     return curves
 

@@ -204,6 +204,7 @@ def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fal
     ending = path.suffix.removeprefix(".").lower()
     # so that the same picture has the same bytes
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
+    # `styled`, because matplotlib reads `svg.hashsalt` when it saves
     with styled(dark=look.dark), replacing(path, overwrite=overwrite) as scratch:
         figure.savefig(
             scratch,

@@ -79,6 +79,7 @@ def energy(trajectory: Any, events: Any, attrs: Attributes) -> Axes:
     ):
         if name in trajectory:
             touches = on_sphere(trajectory) if name == "modified_energy" else np.array(True)
+            # `landscape_figures.band` has the same words
             words += "" if touches.all() else "; none on the stem, in the air"
             curves.append((words, t, np.where(touches, trajectory[name].values, np.nan)))
     ax = draw_over_time(curves, "energy", attrs, 4.8)

@@ -54,6 +54,7 @@ def film(
     rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))
     rows = np.unique(np.clip(rows, 0, len(t) - 1))
     poses = [pose(trajectory.isel(time=row), shape, rotation) for row in rows]
+    # of facets and shadows
     corners = np.concatenate([each.reshape(-1, 2) for parts in poses for each in parts[:2]])
     left, bottom = corners.min(axis=0)
     right, top = corners.max(axis=0)
@@ -203,7 +204,7 @@ def _farthest(direction: Array, half: Array, profile: Array) -> Array:
     x, y, z = half * direction
     across = np.hypot(x, y)
     radius, height = profile[:, np.argmax([across, z] @ profile)]
-    radius /= across or 1.0
+    radius /= across or 1.0  # across = 0: the term is 0 in any direction
     return half * [radius * x, radius * y, height]
 
 
@@ -262,6 +263,7 @@ def _shadow(centre: Array, axes: Array, half: Array, profile: Array) -> Array:
     `centre` and `axes` (3, 3) place it in space; half axes and profile as of `_farthest`.
     """
     angle = np.linspace(0, 2 * np.pi, FACETS)[:, None]
+    # one, other: unit vectors across LIGHT; where it grazes the surface the shadow has its rim
     _, one, other = np.linalg.svd(LIGHT[None])[2]
     around = (np.cos(angle) * one + np.sin(angle) * other) @ axes
     rim = centre + [axes @ _farthest(way, half, profile) for way in around]

@@ -59,7 +59,7 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
         if impacts is not None
     ]
     for axes in panels:
-        limits = axes.get_xlim(), axes.get_ylim()
+        limits = axes.get_xlim(), axes.get_ylim()  # which shades and ticks would change
         axes.grid(visible=False, axis="x")
         over: Any = {"transform": axes.get_xaxis_transform(), "rasterized": True}
         edges = np.append(begun, ended[-1])

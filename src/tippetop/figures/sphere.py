@@ -98,4 +98,5 @@ def busy(theta: np.ndarray, t: np.ndarray) -> tuple[float, float]:
         return span(t)
     way = np.cumsum(np.abs(np.diff(mean)))
     first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
+    # a mean begins at the row of its number and ends `width` rows later
     return float(t[first]), float(t[min(last + width, len(t) - 1)])

@@ -168,6 +168,7 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
             axes.axhline(0, color=ink().alarm, lw=0.9)
     for words, values, dashes in _borders(sweep_map):
         above = np.where(np.isnan(values), np.nan, values > 0)
+        # where the sign changes; a difference with NaN is not 1
         for at in x.span[:-1][np.abs(np.diff(above)) == 1]:
             axes.axvline(at, color=ink().mark, ls=dashes, label=words)
 

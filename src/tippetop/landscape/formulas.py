@@ -115,6 +115,7 @@ class MomentumSlopes(NamedTuple):
 def momentum_slopes(q, p, c):
     """Return the derivatives of V by the momenta, times q gamma/2, as `MomentumSlopes`.
 
+    Y is that of `potential` and h that of `psi`: a change of one is a change of both.
     Where X almost vanishes at the minimum, no q in doubles has the X of the minimum: `away` is the
     distance of the minimum from q, over which the derivatives are extrapolated.
     """
@@ -212,8 +213,7 @@ def curvature(q, p, c):
 def pole_values(p, c):
     """Return |a| and |b| [sqrt(J)] with the part k psi of X, for a first guess of the minimum.
 
-    `reaches_pole` has the first one's limit for b = 0.
-
+    `reaches_pole` has the limit of |a| for b = 0.
 
     k psi is that of q = a/b, where the two terms balance, and is split between them as a : b.
     """

@@ -52,12 +52,14 @@ def potential(t: Top, z: Any, first: Any, second: Any) -> xr.Dataset:
             p = at_momenta(one, y, t.coefficients)
             V[:, i] = value(q, p, t.coefficients)
             g1, g2, _ = slopes(q, p, t.coefficients)
+            # by the chain rule, dln(q)/dz = -2/(1 - z^2); the factor gamma follows in `scale`
             V_z[:, i] = -2 * g1 / (q * w)
             V_zz[:, i] = 4 * (g2 - cosine * g1) / (q * w * w)
     dims = ("z", *t.momenta)
     scale = 1 / t.coefficients.gamma.head
     data = {
         "V": labelled(dims, V, "J", "effective potential V"),
+        # an odd derivative changes its sign where q is seen upside down
         "V_z": labelled(dims, V_z * (t.bottom_z * scale), "J", "dV/dz"),
         "V_zz": labelled(dims, V_zz * scale, "J", "d2V/dz2"),
     }

@@ -73,6 +73,7 @@ def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: PlainData) -> tup
     lam = float(trajectory["jellett"][0])
     if lam == 0:
         raise InputError("the surface is drawn around a run with lambda other than 0, but it is 0.")
+    # from 0, where both marked lines begin; sorted, because axes ascend and lam may be negative
     lambdas = np.sort(np.linspace(0, 1.25 * lam, 201))
     lines = marked_lines(t, lambdas)
     seen = _on_sphere(trajectory)
@@ -140,13 +141,16 @@ def _body_of(attrs: PlainData) -> Top:
 def diagram(t: Top, lam: float) -> tuple[list[tumbling.Branch], dict[str, float]]:
     """Return the asymptotic states of a body as branches over lambda, and its thresholds.
 
-    The branches reach beyond `lam` [kg m^3/s] and the thresholds, whose names are labels in TeX.
-    `tippetop plot SCENARIO states` calls it too.
+    `lam` is a value of lambda that the figure must show [kg m^3/s]; the names of the thresholds are
+    labels in TeX. The branches of the spinning states reach 1.25 times the largest of |lam| and the
+    thresholds; those of tumbling are whole. `tippetop plot SCENARIO states` calls it too.
     """
     t.require_spinning()
     body = t.system.body_of(t.parameters, Frictionless())
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
+    # one of the two is finite for every c other than 0, so that `max` is not 0 even for lam = 0
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
+    # `stability.states` takes the width of the figure from the spinning branches
     return tumbling.branches(body, 1.25 * max(abs(lam), *marks.values())), marks
 
 

@@ -58,6 +58,7 @@ def minima(
     two = t.two_wells
     F, q = np.empty((2, x.size, y.size))
     status = np.empty((x.size, y.size), np.int8)
+    # s: the slice of rows of one thread
     on_threads(lambda s: kernels.minima(two, x[s], y, c, F[s], q[s], status[s]), x.size, threads)
     return F, q, status
 

@@ -63,7 +63,7 @@ def turning_angles(
     given = {t.momenta[0]: first, t.momenta[1]: second, "energy": energy}
     aligned = _aligned(**given, theta=np.nan if theta is None else theta)
     x, y, E, at = (np.array(a.values, float).ravel() for a in aligned)
-    at = np.tan(at / 2) ** (2 * t.bottom_z)
+    at = np.tan(at / 2) ** (2 * t.bottom_z)  # q of theta, the inverse of `inclination`
     c = t.coefficients
     inertia = t.system.theta_inertia
     assert inertia is not None

@@ -81,7 +81,11 @@ def outside(w2, U2):
 
 @formula
 def drag(w2, U2):
-    """Return the `Drag` of two numbers, by the formula of its region; infinite where w = U = 0."""
+    """Return the `Drag` of two numbers, by the formula of its region; infinite where w = U = 0.
+
+    The regions are those of REGIONS, which has the border EDGE in place of x = 1: a change of one
+    is a change of both.
+    """
     if w2 <= U2:
         return inside(w2, U2) if U2 > 0 else Drag(math.inf, math.inf)
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
@@ -109,8 +113,8 @@ class Border(NamedTuple):
     event: str  # the event that ends the region
     beyond: Callable  # beyond(s, b), zero at the border; s.v2 = w^2 and s.U2 = U^2
     direction: int  # of the zero
-    follows: str  # the next region
-    back: str  # its event that leads back
+    follows: str  # the next region; the same one if only the step must end
+    back: str  # the event of the next region that leads back
 
 
 class Region(NamedTuple):

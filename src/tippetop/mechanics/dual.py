@@ -174,8 +174,10 @@ class Dual(NDArrayOperatorsMixin):
             """Return parts as one number with derivatives, or as the plain number."""
             return parts[0] if len(parts) == 1 else kind(*parts)
 
+        # the chain rule on numbers of one order less: `tails` are the derivatives of `heads`
         heads = [joined(parts[:-1] or parts) for parts in every]
         tails = [joined(parts[1:] or (CONSTANT,)) for parts in every]
+        # `operand` has names of `math`: asin, atan2; without one, the function of NumPy
         r = getattr(operand, name.replace("arc", "a"), function)(*heads)
         rest = RULES[name](*heads, r, *tails)
         first, *_ = r.parts if type(r) is kind else (r,)

@@ -52,7 +52,7 @@ EPS = number(METRE_PER_SECOND, "regularisation speed eps", symbol=r"\varepsilon"
 def drilling_part(omega, law):
     """Return the drilling torque about the vertical, per normal force [m].
 
-    It is -mu_d sgn(Omega_z), smooth where Omega_z = 0.
+    It is -mu_d sgn(Omega_z), smooth where Omega_z = 0, as `disc_friction.rolling` is.
     """
     return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
 
@@ -391,6 +391,7 @@ def takes_nothing(law: Any) -> Any:
     else:
         none = reduce(and_, (k == 0 for k in _coefficients(law, 0.0, 1e-6, 1.0)))
     if law.torque is not None:
+        # a drag and an omega with which every part of the torque would be seen in x or z
         turns = law.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 1.0), law)
         none = none & (turns.x == 0) & (turns.z == 0)
     return none

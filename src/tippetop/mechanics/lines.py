@@ -90,16 +90,22 @@ class Program:
         """Make a symbolic number of each input; there are no lines yet."""
         values = leaves(inputs)
         numbers = (Number(self, k, value) for k, value in enumerate(values))
+        # (index in OPERATIONS, place of a, place of b)
         self.lines = list[tuple]()
+        # by their bits, as `float.hex` writes them; in the order of their places
         self.constants = dict[str, float]()
+        # of the inputs
         self.count = len(values)
+        # the records with a symbolic number for each number
         self.inputs = refill(inputs, numbers)
+        # results by (operation, place of a, place of b): a repeated operation gets no second line
         self.known = dict[tuple, Number]()
 
     def place(self, value: Any) -> int:
         """Return the place of the register of a number; a constant gets one if it has none.
 
-        Constants are compared by their bits.
+        Constants are compared by their bits. `code` renumbers the registers: a change of one is a
+        change of both.
         """
         if isinstance(value, Number):
             return value.place
@@ -151,7 +157,8 @@ class Program:
 def unit_of(*values: Any) -> Any:
     """Return the least power of two above the largest of the sizes of some numbers.
 
-    Numbers of a program give a number of the program, and a line.
+    Numbers of a program give a number of the program, and a line. The operation UNIT of `loop.c`
+    computes the same: a change of one is a change of both.
     """
     values = plain(values)
     if isinstance(values[0], Number):

@@ -93,7 +93,8 @@ def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None =
 class _Reading:
     """A text that is being read as a number; `under` has the names whose numbers depend on it.
 
-    `number_of` makes one, and one for each name in a text.
+    The other fields are the arguments of `number_of`, which makes one; `named` makes one for each
+    name in a text.
     """
 
     text: str

@@ -115,6 +115,7 @@ def between(p, wp, q, wq, h, s):
     some = 2 * atan2(rest.x * v.x + rest.y * v.y + rest.z * v.z, rest.w)
     first = h * dot(wp, u)
     last = h * dot(wq, v)
+    # the number of turns is that of the mean omega_3
     whole = some + 2 * np.pi * np.rint(((first + last) / 2 - some) / (2 * np.pi))
     w = Vector(*(cubic(a, da, b, db, s) for a, da, b, db in zip(u, du, v, dv, strict=True)))
     w = times(1 / sqrt(dot(w, w)), w)

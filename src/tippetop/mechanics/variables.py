@@ -112,6 +112,7 @@ class Variables:
     def weights(self, scales: Scales) -> list:
         """Return the SI value of one internal unit of each variable."""
         units = [scales.of(unit) for unit in self.units.values()]
+        # of the type of the units: a float and a number in quad precision cannot be combined
         small = np.asarray(units[0]).dtype.type(INTEGRAL_SCALE)
         return [*units[: self.moving], *(unit / small for unit in units[self.moving :])]
 

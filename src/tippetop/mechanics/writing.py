@@ -81,6 +81,7 @@ class Program:
         x = a.number
         y = b.number
         if x is not None and y is not None and not (sign == "/" and y == 0):
+            # all four are computed, hence `or 1` for y = 0
             return self.of({"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[sign])
         if (sign == "+" and x == 0) or (sign == "*" and x == 1):
             return b

@@ -67,7 +67,7 @@ def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
     if len(places) == 1:
         places = [*places, np.array([-1.0, 1.0])]
         values = np.ma.stack([values, values], axis=1)
-        reach = (1.0, np.inf)
+        reach = (1.0, np.inf)  # from y = -1 and 1 to -inf and inf
     x, y = places
     paths: Any = contour_generator(x, y, values.T).lines(0.0)
     gap = np.full((1, 2), np.nan)

@@ -138,7 +138,8 @@ def _of_law(law: Any) -> str:
     def start(s: Any, z: Any, d: Sequence[Any], b: Any) -> list:
         """Return the numbers of the state y of a flight that begins with the initial numbers d.
 
-        d has the order of `INITIAL`; s and z are sin(theta) and cos(theta).
+        d has the order of `INITIAL`; s and z are sin(theta) and cos(theta). The integrals begin as
+        in `Variables.start`, those without a `start` at 0.
         """
         data = dict(zip(INITIAL, d, strict=True))
         angles: Any = row_of_angles(TOP.start(data, s, z, b), s, z, b)
@@ -149,7 +150,10 @@ def _of_law(law: Any) -> str:
         return [*FLIGHT.enter(moving(lifted), b), *carried]
 
     def rates(y: Any, b: Any) -> list:
-        """Return the rates of all numbers of the state y of a flight, in their order."""
+        """Return the rates of all numbers of the state y of a flight, in their order.
+
+        They are those of `Variables.rates`, without the scale of the integrals.
+        """
         q, carried = y
         return [*FORM.rates(q, b), *(one.rate(q, carried, b) for one in VARIABLES.integrals)]
 

@@ -135,6 +135,7 @@ def read(
         t = columns["time"]
         some = samples(columns, attrs)
         rough = max(rough, spacing.row_error(t, some))
+        # from the first row that is shown to the end; not 0, by which the share is divided
         span = span or max(min(end, end_of(attrs)) - t[0], 1e-300)
         # the share of this piece in the samples of a page
         few = spacing.chosen(t, some, max(1, math.ceil(spacing.FEW * np.ptp(t) / span)))

@@ -141,6 +141,7 @@ def _force(
     n = velocity.shape[1]
     normal = columns.get("normal_force", np.full(n, np.nan))
     if "nu_x" in columns and "phase" not in columns and b.friction.coefficient is not None:
+        # not 0, where k of Coulomb's law itself is infinite
         k = slip_coefficient(np.maximum((slip**2).sum(axis=0), 1e-300), z, b.friction)
         return np.stack([*(-k * normal * slip), normal], axis=1)
     push = b.m * np.gradient(velocity, columns["time"], axis=1) if n > 1 else np.zeros((2, n))

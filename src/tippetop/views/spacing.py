@@ -39,6 +39,7 @@ def interpolated(times: np.ndarray, samples: np.ndarray, shown: np.ndarray) -> n
 
     `times` ascend [s]; attitudes by `attitude`, other channels linearly. motion.js does the same.
     """
+    # without the ends, so that i is an interval, 0 to n - 2, for the last time too
     i = np.searchsorted(times[1:-1], shown, side="right")
     p = samples[i]
     q = samples[i + 1]

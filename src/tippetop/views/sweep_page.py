@@ -97,7 +97,8 @@ def page_of_sweep(path: Path) -> str:
 def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
     """Return the numbers in which tops differ, by dotted key, (tops,) each.
 
-    They replace those of `numbers_for_page`, which has no psi': it becomes omega_3.
+    They replace those of `numbers_for_page`, which has no psi': it becomes omega_3, as in
+    `gliding.start_of`; a change of one is a change of both.
     """
     columns = {
         key: np.broadcast_to(values, tops.shape) for key, values in plan.columns(tops).items()

@@ -94,6 +94,7 @@ def inconsistencies(system: System) -> list[str]:
                 "0 or 1, but has": [
                     event.name
                     for event in events
+                    # `len`: no formula is no fault here; jumps may log the event
                     if event.direction not in (-1, 0, 1) or not callable(event.formula or len)
                 ],
                 f"{where} must have events with the directions of the phases before, but has": [
@@ -128,6 +129,7 @@ def inconsistencies(system: System) -> list[str]:
                 "`leave`, but has": [
                     f"{name} [{unit.symbol}]"
                     for name, unit in variables
+                    # the same function only if both are the default, `form.unchanged`
                     if phase.enter is phase.leave and variables != common
                 ],
             }

@@ -148,7 +148,11 @@ State = type(UNITS)
 
 @formula
 def scalars(q, b):
-    """Return the `Scalars` of a state."""
+    """Return the `Scalars` of a state.
+
+    x' = nu_x + theta' h is also in `start` and in the integral `x`: a change of one is a change of
+    all.
+    """
     along = q.nu_x + q.theta_dot * contact.height(q.z, b)
     w2 = q.theta_dot**2
     return Scalars(
@@ -213,6 +217,7 @@ def rates(q, b):
     Fx, N = contact_force(c, b, b.friction)
     h = contact.height(q.z, b)
     theta_dot2 = -(b.c * q.s * N + h * Fx) / b.I1
+    # the last one is the rate of nu_x = x' - theta' h, with h' = c theta' s
     return State(
         q.z * q.theta_dot,
         -(q.s * q.theta_dot),
@@ -279,6 +284,7 @@ def sliding(c, b):
     """Return |v_A|^2 less 1e-12, in internal units: the function of `settled`.
 
     Unlike `gliding.sliding` it does not read the coefficient of the law, which `Modified` lacks.
+    The bound is in words in SETTLED: a change of one is a change of both.
     """
     return c.v2 - 1e-12
 

@@ -91,7 +91,7 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
     if has_parts(b.friction):
         return Outlook(PARTS_TAKE)
     limits = thresholds(b)
-    on_stem = b._replace(R=law.r, c=b.c + law.h)
+    on_stem = b._replace(R=law.r, c=b.c + law.h)  # the ball of the stem, as in `views.samples`
     if law.stem and on_stem.c > 0:  # else the centre of mass is not above the stem's ball
         needed = lambda_s(on_stem)
         limits |= {
@@ -186,6 +186,7 @@ def cylinder(b: Touch, start: Start) -> Outlook:
     """Predict an eccentric cylinder that rolls, or comes to. [T ch. 6]"""
     if b.c == 0:
         return Outlook("a round cylinder rolls as it began")
+    # theta'' of `rolling_cylinder.rolling_acceleration` for small theta
     omega = math.sqrt(b.m * b.g * b.c / (b.I1 + b.m * (b.R - b.c) ** 2))
     return Outlook(f"small oscillations in rolling have angular frequency {omega:.6g} rad/s")
 

@@ -41,6 +41,7 @@ def rolling_acceleration(s, z, theta_dot, b):
 @formula
 def rolling_scalars(q, b):
     """Return the `cylinder.Scalars` of a state, with v_A = 0 and the horizontal force."""
+    # m x'' of x' = theta' h, with h' = c theta' s
     Fx = b.m * (
         rolling_acceleration(q.s, q.z, q.theta_dot, b) * contact.height(q.z, b)
         + b.c * q.theta_dot**2 * q.s

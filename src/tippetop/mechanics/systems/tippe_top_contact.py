@@ -120,6 +120,7 @@ def vertical_force(q, carried, b):
     u_dot = axis_rate(q, b)
     rates = contact_rates(q, b)
     turn = rates.Mx * q.uy - rates.My * q.ux + q.Mx * u_dot.y - q.My * u_dot.x
+    # the term is -m (|a|^2)' z', with |a|^2 of `body.arm2`
     z_dot2 = (turn + 2 * (b.m * b.c * b.R) * (u_dot.z * u_dot.z)) / tipping_inertia(q, b)
     return b.m * (b.g - b.c * z_dot2)
 

@@ -54,7 +54,7 @@ def reduced_kinematics(q, b):
     z = q.z
     s2 = (1 - q.z) * (1 + q.z)
     L3 = spin_momentum(z, q.D, b)
-    Lz = (q.lam + b.c * L3) / b.R
+    Lz = (q.lam + b.c * L3) / b.R  # `body.jellett_of`, solved for Lz
     phi_dot_s2 = (Lz - L3 * z) / b.I1
     axis_speed2 = (q.z_dot * q.z_dot + phi_dot_s2 * phi_dot_s2) / s2
     z_ddot_free = contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b)

@@ -48,7 +48,8 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
         ]
     for values, rates in pairwise(f):
         slopes = -(s * rates)
-        sums = (slopes[:-2:2] + 4 * slopes[1::2] + slopes[2::2]) * (THETA[2] / 6)  # Simpson
+        # Simpson's rule over two steps, of length THETA[2]
+        sums = (slopes[:-2:2] + 4 * slopes[1::2] + slopes[2::2]) * (THETA[2] / 6)
         size = SMOOTH * np.max(np.abs(values)) + 1e-9 * np.max(np.abs(f[0]))
         if (rough := ~(np.abs(np.diff(values[::2]) - sums) <= size)).any():
             return [

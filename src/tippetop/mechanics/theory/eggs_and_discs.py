@@ -87,7 +87,8 @@ def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshol
     ball = touching_ball(z, s * s, b)
     high = height(z, ball)
     q = ball.c - ball.R * z
-    # z'' = 0 is linear in omega_3; solved by hand it loses no digits where phi' is small or large
+    # z'' = 0, as of `rolling.z_dot2` with z' = 0, is linear in omega_3; solved by hand it loses no
+    # digits where phi' is small or large
     drive = b.I1 * z * phi_dot**2 - b.m * (ball.c * b.g + high * q * phi_dot**2)
     omega3 = drive / ((b.I3 + b.m * high * ball.R) * phi_dot)
     mu = abs(phi_dot * s * (ball.R * omega3 + q * phi_dot)) / b.g

@@ -78,6 +78,7 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     spins = {low: abs(lam) < lambda_u(b), high: abs(lam) > lambda_s(b)}
     sense = math.copysign(1, lam)
     tumbling_ones = []
+    # from the largest z to the least, as theta rises; at lambda = 0 no top tumbles
     for z in map(float, tumbling_states(lam, b)[::-1] if lam else ()):
         phi_dot, omega3 = (sense * float(rate) for rate in tumbling(z, b))
         stable = bool(tumbling_is_stable(z, b))

@@ -97,18 +97,19 @@ def reconstruct(
     """
     equation = Equation(system, b, times, momenta, energy)
     out = np.full(len(times), np.nan)
-    turnings = [float(times[0])]
+    turnings = [float(times[0])]  # with the start, which the results leave out
     mismatch = 0.0
     out[0] = z
     t = float(times[0])
     end = float(times[-1])
     length = LONGEST * period
     start = np.array([z, 0.0, 0.0])
+    # of the order of z''/(2 pi/period), with z'' = Q_z/2; pieces replace it by their own
     fastest = abs(equation.slope(z, t)) * period / 20
     spread = np.zeros((2, 2))  # of z and z' at the start of a piece: the covariance of their errors
     while t < end:
         piece, apart, ways = equation.piece(t, min(t + length, end), start, fastest, period)
-        if not apart <= APART:
+        if not apart <= APART:  # NaN too
             length /= 2
             if length < SHORTEST * period:
                 return Reconstruction(out, np.array(turnings[1:]), apart, True)
@@ -132,6 +133,7 @@ def reconstruct(
         out[inside] = piece(times[inside])
         roots = speed.roots()
         for turning in np.sort(roots[np.abs(roots.imag) < SAME * period].real):
+            # not the one before again; in the piece or, by rounding, just before it
             if max(turnings[-1], t - 2 * SAME * period) + SAME * period < turning <= last:
                 turnings.append(float(turning))
         if len(turnings) > 2:
@@ -227,6 +229,7 @@ class Equation:
 
         half = (last - first) / 2
         times = first + half * (NODES + 1)
+        # NODES descend, and scipy needs ascending times
         guess = solve_ivp(rates, (first, last), start, "DOP853", times[::-1], rtol=1e-8, atol=1e-10)
         if len(guess.t) < len(times):
             return Chebyshev([0.0], [first, last]), np.inf, np.empty(0)

@@ -48,6 +48,7 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
         twist = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c
         lever = 1j * h / b.I1
         v0, v1, v2 = (lever * M + 1j * twist * N for M, N in zip(momentum, n, strict=True))
+        # rates of u, L and v_A, each x + i y, by these three
         matrix = np.array([n, momentum, (v0, v1, v2 - slip * b.g)])
     if not np.isfinite(matrix).all():
         return np.full(3, complex(np.nan, np.nan))
@@ -58,7 +59,8 @@ def _slip(omega3: Any, up: int, law: Any) -> Any:
     """Return the slip coefficient k at rest [s/m]: a number, or (n,) for many laws or spins.
 
     For a disc that drills at omega3 it is the limit of small sliding, 3 pi mu/(8 patch |omega3|),
-    without rolling resistance.
+    without rolling resistance: mu k of `disc_friction.inside` at w = 0; a change of one is a change
+    of both.
     """
     if not law.regions:
         return slip_coefficient(0.0, float(up), law)
@@ -146,7 +148,7 @@ def stability(z: int, b: Touch, *, rolls: bool, free: Any = False) -> tuple[Any,
     h = b.R - z * b.c
     rise = -z * b.c  # of the centre of mass above that of the ball
     weight = b.m * b.g * rise * (np.abs(rise) > ROUNDED * h)
-    if rolls:
+    if rolls:  # discriminant of the polynomial of `rolling_modes`: a change of one is one of both
         return (b.I3 + b.m * h * b.R) ** 2 * (weight != 0), 4 * weight * (b.I1 + b.m * h**2)
     lever = b.I3 * h - b.I1 * b.R
     lever = lever * (np.abs(lever) > ROUNDED * b.I3 * h)

@@ -23,6 +23,7 @@ def oscillations(spin: float, up: int, b: Asymmetric) -> tuple[np.ndarray, np.nd
     """
     # a state that leans by an infinitesimal part of each variable: complex steps give the matrix
     x, y, Lx, Ly = 1j * STEP * np.eye(4)
+    # axis 1 is (1, 0, -up x), perpendicular to axis 3 to first order
     q = framed.ROLLS.units._make((x, y, up, 1.0, 0.0, -up * x, Lx, Ly, b.I3 * spin))
     q_dot = framed.ROLLS.rates(q, b)
     matrix = np.imag([q_dot.ux, q_dot.uy, q_dot.Lx, q_dot.Ly]) / STEP

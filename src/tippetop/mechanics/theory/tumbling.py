@@ -18,7 +18,10 @@ from .thresholds import SPINS, lambda_s, lambda_u, sense, shape, spins_by_height
 
 
 def tumbling_limits(b: Touch) -> tuple[float, float]:
-    """Return the open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
+    """Return the open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]
+
+    There the root in `tumbling_jellett` is real: a change of one is a change of both.
+    """
     alpha, gamma, *_ = shape(b)
     low = max(-1.0, -alpha / (gamma - 1)) if gamma > 1 else -1.0
     high = min(1.0, alpha / (1 - gamma)) if gamma < 1 else 1.0
@@ -55,6 +58,7 @@ def lambda_t(b: Touch) -> Any:
     two, upright spin and tumbling are both stable. Its relative error is about 1e-5. Of one body,
     or of many, (n,).
     """
+    # (401, 1) for many bodies, so that both broadcast
     z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
     return np.nanmin(tumbling_jellett(z, b), axis=0)
 
@@ -72,7 +76,8 @@ def tumbling_is_stable(z: Any, b: Touch) -> Any:
 def tumbling_states(lam: float, b: Touch) -> np.ndarray:
     """Return every z at which a tumbling state has Jellett's integral lam, ascending.
 
-    They are roots of a quartic.
+    They are roots of a quartic, the square of `tumbling_jellett`(z) = lam without denominator: a
+    change of one is a change of both.
 
     Terms that rounding hides for every z in [-1, 1] are left out: their roots lie far beyond, but
     `np.roots` would place them anywhere.
