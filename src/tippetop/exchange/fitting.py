@@ -44,6 +44,7 @@ LAGS = 12
 CORRELATED = 0.99
 # Standard error of one of them, in its coordinate, beyond which that is reported
 ROUGH = 0.05
+# Of a 95 % interval, which has two sides
 QUANTILE = 0.975
 # Standard errors beyond which a systematic error is named
 LARGE = 3.0

@@ -55,7 +55,7 @@ def columns_at(
     names
         Of the columns: those of runs, and `IN_BODY`.
     """
-    if not points:
+    if not points:  # nothing is free: a motion for each row of `times`, up to its last time
         points = {"run.until": times[:, -1]}
     known = {*names}
     # omega from L, about the centre of mass: the engine has instruments in smooth motion only. The

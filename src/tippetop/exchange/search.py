@@ -74,6 +74,10 @@ class Minimum(NamedTuple):
     over the window; of the former, SciPy has multiplied the Jacobian by the weights of the loss.
     `searches` is the number of searches that ended there; 0 of one that was given up, and of
     minima that a search came across.
+
+    Shapes are `point` (free,), `residual` (numbers,), `jacobian` (numbers, free). `cost` is the sum
+    of squares of the residuals, as the loss bends them; before the last window with those of the
+    scenario's numbers. `variance` is that of the noise, see `Misfit.variance`.
     """
 
     point: np.ndarray
@@ -146,7 +150,7 @@ def local_minimum(
         max_nfev=MOST if last else FEW,
     )
     residual = result.fun[:count]
-    cost = 2 * result.cost
+    cost = 2 * result.cost  # SciPy's is half the sum of squares
     variance = misfit.variance(residual)
     return Minimum(result.x, residual, result.jac[:count], cost, variance)
 

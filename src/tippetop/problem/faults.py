@@ -216,7 +216,8 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     units = problems.base.law.units()
     scaled = kind._make(v / problems.unit(u) for v, u in zip(law, units, strict=True))
     speed, slowness = map(problems.unit, (METRE_PER_SECOND, SECOND_PER_METRE))
-    for v2, z in PLACES[3:]:  # at rest, a constant that keeps a root from 0 decides
+    # without the three places at rest, where a constant that keeps a root from 0 decides
+    for v2, z in PLACES[3:]:
         k = coefficient(v2, z, law)
         again = coefficient(v2 / speed**2, z, scaled) * slowness
         if (bad := ~(abs(k - again) <= SAME * abs(k))).any():

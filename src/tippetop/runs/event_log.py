@@ -38,6 +38,7 @@ def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | No
     problem = view.problem
     event = next(event for event in problem.system.events if event.lasting)
     value = float(event.formula(view.moment(last[0]), view.body))
+    # still on the side to which the event crossed 0, and nothing slides again
     if not value * event.direction > 0 or slides(problem.alone, last.T, [0]).any():
         return None
     return since * problem.unit(SECOND)

@@ -97,6 +97,7 @@ def refuse_more_than_memory(problem: Problem) -> None:
     if problem.output != "times":
         return
     there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    # doubles: the state and the columns, and the time with each of the two
     per_row = 8 * (len(problem.variables.names) + len(problem.kept_columns) + 2)
     needed = len(problem.times) * per_row
     if needed > there:

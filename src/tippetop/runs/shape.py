@@ -73,9 +73,9 @@ class Surface(NamedTuple):
     """The surface of a body: an ellipsoid or, with a meridian, a surface of revolution.
 
     `centre` is seen from the centre of mass, in body axes; the half axes are turned against them by
-    `turn` about axis 3. A meridian has height and radius, in units of the half axes, and the
-    inclination of its normal, at POINTS equal steps of this, from above, and at a point of the axis
-    before and after these.
+    `turn` [rad] about axis 3. A meridian, (POINTS + 2, 3), has height and radius, in units of the
+    half axes, and the inclination of its normal [rad], at POINTS equal steps of this, from above,
+    and at a point of the axis before and after these.
     """
 
     centre: np.ndarray
@@ -187,7 +187,8 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
 def inertial_ellipsoid(b: Touch) -> list[float]:
     """Return the half axes [m] of the uniform ellipsoid with the moments of inertia of a heavy top.
 
-    They are those across the axis, twice, and along it. It shrinks until it ends before the tip.
+    The half axes are across the axis, twice, and along it. The ellipsoid is scaled down until it
+    ends before the tip.
     Half axes a, a, c have I3 = 2 m a^2/5 and I1 = m (a^2 + c^2)/5; c is 0.14 a at least, so that a
     flat body can be seen.
     """

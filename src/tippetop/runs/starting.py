@@ -106,7 +106,7 @@ def problem_from_tables(tables: PlainData, source: Any, known: System | None = N
     options = {k: v for k, v in attrs["run"].items() if k not in ("events", "columns")}
     before = build.problem(build.tables_of(attrs) | {"run": options})
     end = ledger.read(path).end
-    # doubles to be added
+    # doubles to be added, here and in `Problem.alone`
     parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
     others: list[str] = ["system"] if tables["system"] != attrs["system"] else []
@@ -155,7 +155,8 @@ def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
 
     Only for people to read: the run starts from the exact state.
     """
-    if before.contact is not None and before.contact.stem:  # they are of the sphere
+    # initial data are those of the sphere, while the state may be that of the stem
+    if before.contact is not None and before.contact.stem:
         state = state.copy()
         names = before.variables.names
         for name, value in (("radius", before.internal_body.R), ("offset", before.internal_body.c)):

@@ -61,8 +61,9 @@ class MapAxis:
 
 @dataclass(frozen=True)
 class Map:
-    """Fields over cells, (x,) or (x, y), NaN in cells without a value.
+    """Fields over cells by column, (x,) or (x, y), NaN in cells without a value.
 
+    `kind` is a key of NEEDED. The field `class` has indices of `classes`.
     With `inversion`, the field `class` is the most frequent class in the cells without a time.
     `borders`: label -> function over the `span`s of the axes, zero at the border.
     `notes` list what the axes do not show.
@@ -113,6 +114,7 @@ def make_map(path: Path, kind: str) -> Map:
     for axis in varying[:2]:
         chosen &= np.isfinite(numbers[axis.of])
     shape = tuple(len(axis.edges) - 1 for axis in axes)
+    # of each top, the number of its cell along each axis
     places = [np.searchsorted(a.edges[1:-1], numbers[a.of], side="right") for a in axes]
     cells = np.ravel_multi_index(places, shape)[chosen]
 
@@ -152,6 +154,8 @@ def borders_of(
 
     Parameters
     ----------
+    plan
+        The plan of the sweep.
     axes
         Those of a map.
     further
