@@ -136,6 +136,7 @@ def local_minimum(
     exact = last and not is_rough
     begin = residuals(point)
     count = len(begin)
+    # the scenario's numbers, 0 in these coordinates, count as measurements before the last window
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
     result = least_squares(
         lambda x: np.append(residuals(x), keep * x),
@@ -215,6 +216,7 @@ def widen(misfit: Misfit) -> None:
     """
     space = misfit.space
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
+    # the distances whose effects, each alone and linear, are as large as the residuals
     need = (
         space.width
         * np.linalg.norm(residual)
@@ -288,6 +290,7 @@ def starts_of(misfit: Misfit, searches: int) -> np.ndarray:
     count = searches * batch
     sobol = qmc.Sobol(free, seed=0).random_base2(int(np.ceil(np.log2(count))))
     points = np.vstack([np.zeros(free), 2 * sobol - 1])[:count]
+    # neighbours in the sequence go to different searches
     return misfit.space.clipped(points).reshape(batch, searches, free).swapaxes(0, 1)
 
 

@@ -71,6 +71,7 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
         rate = np.cross(w, u)
+        # u' = L x u/inertia, so u'' = bend/inertia; the force is m place'' - weight
         bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
         force = -body.m * body.c / inertia * bend - weight
         return columns | {"place": place, "velocity": -body.c * rate, "omega": w, "force": force}

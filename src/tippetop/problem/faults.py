@@ -160,6 +160,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     together = f"{', '.join(numbers)} and `initial` must stay finite together, but they overflow."
     known = values(limits)
     ours = values(q.formula for q in base.system.quantities if not owner(q.formula))
+    # not where a domain is left by a finite amount: that is the cause then, and is reported below
     overflows = ~finite | ~(abs(ours) < LARGEST).all(axis=0)
     faults.append((together, overflows & ~((known <= 0) & (known > -LARGEST)).any(axis=0)))
     large = abs(start[variables.moving :]) > 1

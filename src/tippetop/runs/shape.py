@@ -66,6 +66,7 @@ def columns_of(attrs: dict[str, Any]) -> set[str]:
     """Return the names of the columns that a run of a known system can have."""
     system: Any = find(attrs["system"])
     of_contact = {"phase", "ball"} if "contact" in attrs else set()
+    # with orientation, and without the integrated variables of quadruple runs, which are not drawn
     return {*column_names(system, system.forms[attrs["form"]], True, "double"), *of_contact}
 
 

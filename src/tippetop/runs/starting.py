@@ -116,6 +116,7 @@ def problem_from_tables(tables: PlainData, source: Any, known: System | None = N
         others = [name for name in SAME if resolved[name] != attrs[name]]
         if (run.contact is None) != (before.contact is None):
             others.append("contact")
+        # air and plane must have numbers of the same names; their values may differ
         there = run.tables, before.tables
         around = [n for n in TABLES if len({(*one.get(n, {}),) for one in there}) > 1]
         others += around
@@ -125,7 +126,7 @@ def problem_from_tables(tables: PlainData, source: Any, known: System | None = N
         words = f"must be that of `{path}`, whose end is the start, but is another."
         raise InputError([f"`{name}` {words}" for name in others])
     joint = hexfloat.decode(end["end"].get("joint", {}))
-    if any(resolved.get(name) != attrs.get(name) for name in TAKEN):  # phases are others
+    if any(resolved.get(name) != attrs.get(name) for name in TAKEN):  # another phase may follow
         joint.pop("next", None)
     origin = {
         "from": str(initial["from"]),

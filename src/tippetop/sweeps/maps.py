@@ -87,6 +87,7 @@ def make_map(path: Path, kind: str) -> Map:
     plan = plan_of(table)
     numbers = plan.design.numbers(np.arange(plan.n))
     columns = derived_axes.resolved(plan.base, numbers)
+    # 1: a system without `alpha` has no pegs
     alpha = columns.get("parameters.alpha", plan.base.parameters.get("alpha", 1))
     if kind == "inversion" and np.any(np.less(alpha, 0)):
         raise InputError(
@@ -245,7 +246,7 @@ def _gathered(
     result = np.full(math.prod(shape), np.nan)
     if name == "class":
         each = pd.crosstab(cells, values).idxmax(axis=1)
-    else:  # an event that never happens comes last
+    else:  # an event that never happens comes last; "lower": the value of a top, no mean with inf
         groups = pd.Series(np.where(np.isnan(values), np.inf, values)).groupby(cells)
         least_or_most = {"normal_force_min": groups.min, "normal_force_max": groups.max}
         each = least_or_most.get(name, lambda: groups.quantile(0.5, interpolation="lower"))()

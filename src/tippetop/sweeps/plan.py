@@ -167,6 +167,7 @@ class Plan:
         best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
         least = CHUNKS[0]
         if self.base.system.is_hybrid:
+            # a quarter, so that a small sweep has four chunks too
             least = int(np.clip(self.n // 4, *POOLED))
         return min(max(best, least), CHUNKS[1], self.n)
 
