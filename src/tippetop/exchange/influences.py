@@ -76,6 +76,7 @@ def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
         c1, c2 = air_of_sphere(tables["parameters"]["R"], spin)
         cases[AIR] = [{"air": {"c1": size * c1, "c2": size * c2}} for size in (0.0, PART)], PART
     if law == "coulomb":
+        # patch and mu_r as the disc in `law_choice`: a change of one is a change of both
         disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
         cases[DISC] = [{}, {"friction": disc}], 1.0
     elif law not in ("none", "contensou") and "mu_d" not in friction:

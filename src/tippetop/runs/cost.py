@@ -72,7 +72,7 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     # fewer steps where rows are dense: a slice has about ROWS of them at most
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
     if problem.system.is_hybrid:  # later phases would be compiled on the way
-        driver_of(problem).codes()
+        driver_of(problem).codes()  # the integrators of all phases
     _timed(problem, size, 1, clock)  # compiles
     seconds, progress = _timed(problem, size, SLICES, clock)
     whole = 1.0  # a run that ended within these slices

@@ -109,6 +109,7 @@ class EventLog:
         seconds = zeros.times.astype(float) * self.second
         senses = self.senses[zeros.events]
         lasts = self.lasts[zeros.events]
+        # +1 where theta' becomes positive, at a minimum of theta: see `Event.sense`
         rising = zeros.signs * senses
         turning = senses != 0
         rising = np.where(turning, rising, np.sign(values["theta_dot"].astype(float)))

@@ -193,7 +193,7 @@ def inertial_ellipsoid(b: Touch) -> list[float]:
     Half axes a, a, c have I3 = 2 m a^2/5 and I1 = m (a^2 + c^2)/5; c is 0.14 a at least, so that a
     flat body can be seen.
     """
-    across2 = 2.5 * b.I3 / b.m
+    across2 = 2.5 * b.I3 / b.m  # a^2; c^2 below, of which 0.02 a^2 is the least
     along = np.sqrt(max(5 * b.I1 / b.m - across2, 0.02 * across2))
     across = np.sqrt(across2)
     size = min(1.0, -b.c * BIGGEST / max(across, along))
