@@ -205,7 +205,8 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
     source
         The other function.
     options
-        Makes the text that replaces `{options}` in the docstring; `{names}` there become the names.
+        Makes the text that replaces `{options}` in the docstring; by default, `str`, an empty one.
+        `{names}` in the docstring become the names of the keywords that are added.
     """
 
     def decorated(function: F) -> F:

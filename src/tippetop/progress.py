@@ -42,7 +42,7 @@ class Bar:
         """Decide whether a bar is shown: in a notebook or at a terminal, unless TIPPETOP_QUIET."""
         self.things = things
         self.count = count
-        self.bar: Any = None
+        self.bar: Any = None  # of rich, or the display of a notebook; None before the first drawing
         self.notebook = _notebook()
         seen = self.notebook is not None or sys.stderr.isatty()
         self.visible = seen and not os.environ.get("TIPPETOP_QUIET")

@@ -78,6 +78,7 @@ def extremes(values: np.ndarray, size: int) -> np.ndarray:
     count = len(values)
     first = np.arange(0, count, size)
     bins = np.pad(np.nan_to_num(values), (0, -count % size), "edge").reshape(-1, size)
+    # an index beyond the end is that of a copy of the last value, by which the last bin is padded
     return np.unique(
         np.minimum([*(first + bins.argmin(1)), *(first + bins.argmax(1)), count - 1], count - 1)
     )

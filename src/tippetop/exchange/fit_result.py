@@ -128,6 +128,7 @@ class Fit:
 
         Numbers of the table's clock, which a scenario does not have, are comments at the end.
         """
+        # e: an `Estimate`
         notes = {name: f"  # +- {e.sigma:.2g}" for name, e in self.estimates.items()}
         clock = [
             f"# {name} = {e.value:.9g} +- {e.sigma:.2g}"
@@ -142,6 +143,7 @@ class Fit:
         """Return numbers with errors and intervals, and reasons, in lines; doubts first."""
         width = max(len(name) for name in self.estimates)
         rows = []
+        # e: an `Estimate`
         for name, e in self.estimates.items():
             unit = self.observation.rule(name).unit.symbol
             digits = _digits(e)

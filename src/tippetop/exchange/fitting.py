@@ -44,6 +44,7 @@ LAGS = 12
 CORRELATED = 0.99
 # Standard error of one of them, in its coordinate, beyond which that is reported
 ROUGH = 0.05
+# Of a 95 % interval, which has two sides
 QUANTILE = 0.975
 # Standard errors beyond which a systematic error is named
 LARGE = 3.0
@@ -120,6 +121,7 @@ def fit(
         # searches that were given up, and those that ended as far from the data as the best
         failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
         lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
+        # the excess is NaN, and the comparison false, without a rival
         if ends[0].searches >= MET or lost or misfit.excess(ends[0].cost) < RIVAL / 2:
             break
     misfit.refine()
@@ -194,6 +196,7 @@ def _excess(parts: Arrays) -> float:
         n = len(rho)
         if n > 2 * LAGS:
             total = n * (n + 2) * (rho[lags] ** 2 / (n - lags)).sum()  # Ljung and Box 1978
+            # of noise it has the mean LAGS and the variance 2 LAGS (chi-squared)
             worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
     return worst
 
@@ -207,6 +210,7 @@ def correlation_time(parts: Arrays) -> float:
     longest = 1.0
     for rho in _autocorrelations(parts):
         some = rho[1 : len(rho) // 4]
+        # two standard deviations of noise; False: an end, where all lags are significant
         end = np.argmin([*(some >= 2 / np.sqrt(len(rho))), False])
         longest = max(longest, 1 + 2 * float(some[:end].sum()))
     return longest
@@ -253,6 +257,7 @@ def judged(
     shifts = {n: np.linalg.norm(inverse @ (root * some).T, axis=1) for n, some in changes.items()}
     beside = np.sqrt(sum((shift**2 for shift in shifts.values()), np.zeros(len(point))))
     quantile = float(student.ppf(QUANTILE, freedom)) if not doubts else np.nan
+    # standard errors in the coordinates of the `Scale`s
     widths = sigma / [s.slope(v) for s, v in zip(space.scales, values.values(), strict=True)]
     estimates = {}
     for (name, value), scale, width, *errors in zip(
@@ -328,6 +333,7 @@ def _not_noise(misfit: Misfit, parts: Arrays, noise: dict[str, float]) -> list[s
             )
     for group, stated in observation.stated.items():
         count = np.isfinite(parts[group]).sum()
+        # the variance of `count` residuals has the relative standard deviation sqrt(2/count)
         if noise[group] > stated * np.sqrt(1 + NOISY * np.sqrt(2 / count)):
             reasons.append(
                 f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} "

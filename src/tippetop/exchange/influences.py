@@ -16,6 +16,8 @@ from ..scenario import build
 from .misfit import Misfit
 
 
+# Words for the report, and the sizes that they contain: a change of one is a change of both. PATCH
+# is a radius [m], and also that of a disc in `law_choice.under`
 TILTED = "a table tilted by 0.1 degrees"
 TILT = math.radians(0.1)
 AIR = "the drag of still air on a sphere of its size"
@@ -35,6 +37,7 @@ def air_of_sphere(radius: float, spin: float) -> tuple[float, float]:
     The torque is rho omega^2 R^5 (6.45/sqrt(Re) + 32.1/Re)/2, Re = omega R^2/nu (Dennis, Singh and
     Ingham, J. Fluid Mech. 101, 1980), which c1 omega + c2 omega^2 meets at this spin [rad/s].
     """
+    # 32.1/2 in c1; 6.45/2 in c2, with the root of Re at this spin
     c1 = 16.05 * DENSITY * VISCOSITY * radius**3
     return c1, 3.225 * DENSITY * math.sqrt(VISCOSITY / spin) * radius**4
 
@@ -73,10 +76,11 @@ def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
         c1, c2 = air_of_sphere(tables["parameters"]["R"], spin)
         cases[AIR] = [{"air": {"c1": size * c1, "c2": size * c2}} for size in (0.0, PART)], PART
     if law == "coulomb":
+        # patch and mu_r as the disc in `law_choice`: a change of one is a change of both
         disc = {"law": "contensou", "patch": PATCH, "mu_r": 0.0, "mu": friction["mu"]}
         cases[DISC] = [{}, {"friction": disc}], 1.0
     elif law not in ("none", "contensou") and "mu_d" not in friction:
-        # as `simulators.DRILLING`: Hertz's pressure
+        # 3 pi/16 as `simulators.DRILLING`, Hertz's pressure: a change of one is a change of both
         drilling = 3 * math.pi / 16 * friction.get("mu_coulomb", USUAL_MU) * PATCH
         some = [{"friction": {**friction, "mu_d": size * drilling}} for size in (0.0, PART)]
         cases[DISC] = some, PART

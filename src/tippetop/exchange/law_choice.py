@@ -64,6 +64,7 @@ def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
     order = 2 if name in ("viscous", "latitude") else 1
     pressed = np.nansum(force * speed**order)
     mu = abs(float(np.nansum(power))) / pressed if pressed > 0 else USUAL_MU
+    # as the disc in `influences.changes`
     disc = {"patch": PATCH, "mu_r": 0.0} if name == "contensou" else {}
     return {"law": name, "mu": mu, **disc}
 

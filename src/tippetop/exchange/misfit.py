@@ -75,7 +75,8 @@ class Misfit:
         self.rows = len(observation.t)
         # Residuals, SI, of another scenario that explains the measurements
         self.rival: Arrays = {}
-        # the points that were read last, and results: reset where predictions or weights change
+        # points and rows as a key, then the result of `read` for them: reset where predictions or
+        # weights change
         self.last: Any = (None,)
 
     def residuals(self, points: np.ndarray, rows: int) -> np.ndarray:
@@ -103,6 +104,7 @@ class Misfit:
         jacobians = np.zeros((*middle.shape, free))
         bends = np.full(points.shape, np.inf)
         low, high = self.space.bounds
+        # a coordinate of 1 is the distance `within`, while STEPS are parts of FAR
         for step in np.multiply(STEPS, FAR / self.space.within):
             p, i = np.nonzero(bends > AGREE)
             if not len(p):

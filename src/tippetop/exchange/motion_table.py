@@ -22,7 +22,8 @@ from .headers import heading, parsed
 
 # Cells without a number, in any case of letters
 GAPS = ("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "-")
-# Standard deviations of the noise by which an angle may lie beyond its bounds
+# Standard deviations of the noise by which an angle may lie beyond its bounds, "five" in the
+# docstring of `library.exchanging.fit`
 BEYOND = 5.0
 # Rows among which the header is, after titles
 TITLES = 20

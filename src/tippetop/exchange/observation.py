@@ -81,6 +81,8 @@ class Observation:
         Standard deviation of the noise of each kind for which it is stated [rad].
     given
         Which residuals of each kind are numbers, (rows, parts) of `residuals`.
+    columns
+        Names of the columns of a motion from which the groups are predicted.
     own
         The free numbers of the scenario: `free` without those of the clock.
     exact, predicted

@@ -36,7 +36,7 @@ def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
     clock
         The place of the time of the clock among the free numbers.
     """
-    known = [first._replace(searches=0)]
+    known = [first._replace(searches=0)]  # the best of them gets its 1 at the end
     for side in (1, -1):
         before = first
         here = _next(misfit, first, clock, side)

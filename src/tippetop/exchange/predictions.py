@@ -55,7 +55,7 @@ def columns_at(
     names
         Of the columns: those of runs, and `IN_BODY`.
     """
-    if not points:
+    if not points:  # nothing is free: a motion for each row of `times`, up to its last time
         points = {"run.until": times[:, -1]}
     known = {*names}
     # omega from L, about the centre of mass: the engine has instruments in smooth motion only. The
@@ -66,6 +66,7 @@ def columns_at(
         known = {"orientation", "L"} | (known - IN_BODY.keys())
     turning = not known.isdisjoint({"orientation", *IN_BODY})
     tops = Problems.vary(problem, points, turning)
+    # 1: also a motion of much less than a unit of time has MOST_STEPS
     most = int(MOST_STEPS * (1 + times.max() / problem.unit(SECOND)))
     read = rows_at_times(tops, times, known, most=most)
     if by_momentum:
@@ -83,5 +84,6 @@ def at_chip(read: Arrays, chip: Sequence[float]) -> np.ndarray:
     at the centre of mass, the angular velocity, and its rate. `chip` is the place in body axes.
     """
     w = read["gyroscope"]
+    # the acceleration of the place relative to the centre of mass
     bent = np.cross(read["turning"], chip) + np.cross(w, np.cross(w, chip))
     return np.asarray(read["accelerometer"] + bent)

@@ -35,7 +35,8 @@ PAIRS = (
 class Scale(NamedTuple):
     """The coordinate of a free number, and its bounds `low` and `high`.
 
-    It is the logarithm of a number whose interval is (0, oo), of others the number over `size`.
+    It is the logarithm of a number whose interval is (0, oo), of others the number over `size` (SI;
+    1 of a logarithm, unused). The bounds are coordinates.
     """
 
     logarithmic: bool

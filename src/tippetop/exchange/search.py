@@ -74,6 +74,10 @@ class Minimum(NamedTuple):
     over the window; of the former, SciPy has multiplied the Jacobian by the weights of the loss.
     `searches` is the number of searches that ended there; 0 of one that was given up, and of
     minima that a search came across.
+
+    Shapes are `point` (free,), `residual` (numbers,), `jacobian` (numbers, free). `cost` is the sum
+    of squares of the residuals, as the loss bends them; before the last window with those of the
+    scenario's numbers. `variance` is that of the noise, see `Misfit.variance`.
     """
 
     point: np.ndarray
@@ -132,6 +136,7 @@ def local_minimum(
     exact = last and not is_rough
     begin = residuals(point)
     count = len(begin)
+    # the scenario's numbers, 0 in these coordinates, count as measurements before the last window
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
     result = least_squares(
         lambda x: np.append(residuals(x), keep * x),
@@ -146,7 +151,7 @@ def local_minimum(
         max_nfev=MOST if last else FEW,
     )
     residual = result.fun[:count]
-    cost = 2 * result.cost
+    cost = 2 * result.cost  # SciPy's is half the sum of squares
     variance = misfit.variance(residual)
     return Minimum(result.x, residual, result.jac[:count], cost, variance)
 
@@ -211,6 +216,7 @@ def widen(misfit: Misfit) -> None:
     """
     space = misfit.space
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
+    # the distances whose effects, each alone and linear, are as large as the residuals
     need = (
         space.width
         * np.linalg.norm(residual)
@@ -284,6 +290,7 @@ def starts_of(misfit: Misfit, searches: int) -> np.ndarray:
     count = searches * batch
     sobol = qmc.Sobol(free, seed=0).random_base2(int(np.ceil(np.log2(count))))
     points = np.vstack([np.zeros(free), 2 * sobol - 1])[:count]
+    # neighbours in the sequence go to different searches
     return misfit.space.clipped(points).reshape(batch, searches, free).swapaxes(0, 1)
 
 

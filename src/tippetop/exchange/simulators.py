@@ -29,7 +29,11 @@ RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 
 class Start(NamedTuple):
-    """The state at t = 0, SI: place, quaternion wxyz, velocity, angular velocity in body axes."""
+    """The state at t = 0, SI: place, quaternion wxyz, velocity, angular velocity in body axes.
+
+    Place and velocity are those of the centre of mass in space. The quaternion is (4,), the others
+    are (3,).
+    """
 
     place: np.ndarray
     quaternion: np.ndarray
@@ -67,6 +71,7 @@ def columns_of(problem: Problem, times: np.ndarray, rows: np.ndarray) -> Arrays:
         weight = np.array([0.0, 0.0, -body.m * body.g])
         place = -body.c * u
         rate = np.cross(w, u)
+        # u' = L x u/inertia, so u'' = bend/inertia; the force is m place'' - weight
         bend = np.cross(np.cross(place, weight), u) + np.cross(L, rate)
         force = -body.m * body.c / inertia * bend - weight
         return columns | {"place": place, "velocity": -body.c * rate, "omega": w, "force": force}
@@ -195,8 +200,9 @@ class Model:
     gravity
         In the axes of the plane, which is level in a simulator, as text.
     surfaces
-        Those that touch the plane, by name: the sphere, tip or ellipsoid, and the stem; none if
-        the tip is fixed. Names become those of geoms and collisions; an `ellipsoid` needs SDF 1.8.
+        A `shape.Surface` for each that touches the plane, by name: the sphere, tip or ellipsoid,
+        and the stem; none if the tip is fixed. Names become those of geoms and collisions; an
+        `ellipsoid` needs SDF 1.8.
     friction
         Coefficients of sliding, and of drilling and rolling torques [m], in the order of MJCF.
     bounce
@@ -235,7 +241,7 @@ class Model:
                 "contacts in simulators are soft, or solved once a step: refine step and stiffness"
             )
         if problem.system.name.startswith("rolling"):
-            mu = 10.0
+            mu = 10.0  # also in the sentence: a change of one is a change of both
             sentences.append(
                 "pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips"
             )
@@ -309,6 +315,7 @@ def _mjcf(model: Model) -> str:
         f'<inertial pos="{_numbers(-frame)}" mass="{_numbers(body.m)}" '
         f'diaginertia="{_numbers(*model.moments)}"/>'
     )
+    # directions of friction in MuJoCo: none, sliding, also drilling, also rolling
     condim = 6 if rolling else 4 if torsion else 3 if mu else 1
     surface = f'condim="{condim}" friction="{_numbers(*model.friction)}"'
     geoms = "\n".join(

@@ -56,7 +56,10 @@ class Comparison(Verdict):
     """
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
-        """Draw it as a figure, and save that where a path is given; it may `overwrite` a file."""
+        """Draw the differences as a figure, and save the figure where a path is given.
+
+        With `overwrite` an existing file is replaced.
+        """
         refuse_without("matplotlib")
         from ..figures.motions import comparison
 
@@ -140,7 +143,7 @@ class Fitted(Fit):
     laws: dict[str, Fitted] = field(default_factory=dict)
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> Figure:
-        """Draw it as a figure, and save that where a path is given."""
+        """Draw data, motion and residuals as a figure, and save it where a path is given."""
         refuse_without("matplotlib")
         from ..figures.fit import fit as draw_fit
 
@@ -248,7 +251,7 @@ def fit(
         observation = observed(data, problem, names, **film)
         with reporting(progress, "windows") as report:
             result = fitting.fit(observation, loss, starts, near, systematic, rival, report)
-        return Fitted(**vars(result))
+        return Fitted(**vars(result))  # the fields of `Fit`, and no `laws`
 
     if not laws:
         return fitted(problem, names)

@@ -146,7 +146,8 @@ def posterior(
     seed : int
         Of the random numbers.
     fitted : Fitted, optional
-        A fit of the same numbers to these data, which otherwise is made first.
+        A fit of the same numbers to these data, which otherwise is made first. With it `data` and
+        `scenario` are not read: only the names `free` are compared with those of the fit.
     options
         `noise` and the others of `fit`, unless `fitted` is given.
 

@@ -66,7 +66,7 @@ def problem_of(
         return _preset(source)
     names, events = _named("events", options.pop("events", None), Event)
     kept, columns = _named("columns", options.pop("columns", None), Quantity)
-    if kept and len(columns) == len(kept):  # they are added to all columns
+    if kept and len(columns) == len(kept):  # only records: they are added to all columns
         kept = None
     with in_python():
         tables, chosen = _tables(source, system, friction)
@@ -145,8 +145,9 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[Pl
 def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tuple[Any, ...]]:
     """Return the names of the events to log or the columns to keep, and the user's records.
 
-    `given` is the argument `events` or `columns`, with records of type `kind`. The names are None
-    if it is None: all are kept then. Raises InputError.
+    `given` is the argument `events` or `columns`, with records of type `kind`. The names include
+    those of the records, in the order of `given`; they are None if `given` is None: all are kept
+    then. Raises InputError.
     """
     if given is None:
         return None, ()

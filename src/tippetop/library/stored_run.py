@@ -118,9 +118,9 @@ class StoredRun(Run):
         return attributes.dataset(columns, self.attributes)
 
     def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
-        """Return the tables for a figure of this kind, thinned to what it can draw.
+        """Return the tables for a figure of this kind, thinned to the rows that it can draw.
 
-        `growth` of a run with keyframes is drawn from these, as many as there are.
+        `growth` of a run with keyframes is drawn from all of these.
 
         `window` is the part that is shown, (start, end) [s]. This overrides `Run._for_figures`, so
         that a long run is never read whole.

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 OF_ROWS = ("output", "output_step", "output_times", "keyframe_steps")
-"""Arguments of `run` that say which rows are kept."""
+"""Arguments of `run` that determine which rows are kept."""
 
 
 @takes(problem_of)

@@ -160,6 +160,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     together = f"{', '.join(numbers)} and `initial` must stay finite together, but they overflow."
     known = values(limits)
     ours = values(q.formula for q in base.system.quantities if not owner(q.formula))
+    # not where a domain is left by a finite amount: that is the cause then, and is reported below
     overflows = ~finite | ~(abs(ours) < LARGEST).all(axis=0)
     faults.append((together, overflows & ~((known <= 0) & (known > -LARGEST)).any(axis=0)))
     large = abs(start[variables.moving :]) > 1
@@ -216,7 +217,8 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     units = problems.base.law.units()
     scaled = kind._make(v / problems.unit(u) for v, u in zip(law, units, strict=True))
     speed, slowness = map(problems.unit, (METRE_PER_SECOND, SECOND_PER_METRE))
-    for v2, z in PLACES[3:]:  # at rest, a constant that keeps a root from 0 decides
+    # without the three places at rest, where a constant that keeps a root from 0 decides
+    for v2, z in PLACES[3:]:
         k = coefficient(v2, z, law)
         again = coefficient(v2 / speed**2, z, scaled) * slowness
         if (bad := ~(abs(k - again) <= SAME * abs(k))).any():

@@ -174,6 +174,7 @@ class Problem(RunOptions):
             and origin["form"] == self.form.name
             and {*names} <= origin["state"].keys()
         ):
+            # doubles to be added, as `starting.problem_from_tables` keeps them
             values = [[sum(map(self.number, origin["state"][name]))] for name in names]
             state = np.array(values, dtype=self.number)
         return Problems(self, {}, self.orientation, state)

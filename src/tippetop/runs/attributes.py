@@ -35,7 +35,11 @@ def datasets(run: "Solution", attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def dataset(columns: dict[str, Column], attrs: PlainData) -> Any:
-    """Return columns as a labelled Dataset with these attributes."""
+    """Return columns as a labelled Dataset with these attributes.
+
+    Tables and lists among `attrs` become JSON texts, and None is dropped (`plain_attributes`). A
+    column may also be a plain pair (dims, values), as the labels of `library.derivatives` are.
+    """
     import xarray as xr
 
     return with_coordinates(xr.Dataset(dict(columns), attrs=plain_attributes(attrs)))
@@ -102,8 +106,8 @@ def headline_of(attrs: PlainData) -> str:
     """
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:
-        law, *numbers = attrs["friction"].items()  # `build.resolved` puts the law first
-        shown = [
+        law, *numbers = attrs["friction"].items()  # `build.resolved` puts ("law", name) first
+        shown = [  # " 1" is the unit of a pure number
             f"{name} = {value:g} {attrs['units'][name]}".removesuffix(" 1")
             for name, value in numbers
             if value or name not in PARTS

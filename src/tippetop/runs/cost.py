@@ -43,6 +43,7 @@ def estimate(problem: Problem) -> dict[str, float]:
     initial = problem.initial
     second = problem.unit(SECOND)
     spin = initial.get("omega3", initial.get("psi_dot", 0.0))
+    # 1/second: a top without spin swings at about one radian per internal unit of time
     fastest = max(abs(float(spin)), abs(float(initial.get("phi_dot", 0.0))), 1.0 / second)
     steps = problem.until * fastest * STEPS_PER_RADIAN
     return {
@@ -68,12 +69,13 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
         `steps` and `seconds` of the whole run.
     """
     expected = max(float(estimate(problem)["steps"]), 1.0)
+    # fewer steps where rows are dense: a slice has about ROWS of them at most
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
     if problem.system.is_hybrid:  # later phases would be compiled on the way
-        driver_of(problem).codes()
+        driver_of(problem).codes()  # the integrators of all phases
     _timed(problem, size, 1, clock)  # compiles
     seconds, progress = _timed(problem, size, SLICES, clock)
-    whole = 1.0
+    whole = 1.0  # a run that ended within these slices
     if progress.status is None:
         whole = max(1.0, problem.until / progress.t_end)
     return {"steps": round(progress.steps * whole), "seconds": round(seconds * whole, 4)}

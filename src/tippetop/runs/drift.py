@@ -28,6 +28,9 @@ class Drift:
 
     Attributes
     ----------
+    start, size
+        Of each invariant, its value at the start and the size that deviations are relative to
+        (`engine.invariants.sizes`), (n,) each, internal.
     worst
         Of each invariant, the largest relative deviation from the start, (n,); NaN where a run is
         not valid.
@@ -58,4 +61,5 @@ class Drift:
         values = values_of(problems, states[: len(problems.start)], which)
         for name, value in invariants(problems.base, values).items():
             off = np.abs(value - self.start[name][which]) / self.size[name][which]
+            # `which` may contain a run several times, with one of its states each
             np.maximum.at(self.worst[name], which, off.astype(float))

@@ -38,6 +38,7 @@ def settled_since(view: Observables, tally: Any, last: np.ndarray) -> float | No
     problem = view.problem
     event = next(event for event in problem.system.events if event.lasting)
     value = float(event.formula(view.moment(last[0]), view.body))
+    # still on the side to which the event crossed 0, and nothing slides again
     if not value * event.direction > 0 or slides(problem.alone, last.T, [0]).any():
         return None
     return since * problem.unit(SECOND)
@@ -108,6 +109,7 @@ class EventLog:
         seconds = zeros.times.astype(float) * self.second
         senses = self.senses[zeros.events]
         lasts = self.lasts[zeros.events]
+        # +1 where theta' becomes positive, at a minimum of theta: see `Event.sense`
         rising = zeros.signs * senses
         turning = senses != 0
         rising = np.where(turning, rising, np.sign(values["theta_dot"].astype(float)))

@@ -68,7 +68,8 @@ def event_table(
     state
         Columns of the trajectory at the events, in runs with user-defined events.
     rows
-        Values of the other columns, in the order of `about` below; by default none.
+        Values of the six other columns, in the order of `about` below; by default empty ones.
+        `EventLog.add_zeros` passes them in this order: a change of one is a change of both.
     """
     swing = "swing of theta since the turning before (or the start); NaN unless a turning"
     sign = "sign of theta' just after: +1 at a minimum of theta, -1 at a maximum"

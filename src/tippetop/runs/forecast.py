@@ -66,9 +66,13 @@ def comments(problem: Problem) -> PlainData:
 
 
 def _outlook(problem: Problem, start: dict[str, float]) -> PlainData:
-    """Return thresholds, regime and predicted fate, as far as the theory of the system goes."""
+    """Return thresholds, regime and predicted fate, as far as the theory of the system goes.
+
+    They are the fields of the `Outlook` that the system makes, each threshold as plain data.
+    """
     if problem.system.outlook is None:
         return {}
+    # the outlook of a system whose contact opens takes its `ContactLaw` too
     law = () if problem.contact is None else (problem.contact,)
     outlook = problem.system.outlook(problem.body(), start, *law)
     limits = {

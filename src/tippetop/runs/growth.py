@@ -51,6 +51,7 @@ class Growth(NamedTuple):
         beyond = np.flatnonzero(self.factor * ROUNDING > LOST)
         if not len(beyond):
             return math.nan
+        # beyond[0] is 1 at least: the factor of the first row is 1
         around = slice(beyond[0] - 1, beyond[0] + 1)
         logs = np.log(self.factor[around])
         return float(np.interp(math.log(LOST / ROUNDING), logs, self.times[around]))

@@ -58,8 +58,10 @@ class Integration:
     ----------
     driver
         Makes the steps.
-    last
-        The last good state, (1, variables), internal.
+    first, last
+        The state at the start and the last good one, (1, variables), internal.
+    steps_made
+        Steps since the start of the run, also of a run that was restored.
     t_end
         How far the run has come [s].
     status
@@ -143,7 +145,7 @@ class Integration:
             if progress is not None:
                 progress(present)
         self.fill()
-        sink.add_events(self.log.empty, self.log.finish(self.last))
+        sink.add_events(self.log.empty, self.log.finish(self.last))  # marks only
         if problem.output == "events":
             self._write(np.array([self.t_end]), self.last)
 
@@ -162,6 +164,7 @@ class Integration:
 
         It sets `status`: how the run ends at its start, or None.
         """
+        # `requested`: rows whose times the driver has; the sink has the first `filled` of them
         self.sink, self.requested = sink, self.filled
         self.rows_at_steps, self.at_times = (
             sink.keeps_rows and self.problem.output == output for output in ("steps", "times")

@@ -49,7 +49,11 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
 
 
 def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
-    """Set a driver to the state of a keyframe, which is a row by column."""
+    """Set a driver to the state of a keyframe, a row by column; its `state` is (number, part).
+
+    The driver's present snapshot has only the names and shapes, in the order in which `columns`
+    joined them: a change of one is a change of both.
+    """
     first = 0
     kept = {}
     for name, like in _snapshot(driver).items():

@@ -62,10 +62,10 @@ class PhaseHistory:
     """
 
     words: dict[str, Any]  # those of the table of phases, by column
-    counts: dict[str, int] = field(default_factory=dict)
-    impacts: int = 0
-    first: list[PlainData] = field(default_factory=list)
-    last: PlainData | None = None
+    counts: dict[str, int] = field(default_factory=dict)  # of phases, by their names
+    impacts: int = 0  # their number
+    first: list[PlainData] = field(default_factory=list)  # FIRST at most, as `last`
+    last: PlainData | None = None  # numbers in SI and words, by column of the table of phases
 
     def add(self, new: dict[str, Rows]) -> None:
         """Count new rows, by table and column; in the order of time, as the last phase is kept."""
@@ -76,6 +76,7 @@ class PhaseHistory:
         count = len(table["phase"])
         for name, n in counted(table["phase"], self.words["phase"]).items():
             self.counts[name] = self.counts.get(name, 0) + n
+        # the rows that still fit into `first`, and the last one
         for k in sorted({*range(min(count, FIRST - len(self.first))), *range(count)[-1:]}):
             self.last = {
                 key: self.words[key][values[k]] if key in self.words else float(values[k])

@@ -63,7 +63,7 @@ class Recorder(Writer, Sink):
         # Versions and processors that wrote the store before.
         self.begun_with: list[PlainData] = []
         self.committed_at = time.monotonic()
-        self.asked = 0.0
+        self.asked = 0.0  # [s], monotonic: when `add_rows` first found `stop` set; 0: not yet
 
     def add_rows(self, times: np.ndarray, states: np.ndarray) -> None:
         """Write rows: times [s] and internal states.
@@ -171,9 +171,10 @@ class Recorder(Writer, Sink):
     def finish(self, attrs: PlainData, ending: PlainData | None) -> PlainData:
         """Write waiting rows, and close the store with its last root attributes; return them.
 
-        `ending` is what `Integration.encoded` returns: `resume` extends the run from it; None, of a
-        replay: it cannot be extended. `attrs` must be all attributes that differ from the header,
-        as the seal drops those of earlier commits; a replay, whose header has them, passes none.
+        `ending` is what `Integration.encoded` returns, from which `resume` extends the run; None of
+        a replay, which cannot be extended. `attrs` are all attributes that differ from the header,
+        because the seal drops the changes of earlier commits (`Acknowledged.add`). A replay passes
+        no `attrs`: its header has them already.
         """
         attrs = attrs | ({"begun_with": self.begun_with} if self.begun_with else {})
 
@@ -234,7 +235,7 @@ def record(
     def head() -> PlainData:
         """Return the header of the store.
 
-        Called once its folder can be written, as compiling takes seconds.
+        `begin` calls it after it has refused a bad target, as compiling takes seconds.
         """
         begun.append(Integration(problem, stop))
         return header(begun[0])

@@ -88,7 +88,7 @@ def into_store(
     integration = _integration_for(path, times, accept_other_version)
     began = integration.t_end
     steps = integration.steps_made
-    clock = time.perf_counter() - compiling.seconds
+    clock = time.perf_counter() - compiling.seconds  # compiling is not counted
     # from its folder: so it survives another working directory, and moving both stores
     of = os.path.relpath(os.path.realpath(path), os.path.realpath(out.parent))
     about = {"from": times.start, "until": times.until, "step": times.step, "of": of}
@@ -103,7 +103,7 @@ def into_store(
                 continue
             first, last = ("start", "end") if name == "phases" else ("time", "time")
             for piece in chunks.pieces(path, table.group, [*table.documents, first, last]):
-                after = times.start or -1.0  # with those at 0
+                after = times.start or -1.0  # a replay from 0 includes the events at t = 0
                 within = (piece[last] > after) & (piece[first] <= times.until)
                 table.append({key: values[within] for key, values in piece.items()})
         recorder.finish({}, None)  # the header has all attributes, and no run continues from it

@@ -54,13 +54,13 @@ class RunProgress:
     counts
         Rows of the event log, by kind.
     tally
-        The record of the tallies of the driver.
+        The record of the tallies of the driver, of its one lane.
     numbers
-        What events keep, internal.
+        Each `Kept` of the events with its number so far, an internal time or a count.
     phases
-        The phases of a contact that may change them.
+        What `PhaseHistory.report` returns; None of a system without tables of phases.
     sentence
-        Why the contact ended the run, if it did.
+        Why the contact ended the run; empty if it did not.
     """
 
     problem: Problem

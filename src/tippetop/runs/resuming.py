@@ -142,9 +142,9 @@ def same_here(
 ) -> PlainData:
     """Compare the versions and the processor of a store with those here.
 
-    Return its record `kept`, in which `begun_with` also lists the former ones if they differ: root
-    attributes, or the first line of a tail, which both have the keys of `recording.here`. Raises
-    StoreError if they differ and this is not accepted.
+    `kept` are root attributes, or the first line of a tail, which both have the keys of
+    `recording.here`. Return `kept`; if the versions or the processor differ and this is accepted,
+    with the former ones appended to its list `begun_with`. Raises StoreError if it is not accepted.
     """
     before = {key: kept[key] for key in here()}
     now = here()

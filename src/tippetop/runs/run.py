@@ -34,13 +34,13 @@ class Solution:
     """
 
     progress: RunProgress  # at its end
-    times: np.ndarray  # [s]
-    rows: np.ndarray  # (n, variables), internal
+    times: np.ndarray  # (n,) [s]
+    rows: np.ndarray  # (n, variables), internal, at `times`
     events: EventTable
     seconds: dict[str, float]  # times of compiling and of integrating
     ending: dict[str, Any]  # states from which other runs continue: see `Integration.ending`
     others: dict[str, list[Rows]] = field(default_factory=dict)
-    """Rows of additional tables."""
+    """Parts of the tables of phases and impacts, in order of time, by name: see `phases.joined`."""
 
     @property
     def problem(self) -> Problem:
@@ -97,6 +97,7 @@ def refuse_more_than_memory(problem: Problem) -> None:
     if problem.output != "times":
         return
     there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    # doubles: the state and the columns, and the time with each of the two
     per_row = 8 * (len(problem.variables.names) + len(problem.kept_columns) + 2)
     needed = len(problem.times) * per_row
     if needed > there:

@@ -66,6 +66,7 @@ def columns_of(attrs: dict[str, Any]) -> set[str]:
     """Return the names of the columns that a run of a known system can have."""
     system: Any = find(attrs["system"])
     of_contact = {"phase", "ball"} if "contact" in attrs else set()
+    # with orientation, and without the integrated variables of quadruple runs, which are not drawn
     return {*column_names(system, system.forms[attrs["form"]], True, "double"), *of_contact}
 
 
@@ -73,9 +74,9 @@ class Surface(NamedTuple):
     """The surface of a body: an ellipsoid or, with a meridian, a surface of revolution.
 
     `centre` is seen from the centre of mass, in body axes; the half axes are turned against them by
-    `turn` about axis 3. A meridian has height and radius, in units of the half axes, and the
-    inclination of its normal, at POINTS equal steps of this, from above, and at a point of the axis
-    before and after these.
+    `turn` [rad] about axis 3. A meridian, (POINTS + 2, 3), has height and radius, in units of the
+    half axes, and the inclination of its normal [rad], at POINTS equal steps of this, from above,
+    and at a point of the axis before and after these.
     """
 
     centre: np.ndarray
@@ -187,11 +188,12 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
 def inertial_ellipsoid(b: Touch) -> list[float]:
     """Return the half axes [m] of the uniform ellipsoid with the moments of inertia of a heavy top.
 
-    They are those across the axis, twice, and along it. It shrinks until it ends before the tip.
+    The half axes are across the axis, twice, and along it. The ellipsoid is scaled down until it
+    ends before the tip.
     Half axes a, a, c have I3 = 2 m a^2/5 and I1 = m (a^2 + c^2)/5; c is 0.14 a at least, so that a
     flat body can be seen.
     """
-    across2 = 2.5 * b.I3 / b.m
+    across2 = 2.5 * b.I3 / b.m  # a^2; c^2 below, of which 0.02 a^2 is the least
     along = np.sqrt(max(5 * b.I1 / b.m - across2, 0.02 * across2))
     across = np.sqrt(across2)
     size = min(1.0, -b.c * BIGGEST / max(across, along))

@@ -106,7 +106,7 @@ def problem_from_tables(tables: PlainData, source: Any, known: System | None = N
     options = {k: v for k, v in attrs["run"].items() if k not in ("events", "columns")}
     before = build.problem(build.tables_of(attrs) | {"run": options})
     end = ledger.read(path).end
-    # doubles to be added
+    # doubles to be added, here and in `Problem.alone`
     parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
     others: list[str] = ["system"] if tables["system"] != attrs["system"] else []
@@ -116,6 +116,7 @@ def problem_from_tables(tables: PlainData, source: Any, known: System | None = N
         others = [name for name in SAME if resolved[name] != attrs[name]]
         if (run.contact is None) != (before.contact is None):
             others.append("contact")
+        # air and plane must have numbers of the same names; their values may differ
         there = run.tables, before.tables
         around = [n for n in TABLES if len({(*one.get(n, {}),) for one in there}) > 1]
         others += around
@@ -125,7 +126,7 @@ def problem_from_tables(tables: PlainData, source: Any, known: System | None = N
         words = f"must be that of `{path}`, whose end is the start, but is another."
         raise InputError([f"`{name}` {words}" for name in others])
     joint = hexfloat.decode(end["end"].get("joint", {}))
-    if any(resolved.get(name) != attrs.get(name) for name in TAKEN):  # phases are others
+    if any(resolved.get(name) != attrs.get(name) for name in TAKEN):  # another phase may follow
         joint.pop("next", None)
     origin = {
         "from": str(initial["from"]),
@@ -155,7 +156,8 @@ def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
 
     Only for people to read: the run starts from the exact state.
     """
-    if before.contact is not None and before.contact.stem:  # they are of the sphere
+    # initial data are those of the sphere, while the state may be that of the stem
+    if before.contact is not None and before.contact.stem:
         state = state.copy()
         names = before.variables.names
         for name, value in (("radius", before.internal_body.R), ("offset", before.internal_body.c)):

@@ -12,6 +12,7 @@ from ..mechanics.systems.tippe_top import is_peg
 
 
 Info = Mapping[str, Any]
+"""What `attributes.info` returns, or a table of it."""
 WORDS = {
     "upright": "upright spin, which is stable",
     "tumbling": "tumbling: nothing slides any more",
@@ -31,6 +32,7 @@ COUNTED = {
     "settled": "settled (sliding, or its loss, falls below 1e-12 of its unit)",
 }
 """Events that are counted as passages."""
+# phases, by name
 VERBS = {
     "slip": "slips",
     "roll": "rolls",
@@ -108,6 +110,7 @@ def _axis(info: Info, system: Any, events: Info, peg: bool) -> dict[str, str]:
     """
     inversion = info["inversion"]
     end = info["theta_end"]
+    # the names of `reporting.INVERSION`
     first, last, inverted = (
         inversion[name] for name in ("first_equator", "last_equator", "inverted_at")
     )
@@ -184,7 +187,11 @@ def _contact(phases: Info) -> str:
 
 
 def _verb(phase: Info) -> str:
-    """Return the verb of a phase of a contact; of a user-defined system, its name."""
+    """Return the verb of a phase of a contact; of a user-defined system, its name.
+
+    `phase` is an entry of `PhaseHistory.report`, as in the functions below; only phases of contacts
+    have a `ball`.
+    """
     name = phase["phase"]
     return VERBS.get(name, f"`{name}`") if "ball" in phase else f"`{name}`"
 

@@ -43,6 +43,7 @@ from .sentences import scenario_sentence
 # rad, after 1e4 s
 NEAREST_POLE = 1e-3
 
+# keys of a scenario, as the fields of `schema.scenario_model`: a change of one is a change of both
 TABLES = (
     "system",
     "form",
@@ -268,6 +269,7 @@ def _pole_faults(problem: Problem) -> list[str]:
         return []
     if near == 0:
         return [f'`initial.theta` must not be 0 or pi {form}; form = "vector" can.']
+    # 1e-9: a start at NEAREST_POLE itself is allowed, also if it is rounded
     if "z_dot" not in problem.variables.names or not 0 < near < (1 - 1e-9) * NEAREST_POLE:
         return []
     return [

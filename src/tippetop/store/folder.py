@@ -93,7 +93,11 @@ class Folder:
             return file.read()
 
     def tip(self, name: str) -> tuple[int, bytes]:
-        """Return the size of a file and its last four bytes: the checksum of a chunk."""
+        """Return the size of a file and its last four bytes: the checksum of a chunk.
+
+        They are as many as `zarr3.CHECKSUM`, which `ledger.mark_of` takes: a change of one is a
+        change of both.
+        """
         with self._open(name) as descriptor:
             size = os.fstat(descriptor).st_size
             return size, os.pread(descriptor, 4, max(0, size - 4))

@@ -64,9 +64,9 @@ class Acknowledged:
     header: PlainData
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
     failed: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> why it failed
-    rows: dict[str, int] = field(default_factory=dict)  # of the tables that grow
+    rows: dict[str, int] = field(default_factory=dict)  # by table, of those that grow
     tail: str = ""  # the name of its file, which contains its digest
-    end: Any = None  # where a finished run can be continued
+    end: Any = None  # what `Integration.encoded` returns: where a finished run can be continued
     changed: PlainData = field(default_factory=dict)  # attributes other than in the header
     seal: bool = False  # everything is acknowledged
 
@@ -249,7 +249,8 @@ class Ledger:
         self.folder = Folder(path)
         self.path = path
         self.state: Acknowledged
-        self.pending: dict[str, str] = {}  # chunks that the next commit acknowledges
+        # `_compact` sets `before`: the digest of the last record, which that of the next includes
+        self.pending: dict[str, str] = {}  # key -> mark of chunks for the next commit
         self.broken: OSError | None = None
         self.held: int | None = None
 
@@ -548,15 +549,17 @@ class Ledger:
 def read(path: Path, *, chunks: bool = True) -> Acknowledged:
     """Return the content of a store according to its ledger, after comparing the two.
 
-    Sizes and checksums of all chunks are compared, and the content of every document; a changed
-    byte within a chunk is found when its numbers are read.
+    No lock is taken: if another process commits meanwhile, the store is compared again. A changed
+    byte within a chunk is found only when its numbers are read.
 
     Parameters
     ----------
     path
         The store.
     chunks
-        Whether chunks and documents are compared too.
+        Whether the files are compared with the ledger: the content of every document and of the
+        tail, and sizes and checksums of all chunks. If not, only the ledger itself is checked, by
+        the digests of its lines.
 
     Raises
     ------
@@ -602,13 +605,14 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
     remedy = "" if state.seal else f": {WHOLE}"
     rows: dict[str, int] = {}
     for path, document in state.documents().items():
-        name = f"{path}/{DOCUMENT}".lstrip("/")
+        name = f"{path}/{DOCUMENT}".lstrip("/")  # as in `_describe`
         data = _found(folder.read, name)
         if data is None and path and not (state.rows or state.chunks):
             continue  # a store that has just been created
         stored: PlainData = {}
         with contextlib.suppress(ValueError):
             stored = json.loads(data or b"")
+        # a group has no shape, and counts as 0 rows
         rows[path], most = (each.get("shape", [0])[0] for each in (stored, document))
         same = data == zarr3.dump(document) if state.seal else _fixed(stored) == _fixed(document)
         if not same or rows[path] > most:
@@ -638,7 +642,10 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
 
 
 def _tail(folder: Folder, state: Acknowledged) -> bytes | None:
-    """Return the acknowledged tail, or None. Raises Damaged."""
+    """Return the acknowledged tail, or None. Raises Damaged.
+
+    The name of its file has its digest, as `_write_tail` makes it.
+    """
     data = _found(folder.read, state.tail) if state.tail else None
     if state.tail != (TAIL + digest(data) if data else ""):
         raise Damaged(f"`{state.tail}` is another or missing")

@@ -218,4 +218,4 @@ def new_store(
             if not path.exists():
                 old.rename(path)
             raise
-        files.rename_new(old, scratch)  # which is removed
+        files.rename_new(old, scratch)  # `scratch_folder` removes the folder of this name

@@ -131,5 +131,6 @@ class Table:
         for column, document in self.documents.items():
             shape = (rows - written, *document["shape"][1:])
             values = np.frombuffer(data, document["data_type"], int(np.prod(shape))).reshape(shape)
+            # a copy: `mark` changes values, and those of a buffer are read-only
             self.waiting[column], data = [values.copy()], data[values.nbytes :]
         return data

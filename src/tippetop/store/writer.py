@@ -61,12 +61,14 @@ class Writer:
 def begin(target: str | Path, head: Callable[[], PlainData], **how: bool) -> Ledger:
     """Create a store with the header `head()`, locked; `how` are arguments of `root.new_store`.
 
-    `head` is called only once its folder exists, as it may compile for seconds. Raises StoreError.
+    `head` may compile for seconds, so it is called after `new_store` has refused a bad target.
+    Raises StoreError.
     """
+    # the lock is in a stack around `new_store`, as its rename at the end may fail too
     with contextlib.ExitStack() as held:
         with root.new_store(target, **how) as scratch:
             store = held.enter_context(Ledger.created(scratch, head()))
-        held.pop_all()
+        held.pop_all()  # success: the lock is kept, and the caller releases it
     store.path = Path(target)  # the scratch folder was renamed; the open folder is the same
     return store
 
@@ -87,7 +89,7 @@ def begin_or_continue(
     if overwrite or not path.exists():
         store = begin(path, head, overwrite=overwrite)
         with store.released_on_failure(), files.writing(path):
-            store.derive({})
+            store.derive({})  # the documents: readers may open the store before its first commit
         return store
     stored = root.root_of(path)
     wanted = json.loads(json.dumps(head()["attributes"]))
@@ -109,7 +111,8 @@ def begin_or_continue(
             unsound = store.unsound()
             store.recover()
             if unsound:
-                # a chunk of a sweep and its events, a row of which it is, are computed together
+                # chunk K of a sweep and its events, with the keys events/J.K of `put_events`, are
+                # computed together; from other keys this makes names that no chunk has
                 unsound += [f"{content}/{key.rpartition('.')[2]}" for key in unsound]
                 keys = store.state.chunks.keys() - {*unsound}
                 store.restart(store.state.header, keys, rows=store.state.rows)

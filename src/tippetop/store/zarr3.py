@@ -48,7 +48,7 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
     one_chunk = [(n, max(n, 1)) for n in column.values.shape]
     each = [sizes.get(dim, size) for dim, size in zip(column.dims, one_chunk, strict=True)]
     endian = {"configuration": {"endian": "little"}} if dtype.itemsize > 1 else {}
-    blosc = {  # as `encode` compresses: change both
+    blosc = {  # as `encode` compresses: a change of one is a change of both
         "typesize": dtype.itemsize,
         "cname": "lz4",
         "clevel": 1,
@@ -112,6 +112,7 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     threads = blosc.use_threads
     blosc.use_threads = False
     try:
+        # as the codec in `array`: a change of one is a change of both
         packed = blosc.compress(values, b"lz4", 1, blosc.SHUFFLE)
     finally:
         blosc.use_threads = threads

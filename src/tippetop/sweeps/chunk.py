@@ -106,6 +106,7 @@ def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Co
 def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     """Return the integrated variables at the end of each run, SI; NaN where there was no run."""
     tops = measured.tops
+    # the records of the form's variables and of its integrals
     q, carried = tops.variables.split(measured.final)
     values = {**q._asdict(), **carried._asdict()}
     # the orientation has other columns

@@ -22,7 +22,11 @@ Numbers = dict[str, np.ndarray]
 
 
 class Derived(NamedTuple):
-    """A derived number of a tippe top."""
+    """A derived number of a tippe top.
+
+    `numbers(base, columns, values)` returns the keys `sets`, (n,) each, SI, at which the number has
+    these values (n,); `columns` are the other numbers of the tops.
+    """
 
     long_name: str
     sets: tuple[str, ...]  # keys of the scenario

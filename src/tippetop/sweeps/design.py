@@ -96,7 +96,8 @@ class Sample(Table, use_attribute_docstrings=True):
 class Design:
     """All tops of a sweep: the product of the grid, first axis slowest, and the sample, fastest.
 
-    `Plan.from_tables` makes it.
+    `Plan.from_tables` makes it. `sample` is how the axes with `between` are drawn; None without
+    such axes.
     """
 
     axes: tuple[Axis, ...]
@@ -131,6 +132,7 @@ class Design:
     def numbers(self, tops: np.ndarray) -> Arrays:
         """Return the numbers of some tops on every axis, by key; tops are counted from 0."""
         indices = np.unravel_index(tops, tuple(self.sizes.values()))
+        # of each top, the index along each dimension
         places = dict(zip(self.sizes, indices, strict=True))
         return {
             axis.of: self._drawn[axis.of][places["sample"]]

@@ -61,8 +61,9 @@ class MapAxis:
 
 @dataclass(frozen=True)
 class Map:
-    """Fields over cells, (x,) or (x, y), NaN in cells without a value.
+    """Fields over cells by column, (x,) or (x, y), NaN in cells without a value.
 
+    `kind` is a key of NEEDED. The field `class` has indices of `classes`.
     With `inversion`, the field `class` is the most frequent class in the cells without a time.
     `borders`: label -> function over the `span`s of the axes, zero at the border.
     `notes` list what the axes do not show.
@@ -86,6 +87,7 @@ def make_map(path: Path, kind: str) -> Map:
     plan = plan_of(table)
     numbers = plan.design.numbers(np.arange(plan.n))
     columns = derived_axes.resolved(plan.base, numbers)
+    # 1: a system without `alpha` has no pegs
     alpha = columns.get("parameters.alpha", plan.base.parameters.get("alpha", 1))
     if kind == "inversion" and np.any(np.less(alpha, 0)):
         raise InputError(
@@ -113,6 +115,7 @@ def make_map(path: Path, kind: str) -> Map:
     for axis in varying[:2]:
         chosen &= np.isfinite(numbers[axis.of])
     shape = tuple(len(axis.edges) - 1 for axis in axes)
+    # of each top, the number of its cell along each axis
     places = [np.searchsorted(a.edges[1:-1], numbers[a.of], side="right") for a in axes]
     cells = np.ravel_multi_index(places, shape)[chosen]
 
@@ -152,6 +155,8 @@ def borders_of(
 
     Parameters
     ----------
+    plan
+        The plan of the sweep.
     axes
         Those of a map.
     further
@@ -241,7 +246,7 @@ def _gathered(
     result = np.full(math.prod(shape), np.nan)
     if name == "class":
         each = pd.crosstab(cells, values).idxmax(axis=1)
-    else:  # an event that never happens comes last
+    else:  # an event that never happens comes last; "lower": the value of a top, no mean with inf
         groups = pd.Series(np.where(np.isnan(values), np.inf, values)).groupby(cells)
         least_or_most = {"normal_force_min": groups.min, "normal_force_max": groups.max}
         each = least_or_most.get(name, lambda: groups.quantile(0.5, interpolation="lower"))()

@@ -42,6 +42,7 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
     numbers = plan.columns(chosen)
     until = np.broadcast_to(numbers.get("run.until", plan.base.until), chosen.shape)
 
+    # the part of each run that is computed, so that all of them take about WORTH
     share = min(1.0, WORTH / (plan.seconds_per_top * len(chosen)))
     seconds = []
     numbers = {**numbers, "run.until": share * until}

@@ -167,6 +167,7 @@ class Plan:
         best = 2 ** round(math.log2(max(1.0, seconds / self.seconds_per_top)))
         least = CHUNKS[0]
         if self.base.system.is_hybrid:
+            # a quarter, so that a small sweep has four chunks too
             least = int(np.clip(self.n // 4, *POOLED))
         return min(max(best, least), CHUNKS[1], self.n)
 
@@ -190,6 +191,7 @@ class Plan:
             tables["initial"].pop("gap", None)
         for key, values in self.columns(np.array([top])).items():
             table, _, name = key.partition(".")
+            # initial data may exclude each other; numbers of other tables are only replaced
             replaced = self.base.system.replaced if table == "initial" else operator.or_
             tables[table] = replaced(tables[table], {name: float(values[0])})
         run = tables["run"]
@@ -300,6 +302,7 @@ def _design_faults(shape: PlanTable, keys: list[str]) -> list[str]:
     sample = shape.sample
     drawn = any(axis.between for axis in shape.axis)
     n = sample.n if sample else 1
+    # an axis that is drawn counts as 1: all of these together have the `n` of the sample
     tops = math.prod(axis.n or len(axis.values or [0]) for axis in shape.axis) * n
     sobol = sample is not None and sample.method == "sobol"
     wrong: dict[str, Any] = {

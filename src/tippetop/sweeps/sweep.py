@@ -137,6 +137,7 @@ def _fill(
     if stop is not None and stop.is_set():
         raise Interrupted
     sentences = []
+    # the last fields of `Task`, in their order
     given = plan.keep, provenance.versions(), plan.own
     tables = build.resolved(plan.base)
     tasks = (Task(chunk, tables, plan.columns(plan.tops(chunk)), *given) for chunk in todo)

@@ -91,6 +91,7 @@ def report(path: str | Path) -> PlainData:
             top = int(np.where(np.isnan(values), -1.0, values).argmax())
             worst = {"worst": float(values[top]), "top": top} if values[top] >= 0 else None
             drift[name.removeprefix("drift_")] = worst
+    # root attributes, by the keys that `store._header` gives them
     names = "content title status reason tops chunks dimensions shape chunk plan versions cpu"
     return {
         **{name: attrs[name] for name in names.split()},

@@ -49,7 +49,7 @@ class Workers(NamedTuple):
 
     start: Callable[[bool], AbstractContextManager[Executor]]  # True: again, after some died
     ahead: Callable[[], int]  # chunks in flight: those that are computed, and some that wait
-    alive: Callable[[], bool] = lambda: True
+    alive: Callable[[], bool] = lambda: True  # whether their scheduler is still there
 
 
 def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
@@ -122,6 +122,7 @@ def _flow(
 
 def processes(count: int) -> Workers:
     """Return `count` processes of this machine as workers, one thread each; none is started yet."""
+    # one more chunk waits, so that no process is idle
     return Workers(lambda again: _pool(count, again), lambda: count + 1)
 
 
@@ -146,9 +147,9 @@ def _pool(count: int, again: bool) -> Iterator[ProcessPoolExecutor]:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         yield pool
-        pool.shutdown()
+        pool.shutdown()  # after an error, workers are told to end first: see below
     finally:
-        writer.close()
+        writer.close()  # ends the workers: `watch` in `_prepare`
         pool.shutdown(cancel_futures=True)
         reader.close()
 
