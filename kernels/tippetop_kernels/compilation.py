@@ -95,7 +95,9 @@ class Entry:
 
         jit = functools.partial(numba.njit, self.function, error_model="numpy", nogil=True)
         if self.folder is not None:
-            with _numba_cache(self.folder), contextlib.suppress(RuntimeError):  # it is read-only
+            # within the block, because numba chooses the folder in this call; a RuntimeError: the
+            # folder is read-only
+            with _numba_cache(self.folder), contextlib.suppress(RuntimeError):
                 return jit(cache=True)
         return jit()
 
@@ -130,7 +132,7 @@ def private_folder(path: Path) -> Path | None:
     """
     try:
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
-        status = path.lstat()
+        status = path.lstat()  # not `stat`: a link, whose target may change, is refused
     except OSError:
         return None
     return path if is_private(status) and stat.S_ISDIR(status.st_mode) else None
@@ -153,7 +155,7 @@ def code_folder(function: Callable) -> Path | None:
     folder = private_folder(base / f"numba-{hashlib.sha256(key.encode()).hexdigest()[:16]}")
     if folder is not None:
         with contextlib.suppress(OSError):  # another process may remove them too
-            os.utime(folder)
+            os.utime(folder)  # its last use, by which folders are sorted
             for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
                 shutil.rmtree(old, ignore_errors=True)
         with contextlib.suppress(OSError, ValueError):
@@ -208,7 +210,7 @@ def _numba_cache(folder: Path) -> Iterator[None]:
     from numba import config
 
     ours = {"CACHE_DIR": str(folder), "CACHE_LOCATOR_CLASSES": ""}
-    with _settings:
+    with _settings:  # for the whole block: the settings are those of all threads
         before = {name: getattr(config, name, "") for name in ours}
         vars(config).update(ours)
         try:

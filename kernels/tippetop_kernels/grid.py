@@ -3,10 +3,12 @@
 The functions of a problem go in (see `minimise`); kernels come out that fill arrays of the caller.
 
 Symbols
-    xs, ys    coordinates of the points; prepare(x, y, r): the record p of one; r: record of all
+    xs, ys    coordinates of the points; prepare(x, y, r): the record p of one
+    r         record of all points, the coefficients of a body; only functions of a problem read it
     q, F      place and value of the minimum; status: a `minimise.Status`; last: size of a step
     several   whether a function can have two minima
-    b, inertia   a body, and the factor of the square of the speed, for periods
+    b, inertia   the body record of a system, and inertia(z, b), the factor of the square of the
+              speed, for periods
 
 Each step of the iteration is a separate loop over a row of points, because a short chain of
 dependent operations keeps the processor busier than a long one.
@@ -43,6 +45,7 @@ def scanned(prepare, slope, value, x, y, r, status, j):
     if not np.isfinite(F):
         status[j] = Status.UNSETTLED if np.isfinite(x + y) else Status.UNDEFINED
         return np.nan, np.nan
+    # the number of the minimum at the end that `row` has found
     at_end = last if status[j] == Status.AT_UPPER_END else 0
     if status[j] == Status.UNSETTLED or well != at_end:
         status[j] = Status.LOWER_OF_TWO if last else Status.ATTAINED
@@ -144,7 +147,7 @@ def turnings(prepare, slope, value, excess, bend, inertia):
 
         They are the crossings around the minimum, its q and F, the curvature there, the period, and
         the crossings around another minimum below the level, or NaN. `landscape.turning` unpacks
-        them in this order.
+        them in this order: a change of one is a change of both.
         """
         turns = np.empty(MOST_EXTREMES)
         for i in range(xs.size):
@@ -154,13 +157,14 @@ def turnings(prepare, slope, value, excess, bend, inertia):
             well = lowest(value, turns, 0, maxima, p, r)
             if not np.isnan(at[i]):
                 well = 0
+                # minimum `well` is turns[2 well], the maximum after it turns[2 well + 1]
                 while well < maxima and at[i] > turns[2 * well + 1]:
                     well += 1
             band = band_of(excess, turns, maxima, well, level, allowance, r)
             low, high, status[i], first, last = band
             q = turns[2 * lowest(value, turns, first, last, p, r)]
             F = value(q, p, r)
-            q = q if np.isfinite(F) else np.nan
+            q = q if np.isfinite(F) else np.nan  # as `scanned`, where there is no value
             period = swing(excess, inertia, low, high, level, r, b)
             out[:, i] = low, high, q, F, bend(q, p, r), period, np.nan, np.nan
             for another in range(maxima + 1):

@@ -4,7 +4,8 @@ Functions and records of a problem go in, as in `minimise`; `grid.turnings` call
 each point.
 
 Symbols
-    q         > 0, the variable; at: (p, level), a point and a level; r, b: records of all points
+    q         > 0, the variable; at: (p, level), a point and a level
+    r, b      records of all points, only passed on: the coefficients, and the body for `inertia`
 """
 
 from enum import IntEnum
@@ -32,7 +33,8 @@ def band_of(excess, q, maxima, well, at, allowance, r):
     the level, is 0. The minima are the first and the last that no maximum above the level separates
     from `well`.
 
-    q contains minima and `maxima` in turn. A level less than `allowance` (relative) from the
+    q contains minima and `maxima` maxima in turn, as `minimise.extremes` fills it: minimum k is
+    q[2 k], and the maximum after it q[2 k + 1]. A level less than `allowance` (relative) from the
     minimum touches it. An end of the range (SMALLEST, LARGEST) stands for a function that stays
     below the level up to there.
     """
@@ -80,6 +82,7 @@ def swing(excess, inertia, low, high, at, r, b):
     while n <= 4096:
         total = 0.0
         for j in range(n):
+            # c = 1 - y, so q = y/c, z = c - y, dtheta = dy/sqrt(y c), dy = across sqrt(s2 k2) dbeta
             half = (j + 0.5) * np.pi / (2 * n)
             s2 = np.sin(half) ** 2
             k2 = np.cos(half) ** 2

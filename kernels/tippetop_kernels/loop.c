@@ -22,9 +22,12 @@
    with what is read, and uses vectors.
 
    Names: l, the arrays of one integrator (`Loop`); lane, a place in it, and top, the run there;
-   e, event, the number of an event, f its function; p, n, the ascending coefficients of a polynomial
-   and their number, x its variable, the time since the start of the step over h; t, the internal
-   time where a step of length h starts; j, the jumps of a system; c, a program of one of them. */
+   slot, the number of that top, its index in all arrays of tops (0 for a single run); e, the number
+   of an event, event its row, f its function; p, n, the ascending coefficients of a polynomial and
+   their number, x its variable, the time since the start of the step over h; t, the internal time
+   where a step of length h starts; high, low of a clock, a time in double length, high + low; j,
+   the jumps of a system; c, a program of one of them, or the Taylor coefficients of a variable; r,
+   the registers of the program. */
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -54,7 +57,8 @@ static const real TINY = 1e-10;
 /* The longest step: its powers, up to the 25th, are doubles. At rest a series allows any step. */
 static const real LONGEST = 1e12;
 
-/* The last place of a zero in a step: what happens at its very end happens in it, not behind it. */
+/* The last place of a zero in a step, over h: a zero at the very end of a step is a zero in this
+   step, because 1 would mean that no event ends it (`Tally.upto`). */
 static const real BEFORE_END = 1 - 0x1p-53;
 
 /* --- structures of the caller: `tippetop.engine.loop` makes the same from named tuples, one for
@@ -70,18 +74,19 @@ enum { FIRST, LAST, COUNT };
 /* Effects of a passage on the turning of theta that waits to be counted. */
 enum { CONFIRMS = 1, WAITS = 2 };
 
-typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc, void *tape);
+typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc,
+                     void *tape);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 /* An event, as in `engine.tallies.EventRows`. */
 typedef struct {
-    integer row, shift;  /* its function: variable `row` (shift 0) or the rate of it (1), + offset */
+    integer row, shift;  /* its function: variable `row` (shift 0) or its rate (1), plus `offset` */
     integer direction;   /* of the sign changes that count: +1, -1, or 0 for both */
     integer ends;        /* the status of a run or phase that it ends; 0: it ends none */
     integer sense;       /* of theta, if it is a turning */
     integer first, last; /* the `numbers` that it keeps are first, ..., last - 1 */
     real scale, offset;
-    bool lasting, extremes;
+    bool lasting, extremes; /* see `mechanics.event.Event`; whether it has `extremes` */
     bool watched, ranged; /* whether its zeros are searched, and its extremes */
 } Event;
 
@@ -90,30 +95,35 @@ typedef struct {
     integer what, direction;
 } Number;
 
-/* The counters of a run, see `engine.tallies`, which has the meaning of each. */
+/* The counters of a run, as `LANE_RECORD` in `engine.tallies`: a change of one is a change of both.
+   Times are internal. */
 typedef struct {
-    integer status;
-    real t;
+    integer status; /* a code of `engine.status.Status` */
+    real t;         /* the time reached */
     integer steps;
-    real upto;
-    integer tiny, waiting;
-    real waits_at;
+    real upto;       /* how far the last step counts, over h: 1, or less at an event that ends it */
+    integer tiny,    /* steps in a row that led nowhere */
+        waiting;     /* sign of the turning that waits to be counted; 0: none waits */
+    real waits_at;   /* theta there */
     integer turnings;
-    real theta_min, theta_max, lasts_since;
+    real theta_min, theta_max, /* of the turnings; NaN: none yet */
+        lasts_since; /* when the lasting event happened, while it lasts; 0: at the start; or NaN */
 } Tally;
 
 /* The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
    its first k Taylor coefficients vanish there; its bounds in the present step; its least and
-   greatest values, and their times. */
+   greatest values, in the scale of the coefficients, and their times (internal). As
+   `FUNCTION_RECORD` in `engine.tallies`: a change of one is a change of both. */
 typedef struct {
     real sign, on_zero, low, high, extremes[2], times[2];
 } Function;
 
-/* A row of the log: a zero of an event function. */
+/* A row of the log: a zero of an event function, as `PASSAGE_RECORD` in `engine.tallies`. */
 typedef struct {
-    real time;
-    integer event, sign, phase, lane;
-    bool at_pole;
+    real time;    /* internal */
+    integer event, sign, /* its number; +1 where the function rises, or -1 */
+        phase, lane; /* `in_lane` of the top; its lane, from which `end_step` takes the state */
+    bool at_pole; /* whether the axis passes through a pole there */
 } Passage;
 
 typedef struct {
@@ -123,44 +133,55 @@ typedef struct {
 
     /* _Sizes */
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
-    integer variables, parameters, size, lanes, tops, events, axis, log_room, sample_room;
+    integer variables, parameters, size, lanes, tops, events,
+        axis, /* number of `axis_rows`: 3, or 0 in a form that does not integrate the axis */
+        log_room, sample_room; /* rows; 0: none is written */
 
     /* Motion */
-    real *state, *before, *pars, *tc;
+    real *state, *before, /* (variables, lanes): now, and where the present step began */
+        *pars, *tc;       /* (parameters, lanes); (variables, size, lanes) Taylor coefficients */
+    /* (lanes,), as all that follow: times, internal; the end of the run or phase, the longest next
+       step, and the step: what `begin_step` allows, then what the integrator made. */
     real *high, *low, *start_high, *start_low, *end, *limit, *h;
+    /* The top times phases plus the phase, -1 in an empty lane, or the phase of a single run; and
+       the slot of the top. */
     integer *in_lane, *slots;
-    integer *ended_by;   /* the event that ended the present step */
+    integer *ended_by;   /* the event that ended the present step; -1: none */
     integer *steps_before; /* steps of a run before those of its tally */
 
     /* EventRows, Tallies, Log of passages, Log of samples */
     const Event *event_rows;
     const Number *numbers;
-    const integer *axis_rows;
+    const integer *axis_rows; /* (axis,) the variables ux, uy, uz */
 
     Tally *tallies; /* (tops,); that of a lane is at its slot, as all that is kept of its top */
-    Function *functions;
-    real *kept;
+    Function *functions; /* (events, tops), by slot */
+    real *kept;          /* (numbers, tops), by slot: times, NaN if there was none; or counts */
 
-    integer *logged;
-    Passage *passages;
-    real *logged_states;
+    integer *logged;     /* (1,) the number of rows in the log */
+    Passage *passages;   /* (log_room,) */
+    real *logged_states; /* (log_room, width) */
 
-    integer *sampled, *sampled_tops;
-    real *sampled_states;
+    integer *sampled,      /* (1,) the number of samples */
+        *sampled_tops;     /* (sample_room,) `in_lane` of each */
+    real *sampled_states;  /* (sample_room, width) */
 
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     void *tape;          /* where a step in compact mode works; others ignore it */
 
     /* Rules */
-    real settled_for;
-    integer most_steps, sampled_every, sampled_first;
-    real noise_floor, at_pole, near_pole, on_zero_for;
+    real settled_for; /* internal time for which the lasting event must have lasted */
+    integer most_steps, /* after which a run has stalled */
+        sampled_every, sampled_first; /* a power of two; steps at the start, all sampled */
+    real noise_floor, /* theta must come back from a turning by this angle [rad] */
+        at_pole, near_pole, on_zero_for; /* see `mechanics.event` */
     integer settled_every; /* steps between two looks whether a run has settled */
 
     /* Rows */
-    real *row_times, *row_states; /* of each top in turn, as all arrays of rows */
-    integer *row_phases, *rows_made;
-    integer rows_at_steps, row_count;
+    real *row_times, *row_states; /* (tops, row_count), and (..., width): a single run is one top */
+    integer *row_phases, *rows_made; /* (tops, row_count) `in_lane`; (tops,) rows written */
+    integer rows_at_steps, /* whether rows are the ends of steps, whose times are written here */
+        row_count;         /* of one top; 0: no rows */
 } Loop;
 
 /* Copy n numbers that lie `stride` apart to others that lie `to_stride` apart. */
@@ -179,12 +200,13 @@ static real value_at(const real *p, integer n, real x) {
     return sum;
 }
 
+/* p(x), p'(x) and p''(x)/2. */
 typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2 of n coefficients, lowest power first. Even and odd powers are separate
-   sums, which the processor adds at the same time. */
+/* The `Jet` of n coefficients at x. Even and odd powers are separate sums, which the processor adds
+   at the same time. */
 static Jet jet(const real *p, integer n, real x) {
     real y = x * x;
     real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
@@ -207,7 +229,7 @@ static Jet jet(const real *p, integer n, real x) {
    between bounds. 0 if rounding hides the zero at the start: both ends then have one sign. p as for
    `jet`. */
 static real zero_of(const real *p, integer n, real end) {
-    real low = 0, high = 1, x = p[0] / (p[0] - end);
+    real low = 0, high = 1, x = p[0] / (p[0] - end); /* on the chord */
     if ((p[0] > 0) == (end > 0))
         return low;
     for (int i = 0; i < 60; i++) {
@@ -233,7 +255,7 @@ static void shift(const real *restrict p, integer n, real start, real length,
                   real *restrict shifted) {
     memcpy(shifted, p, n * sizeof(real));
     for (integer i = n - 2; start > 0 && i >= 0; i--)
-        for (integer k = i; k < n - 1; k++) /* upwards: terms do not wait for one another */
+        for (integer k = i; k < n - 1; k++) /* upwards: no term waits for the one before it */
             shifted[k] += start * shifted[k + 1];
     real power = 1;
     for (integer k = 1; k < n; k++) {
@@ -310,7 +332,9 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
                 values[side] = f.value;
                 places[side] = x;
             }
-            real drop = f.slope * f.slope / (sign * f.curve); /* four times that of a parabola */
+            /* Four times the drop to the vertex of a parabola: where even that reaches no new
+               extreme, none is near. */
+            real drop = f.slope * f.slope / (sign * f.curve);
             if (!(drop > 0 && sign * f.value - drop < sign * values[side]))
                 break;
             before = x;
@@ -328,7 +352,7 @@ static Tally *tally_of(const Loop *l, integer lane) {
     return l->tallies + l->slots[lane];
 }
 
-/* The state of an event function of the top in a lane. */
+/* The state of an event function of the top in a lane: `functions` is (events, tops), by slot. */
 static Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->tops + l->slots[lane];
 }
@@ -353,6 +377,8 @@ static void bound_functions(const Loop *l) {
         const Event *event = l->event_rows + e;
         if (!event->watched && !event->ranged && event->ends == 0)
             continue;
+        /* Coefficients from number `shift` on, with row `shift` of `factors`: of the variable or of
+           its rate. As in `search`; a change of one is a change of both. */
         const real *c = l->tc + (event->row * size + event->shift) * n;
         const real *factor = l->factors + event->shift * size * n;
         for (integer i = 0; i < n; i++)
@@ -393,14 +419,14 @@ static bool keeps_sign(const Tally *tally, const Function *f) {
 }
 
 /* Write the coefficients of an event function over a step, in time over h, to `p`, which extremes
-   need too, and its sign changes to `zeros`. Return the number of these. */
+   use as well, and its sign changes to `zeros`. Return the number of zeros. */
 static integer search(const Loop *l, integer e, integer lane, real *p, real *zeros) {
     const Event *event = l->event_rows + e;
     const Function *f = function(l, e, lane);
     integer size = l->size, lanes = l->lanes, shift = event->shift;
     const real *c = l->tc + (event->row * size + shift) * lanes + lane;
     const real *factors = l->factors + shift * size * lanes + lane;
-    p[size - 1] = 0;
+    p[size - 1] = 0; /* a rate has one coefficient less */
     for (integer k = 0; k < size - shift; k++)
         p[k] = c[k * lanes] * factors[k * lanes];
     p[0] += event->offset;
@@ -446,8 +472,8 @@ static real theta_of(const real *axis) {
     return atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]);
 }
 
-/* theta at the time x of a step, and whether the axis passes through a pole there, rather than near
-   it. */
+/* theta at the time x after the start of a step (here not over h), and whether the axis passes
+   through a pole there, rather than near it. */
 static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     integer size = l->size, lanes = l->lanes;
     real u[3] = {0}, rate[3] = {0};
@@ -456,9 +482,11 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
             rate[i] = rate[i] * x + u[i];
             u[i] = u[i] * x + l->tc[(l->axis_rows[i] * size + k) * lanes + lane];
         }
+    /* `speed` is the square of the speed; `across`, the closest approach times the speed, however
+       well x is known. */
     real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->near_pole;
-    /* closest approach times speed, however well x is known */
     real across = fabs(u[0] * rate[1] - u[1] * rate[0]);
+    /* `at_pole` and `near_pole` are times, so they bound distances over the speed. */
     *at_pole =
         across < l->at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
     return theta_of(u);
@@ -470,7 +498,7 @@ static void keep(const Loop *l, const Event *event, integer slot, const Passage 
     for (integer m = event->first; m < event->last; m++) {
         const Number *number = l->numbers + m;
         real *kept = l->kept + m * l->tops + slot;
-        if (number->direction * row->sign < 0)
+        if (number->direction * row->sign < 0) /* a direction of 0 takes both */
             continue;
         if (number->what == COUNT)
             *kept += 1;
@@ -481,7 +509,9 @@ static void keep(const Loop *l, const Event *event, integer slot, const Passage 
         l->passages[l->logged[0]++] = *row;
 }
 
-/* Whether turnings are counted here; of a single run the caller counts them in the log. */
+/* Whether turnings are counted here: in lanes, and without a log. `runs.event_log` counts those of
+   one lane with a log, which is a single run; `HybridPools.notes` has one lane and no log. Without
+   the axis (`axis` 0) there is no theta. */
 static bool counts_turnings(const Loop *l, const Event *event) {
     return event->sense != 0 && l->axis > 0 && (l->log_room == 0 || l->lanes > 1);
 }
@@ -492,7 +522,7 @@ void loop_note(const Loop *l, const Event *event, integer e, integer slot, integ
                integer phase, real when, const real *state) {
     Tally *tally = l->tallies + slot;
     const integer *rows = l->axis_rows;
-    if (event->lasting)
+    if (event->lasting) /* unlike in `log_passage`, for any sign */
         tally->lasts_since = when;
     if (counts_turnings(l, event)) {
         real axis[] = {state[rows[0]], state[rows[1]], state[rows[2]]};
@@ -506,6 +536,7 @@ static void log_passage(const Loop *l, integer e, integer lane, real t, real h, 
     const Event *event = l->event_rows + e;
     Tally *tally = tally_of(l, lane);
     Function *f = function(l, e, lane);
+    /* Zeros in a step alternate, see `loop_crossings`, so each one changes the sign. */
     real when = t + x * h, sign = f->sign = -f->sign;
     if (event->lasting)
         tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
@@ -514,7 +545,7 @@ static void log_passage(const Loop *l, integer e, integer lane, real t, real h, 
     bool at_pole = false;
     if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
-        integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
+        integer turn = at_pole ? 0 : (integer)((real)event->sense * sign); /* 0 ends a swing */
         if (counts_turnings(l, event))
             count_turning(tally, l->noise_floor, turn, theta);
     }
@@ -558,12 +589,13 @@ static real find_events(const Loop *l, integer lane, real t, real h) {
         if ((!event->watched || keeps_sign(tally, f)) && (!event->ranged || keeps_range))
             continue;
         integer count = search(l, e, lane, p, zeros);
-        bool ends = event->ends != 0 && e != ending; /* the next phase finds it */
+        /* At `upto` itself only the event that ends the run counts: the next phase finds others. */
+        bool ends = event->ends != 0 && e != ending;
         for (integer k = 0; k < count && (ends ? zeros[k] < upto : zeros[k] <= upto); k++)
             log_passage(l, e, lane, t, h, zeros[k]);
         if (!event->ranged)
             continue;
-        real power = 1;
+        real power = 1; /* `loop_extremes` takes p on [0, 1]: the part of the step that counts */
         for (integer k = 0; upto < 1 && k < size; k++) {
             p[k] *= power;
             power *= upto;
@@ -571,7 +603,7 @@ static real find_events(const Loop *l, integer lane, real t, real h) {
         real places[2];
         loop_extremes(p, size, f->extremes, places);
         for (int side = 0; side < 2; side++)
-            if (places[side] >= 0)
+            if (places[side] >= 0) /* not NaN */
                 f->times[side] = t + places[side] * upto * h;
     }
     return upto;
@@ -690,10 +722,12 @@ static void begin_step(const Loop *l) {
 }
 
 /* Add the step to the time, in double length. A step that is not finite, or leads to such a state,
-   is taken back, and ends the run. */
+   is taken back, and ends the run. `h` stays as it is: `finish_step` compares it with `limit`, in
+   lanes that are still RUNNING. */
 static void advance_time(const Loop *l) {
     integer n = l->lanes, variables = l->variables;
-    real finite[WIDEST]; /* 0, otherwise NaN */
+    /* 0, otherwise NaN: a sum of products with 0, which has no branch for each number. */
+    real finite[WIDEST];
     for (integer lane = 0; lane < n; lane++)
         finite[lane] = 0.0 * l->h[lane];
     for (integer i = 0; i < variables; i++)
@@ -706,6 +740,7 @@ static void advance_time(const Loop *l) {
             l->high[lane] = sum + rest;
             l->low[lane] = rest - (l->high[lane] - sum);
         } else {
+            /* The time is unchanged, and `begin_step` has saved the state in `before`. */
             tally_of(l, lane)->status = NON_FINITE;
             copy(variables, l->before + lane, n, l->state + lane, n);
         }
@@ -723,7 +758,7 @@ static bool has_settled(const Loop *l, const Tally *tally, integer steps, real w
 static bool finish_step(const Loop *l, integer lane) {
     Tally *tally = tally_of(l, lane);
     real t = l->start_high[lane], h = l->high[lane] - t;
-    if (!(l->limit[lane] > 0))
+    if (!(l->limit[lane] > 0)) /* the lane had ended before the step */
         return false;
     if (tally->status != RUNNING) /* it is not finite */
         return true;
@@ -735,6 +770,7 @@ static bool finish_step(const Loop *l, integer lane) {
         tally->t = upto < 1 ? t + upto * h : l->high[lane];
         tally->steps++;
         bool at_start = tally->steps <= l->sampled_first;
+        /* A power of two, so the mask is the remainder. */
         bool sampled = at_start || (every_step & (l->sampled_every - 1)) == 0;
         if (l->sample_room > 0 && upto == 1 && sampled) {
             integer at = l->sampled[0]++;
@@ -746,9 +782,9 @@ static bool finish_step(const Loop *l, integer lane) {
         return true;
     if (tally->steps >= l->most_steps || tally->tiny >= PATIENCE)
         tally->status = STALLED;
-    else if (l->h[lane] == l->limit[lane]) {
+    else if (l->h[lane] == l->limit[lane]) { /* the integrator made the longest step allowed */
         tally->status = FINISHED;
-        tally->t = l->end[lane];
+        tally->t = l->end[lane]; /* exactly: the sum of the steps is rounded */
     } else if (has_settled(l, tally, every_step, t + h))
         tally->status = SETTLED;
     return tally->status != RUNNING;
@@ -795,8 +831,8 @@ static bool end_step(const Loop *l) {
     return ended;
 }
 
-/* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows of a
-   single one are written, or there is no room. Return their number. */
+/* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows of
+   a single run are written, or there is no room. Return the number of steps. */
 integer loop_drive(const Loop *l, integer most) {
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
     _Alignas(64) volatile bool runs = false;
@@ -870,21 +906,26 @@ enum { JUMP_PARTS = 8, POINTS = JUMP_PARTS + 1 };
 /* Jumps of the tops of a system. */
 typedef struct {
     const Loop *const *loops;     /* of phases, then of motions; NULL where none is compiled */
-    const Program *const *programs; /* (phases, events + 1), the last by the clock; or none */
+    /* (phases + 1, events + 1): the last column by the clock, the last row of the start; or none */
+    const Program *const *programs;
     const Event *events;
     real *registers; /* of the program that is executed */
-    real *made; /* of each change of a run: time, event, number of the program, last registers */
-    real chatter;
+    /* (changes, width) of a run: time, event, number of the program, its registers from `after` on;
+       NULL in pools. `JumpPrograms.drive` reads it. */
+    real *made;
+    real chatter; /* the shortest phase, over its start or 1, as `CHATTER` of `jump_programs` */
     integer length, width, numbers; /* changes made; their numbers; those of a body */
 } Jumps;
 
 /* A top: its clock, the ends of the run, of the phase and of the next steps, and the start of the
-   phase; the event at the end of the next steps; the phase, and the event that ended it. */
+   phase, internal; the event at the end of the next steps; the phase, and the event that ended it,
+   or BY_STALL or NO_EXIT; steps before those of its tally; phases in a row that were too short. As
+   `TOP_RECORD` of `engine.jump_programs`: a change of one is a change of both. */
 typedef struct {
     real high, low, end, until, stop, began;
     integer stops_by, phase, event, steps, short_phases;
     real *state;      /* of a top that is in no lane */
-    const real *body; /* its numbers */
+    const real *body; /* (Jumps.numbers,) of its body and contact */
 } Top;
 
 /* How a phase ends that no event ends: by a stall; or the run ends, or goes on. */
@@ -903,7 +944,8 @@ static const real *begin_functions(const Loop *l, integer lane, const real *star
     return start + 2 * events;
 }
 
-/* Begin steps in a lane at a time (high + low) in a state. */
+/* Begin steps in a lane at a time (high + low) in a state, up to `end`. The counts are those that
+   `begin_functions` has set, or of a top that continues. */
 static void begin_lane(const Loop *l, integer lane, real high, real low, real end,
                        const real *state) {
     Tally *tally = tally_of(l, lane);
@@ -918,12 +960,13 @@ static void begin_lane(const Loop *l, integer lane, real high, real low, real en
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and
    zeros of its event functions, state and parameters; its results: status, steps, event, state.
-   They are those of `ImpactMotions.piece`, in its order. */
+   They are those of `ImpactMotions.piece`, in its order; a change of one is a change of both. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Tally *tally = l->tallies;
     const real *state = begin_functions(l, 0, in + 2);
     begin_lane(l, 0, 0, 0, in[0], state);
     copy(l->parameters, state + l->variables, 1, l->pars, 1);
+    /* emptied, as only the last passage is read */
     l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
@@ -954,9 +997,9 @@ static bool execute(const Jumps *j, const Program *c) {
     return true;
 }
 
-/* Execute lines on n columns of 80-bit numbers; `first` is the register of the first line's result.
-   Return the number of lines executed: those before a MOTION, or all. Return -1 if a comparison is
-   not as expected. */
+/* Execute lines, as `execute`, on n columns of 80-bit numbers; `first` is the register of the first
+   line's result. Return the number of lines executed: those before a MOTION, or all. Return -1 if a
+   comparison is not as expected. */
 integer loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
     long double *to = r + first * n;
     for (const Line *line = lines; line < lines + length; line++) {
@@ -979,7 +1022,7 @@ integer loop_columns(integer length, integer first, integer n, const Line *lines
 
 /* Execute the first program of a change whose comparisons are as expected, in a state of a lane.
    Return it; NULL if there is none, as for a stall, or what follows is not finite. The inputs have
-   the order of `JumpPrograms._traced`. */
+   the order of `JumpPrograms._traced`; a change of one is a change of both. */
 static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l, integer lane,
                                     const real *state) {
     integer events = l->events, numbers = j->numbers;
@@ -1000,16 +1043,17 @@ static const Program *execute_first(const Jumps *j, const Top *t, const Loop *l,
     }
     if (c == NULL)
         return NULL;
-    real finite = 0;
+    real finite = 0; /* otherwise NaN, as in `advance_time` */
     for (integer k = c->out; k < c->after; k++)
         finite += 0.0 * r[k];
     return finite == 0 && r[c->after + 1] >= 0 ? c : NULL;
 }
 
-/* Note what a change from a state logs, and what happens in it until `time`, as
-   `HybridDriver._enter` does. */
+/* Note what a change from a state logs, and what happens in it from `when` until `time`, as
+   `HybridDriver._enter`; a change of one is a change of both. */
 static void note_change(const Jumps *j, const Loop *l, integer lane, const Program *c, real when,
                         real time, const real *state) {
+    /* The functions in the time of the change are before `out`, see `Program`. */
     const real *signs = j->registers + c->out, *ranges = signs - c->ranged * POINTS;
     for (integer k = 0; k < c->logged + c->passed; k++) {
         integer e = c->events[k], sign = k < c->logged ? 1 : (integer)signs[e];
@@ -1031,17 +1075,19 @@ static void note_change(const Jumps *j, const Loop *l, integer lane, const Progr
     }
 }
 
-/* Change the phase of the top in a lane in the state where the phase ended. Return the state in
+/* Change the phase of the top in a lane in the state where the phase ended, as
+   `HybridDriver._change` and `_enter`; a change of one is a change of both. Return the state in
    which the next phase begins. Return NULL, with nothing changed, if Python must do it: a phase
    that was too short, a jump without a program, a full log, or a row within the jump. */
 static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const real *state) {
+    /* As in `HybridDriver._change`: a phase that was to last no time is not too short. */
     bool lasts = t->until > t->began;
     if (lasts && t->high - t->began < j->chatter * fmax(t->began, 1))
         return NULL;
     const Program *c = execute_first(j, t, l, lane, state);
     if (c == NULL)
         return NULL;
-    const real *more = j->registers + c->after;
+    const real *more = j->registers + c->after; /* `lasts` and `delay` of the Next, then numbers */
     real when = t->high, time = MIN(t->end, when + more[1]);
     bool full = l->log_room > 0 && l->logged[0] + c->logged + c->passed > l->log_room;
     if (full || (time > when && is_row_before(l, l->slots[lane], time)))
@@ -1057,7 +1103,7 @@ static const real *change(Jumps *j, Top *t, const Loop *l, integer lane, const r
     t->phase = c->next;
     t->high = t->began = time;
     t->until = t->stop = MIN(t->end, time + more[0]);
-    t->stops_by = l->events;
+    t->stops_by = l->events; /* the clock, as in the table of programs */
     t->short_phases = lasts ? 0 : t->short_phases;
     return begin_functions(l, lane, j->registers + c->out);
 }
@@ -1072,7 +1118,7 @@ static bool ends_phase(Top *t, const Loop *l, integer lane) {
     bool within = tally->upto < 1, by_clock = tally->status == FINISHED && t->stop < t->end;
     bool goes_on = tally->status == SETTLED || tally->status == RUNNING;
     t->high = tally->t;
-    t->low = goes_on ? l->low[lane] : 0;
+    t->low = goes_on ? l->low[lane] : 0; /* an end is a double */
     t->event = within ? l->ended_by[lane] : by_clock ? t->stops_by : NO_EXIT;
     if (tally->status == STALLED)
         t->event = BY_STALL;
@@ -1092,6 +1138,8 @@ static bool change_phase(Jumps *j, Top *t) {
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     if (!ends_phase(t, l, 0) || full || is_at_end(t))
         return false;
+    /* The event that ended the phase leaves the log: `change` notes those that its jump logs. Its
+       state remains in its row; if the caller must make the jump, the event is put back. */
     integer last = l->logged[0] -= within;
     const real *state = within ? l->logged_states + last * l->width : l->state;
     state = change(j, t, l, 0, state);
@@ -1103,8 +1151,8 @@ static bool change_phase(Jumps *j, Top *t) {
     return true;
 }
 
-/* Make at most `most` steps of the present phase of a run, and of at most `changes` that follow.
-   Return their number. */
+/* Make at most `most` steps of a run, in its present phase and in those after it, until `changes`
+   changes are `made`. Return the number of steps. */
 integer loop_run(Jumps *j, Top *t, integer most, integer changes) {
     integer steps = 0;
     do
@@ -1115,22 +1163,24 @@ integer loop_run(Jumps *j, Top *t, integer most, integer changes) {
 
 /* --- many tops in lanes: a pool of lanes for each phase, with a queue of tops --- */
 
+/* As `POOL_RECORD` of `engine.pools`: a change of one is a change of both. */
 typedef struct {
-    const Loop *loop;          /* none in a phase that no top has entered */
-    const integer *parameters; /* which numbers of a body they are */
-    integer by_steps;          /* whether the caller puts the end of each step */
-    integer first, count;      /* of the queue, a ring */
+    const Loop *loop;          /* NULL in a phase that no top has entered */
+    const integer *parameters; /* (Loop.parameters,) index of each one in the numbers of a body */
+    integer by_steps;          /* whether the caller sets the end of each step */
+    integer first, count;      /* of the queue, a ring: place of its first top, number of tops */
     integer occupied;          /* tops in lanes */
 } Pool;
 
 typedef struct {
     Jumps jumps;
-    Pool *pools;
-    integer *queues; /* (phases, room) rings */
-    Top *tops;
-    integer *called; /* tops that are in no queue: the caller looks at their status and event */
-    integer phases, room; /* room for tops */
-    integer calls; /* how many these are */
+    Pool *pools;     /* (phases,) */
+    integer *queues; /* (phases, room) rings of slots */
+    Top *tops;       /* by slot */
+    integer *called; /* slots of tops in no queue: the caller looks at their status and event */
+    integer phases,
+        room;      /* of a ring, for all tops; also the slot of empty lanes, see `Pools.empty` */
+    integer calls; /* number of tops in `called` */
 } Pools;
 
 /* Append a top to the queue of its phase, where it waits for a lane. If it may have settled where
@@ -1207,7 +1257,7 @@ static void leave_lane(Pools *p, integer phase, integer lane) {
         is_changed = change_top(&p->jumps, t, l, lane);
     }
     l->in_lane[lane] = -1;
-    l->slots[lane] = p->room;
+    l->slots[lane] = p->room; /* of empty lanes, as `Pools.empty` */
     pool->occupied--;
     if (is_changed)
         loop_push(p, top);
@@ -1229,7 +1279,7 @@ static integer fullest(const Pools *p) {
 }
 
 /* Make at most `most` steps of lanes, in one phase after another, until a top waits for the caller.
-   Return their number. */
+   Return the number of steps. */
 integer loop_pools(Pools *p, integer most) {
     integer steps = 0, phase = fullest(p);
     while (phase >= 0 && steps < most && p->calls == 0) {

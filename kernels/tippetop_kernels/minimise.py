@@ -1,6 +1,7 @@
 """The minimum of a function of q > 0: where its slope by ln(q) changes sign.
 
-A problem is four functions of opaque records p (the point) and r (what all points share):
+A problem is four functions of records p (the point) and r (what all points share), which are only
+passed on; `landscape.kernels` has p = `formulas.Point`, and r the coefficients of a body:
 
     guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if unknown
     slopes(q, p, r)     a common positive factor times the first three derivatives by ln(q)
@@ -50,6 +51,7 @@ def stepped(slopes, q, p, r):
     n = g1 * g2
     m = 2 * g2 * g2 - g1 * g3
     f = (m - n) / (m + n)
+    # comparisons in this order, here and in `clipped`, turn NaN into the lower bound
     f = f if f > 0.125 else 0.125
     f = f if f < 8.0 else 8.0
     return q * f, abs(f - 1)
@@ -94,6 +96,7 @@ def extremes(slope, p, r, q):
     low = SMALLEST
     high = SMALLEST
     while low < LARGEST:
+        # not falling at LARGEST: there a function that falls has its last minimum
         if (high < LARGEST and slope(high, p, r) < 0) != falling:
             inside, outside = (low, high) if falling else (high, low)
             q[count] = crossing(slope, inside, outside, p, r)
@@ -108,7 +111,7 @@ def extremes(slope, p, r, q):
 def lowest(value, q, first, last, p, r):
     """Return the number of the lowest of the minima from `first` to `last`.
 
-    q contains minima and maxima in turn.
+    q contains minima and maxima in turn, as `extremes` fills it: minimum k is q[2 k].
     """
     best = first
     least = np.inf

@@ -54,7 +54,7 @@ def measure(
         same bits. (), as `rows_at_times` passes it: only `rows` are, and columns stay internal.
     lyapunov
         Whether finite-time Lyapunov exponents are computed: one top after the other, each at the
-        cost of several runs. That of a top that is invalid, or ends at its start, is NaN.
+        cost of several runs. The exponent of a top that is invalid, or ends at its start, is NaN.
     events
         Whether the events of each top are logged.
     times
@@ -93,6 +93,7 @@ def measure(
         for top, sentence in faults:
             measured.refuse(top, sentence)
             ended()
+        # not known before the jump to the first phase, see `new_tops`
         functions = np.full((tops.n, 1), np.nan)
     else:
         functions = event_functions(tops)
@@ -102,7 +103,7 @@ def measure(
     if len(numbers):
         bodies = bodies_of(begun) if is_hybrid else tops.pars
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // Pools.lanes))
-        room = -(-len(numbers) // n)
+        room = -(-len(numbers) // n)  # an equal share, so that no thread takes all tops
         stop = threading.Event()
         first = problem_of(tops, int(numbers[0]))
         groups = [
@@ -113,7 +114,7 @@ def measure(
         ]
         every = new_tops(groups[0], n, begun, functions, bodies, measured.times)
         for thread, group in enumerate(groups):
-            group.keeps_extremes = wanted != ()
+            group.keeps_extremes = wanted != ()  # only columns need extremes
             group.join(every, thread)
         workers = [partial(run_tops, measured, group, ended, room, stop) for group in groups]
         _run_all(workers, iter(numbers.tolist()), stop)
@@ -126,12 +127,13 @@ def measure(
     # rows at the end itself, where a top ended before its row was written; times are internal still
     ends = measured.columns["t_end"][:, None]
     made = np.isfinite(measured.rows[:, :, 0])
+    # a time below 0 is before the start: its row stays NaN
     which, row = np.nonzero(~made & (measured.times >= 0) & (measured.times <= ends))
     measured.rows[which, row] = measured.final[:, which].T
     if lyapunov or wanted != ():
         _conclude(measured)
     if lyapunov:
-        ends = measured.columns["t_end"]
+        ends = measured.columns["t_end"]  # SI since `_conclude`, as `growth` takes times
         for top in np.flatnonzero(ends > 0).tolist():
             times = np.array([0.0, ends[top]])
             exponents = growth(problem_of(tops, top), times).exponents
@@ -150,6 +152,7 @@ def _run_all(workers: Sequence[Callable], queue: Iterator[int], stop: threading.
         workers[0](queue)
         return
     with ThreadPoolExecutor(len(workers)) as pool:
+        # inside the block, whose end waits for all workers: `stop` must be set before
         try:
             for done in as_completed([pool.submit(worker, queue) for worker in workers]):
                 done.result()
@@ -164,6 +167,7 @@ def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:
     find zeros on the way only; a run of its own ends such a top at t = 0.
     """
     ends = tops.base.on_liftoff == "stop"
+    # events with extremes, such as a force, must not fall below zero, as in `of_start` of loop.c
     stops = [bool(ends and event.ends and event.extremes) for event in tops.base.system.events]
     return np.any(functions[:, stops] < 0, axis=1)
 

@@ -41,8 +41,8 @@ def problem_of(tops: Problems, top: int) -> Problem:
     rules = base.contact
     if rules is not None:
         rules = rules._replace(**tables["contact"], **tables.get("stem", {}))
-    if touches(base) and "initial.gap" not in tops.columns:
-        initial.pop("gap", None)
+    if touches(base) and "initial.gap" not in tops.columns:  # as in `checked_tops`
+        initial.pop("gap", None)  # that of the base, whose angles and sizes may differ
         initial = on_stem(initial, parameters, rules)
     kept = base.columns
     if kept is not None and not tops.orientation:
@@ -73,9 +73,9 @@ def checked_tops(tops: Problems) -> tuple[Problems, list[tuple[int, str]]]:
     for top in np.flatnonzero(tops.valid).tolist():
         problem = problem_of(tops, top)
         gaps[top] = problem.initial.get("gap", 0.0)
-        some = *problem.clashes(), *contact_faults(problem)
+        some = *problem.clashes(), *contact_faults(problem)  # sentences
         faults += [(top, sentence) for sentence in some[:1]]
-    if touches(tops.base) and "initial.gap" not in tops.columns:
+    if touches(tops.base) and "initial.gap" not in tops.columns:  # as in `problem_of`
         tops = replace(tops, columns={**tops.columns, "initial.gap": gaps})
     return tops, faults
 
@@ -107,14 +107,15 @@ def run_each(
 def _run(outcomes: Outcomes, top: int, logs: bool) -> None:
     """Run a top and write its row of `outcomes`, in internal units; `logs`: and its events.
 
-    `lanes._write` does the same for tops in lanes; `_conclude` converts the columns of both to SI.
-    Raises InputError if the top cannot be integrated.
+    As `lanes._write` for tops in lanes: a change of one is a change of both. `_conclude` converts
+    the columns of both to SI. Raises InputError if the top cannot be integrated.
     """
     problem = problem_of(outcomes.tops, top)
     second = problem.unit(SECOND)
     times = outcomes.times[top]
-    wanted = np.flatnonzero(times >= 0)
+    wanted = np.flatnonzero(times >= 0)  # the others are before the start
     run = solve(replace(problem, times=ListedTimes(times[wanted] * second)))
+    # a run that ends early has fewer rows
     outcomes.rows[top, wanted[: len(run.rows)]] = run.rows
     if logs:
         outcomes.events[top] = run.events
@@ -127,6 +128,7 @@ def _run(outcomes: Outcomes, top: int, logs: bool) -> None:
         **{name: end.tally[name] for name in SWINGS},
         **{kept.name: value for kept, value in end.numbers},
     }
+    # `_conclude` computes the columns for which a run has no number
     for name in outcomes.columns.keys() & values.keys():
         outcomes.columns[name][top] = values[name]
     outcomes.status[top] = run.status.code

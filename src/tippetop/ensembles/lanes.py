@@ -1,6 +1,7 @@
 """Integrate the tops of a queue in SIMD lanes on one thread; see `engine.pools`.
 
-Numbers of tops come from a queue; their outcomes go to the common `Outcomes`.
+Numbers of tops come from a queue; their outcomes go to the common `Outcomes`. The slot of a top is
+its number, the index in all arrays.
 """
 
 import threading
@@ -66,10 +67,12 @@ class PoolOfOne(Pools):
         rows = watched(code.rows, base, reads)
         self.code = code
         width = len(code.integrator.state)
-        logged = self.lanes * len(rows.events) * MOST_COEFFICIENTS  # that a step may find
+        # zeros that a step may find: at least the room that `is_full` in loop.c wants
+        logged = self.lanes * len(rows.events) * MOST_COEFFICIENTS
         self.all_events = rows
         self.variables = len(tops.start)
         self.samples = new_log(SAMPLES * self.lanes if reads("drift") else 0, width, row=int)
+        # twice, as `run_tops` empties it when it is half full; without events it has no room
         self.log = new_log(2 * logged * events, width)
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
         self.rules = Rules(settled_for, most, EVERY, 0)
@@ -111,7 +114,7 @@ def run_tops(
     ended
         Called whenever a top has ended.
     room
-        Number of tops that may be under way, at most ROOM.
+        Number of tops that may be under way; more than ROOM counts as ROOM.
     stop
         Set it to return soon, whether the tops have ended or not.
     queue
@@ -127,7 +130,7 @@ def run_tops(
         if is_more and under_way <= 0.75 * room:
             new = np.array([*islice(queue, room - under_way)], int)
             under_way += len(new)
-            is_more = under_way == room
+            is_more = under_way == room  # otherwise the queue is empty
             over = pools.start(new)
             if is_hybrid:  # the first phase begins after a jump
                 outcomes.begin(pools.rows_in(new).T, new)
@@ -139,7 +142,7 @@ def run_tops(
             if _stays(outcomes.tops, pools, top):
                 over.append(top)
                 continue
-            if not is_hybrid:
+            if not is_hybrid:  # no look at every step: `settled_every` is 1, in phases 64
                 pools.of_tops.lane["lasts_since"][top] = np.nan
             pools.push(top)
         for _ in over:
@@ -186,7 +189,8 @@ def _look(outcomes: Outcomes, pools: Any) -> None:
 def _write(outcomes: Outcomes, pools: Any, tops: np.ndarray) -> None:
     """Write the rows of `outcomes` of these tops, which have ended, in internal units.
 
-    `tops` are those of one thread; those that turned out to be invalid get a status and a fault.
+    `tops` are those of one thread; invalid ones among them get a status and a fault. As
+    `hybrid_tops._run` for tops run alone: a change of one is a change of both.
     """
     is_hybrid = isinstance(pools, HybridPools)
     problems = outcomes.tops
@@ -203,14 +207,17 @@ def _write(outcomes: Outcomes, pools: Any, tops: np.ndarray) -> None:
     rows = pools.rows
     place, row = np.nonzero(np.isfinite(rows.states[tops, :, 0]))
     made = tops[place], row
+    # `Rows.phases` has the `in_lane` of the top: top times phases plus phase
     phases = rows.phases[made] % len(pools.pools)
     outcomes.rows[made] = pools.rows_of(phases, rows.states[made], tops[place])
 
     theta = values_of(problems, final, tops)["theta"]
-    for top, angle in zip(tops.tolist(), theta, strict=True):  # the turning that waits
+    # the end of a run, sign 0, decides on the turning that waits; [top:] begins with its tally
+    for top, angle in zip(tops.tolist(), theta, strict=True):
         count_turnings(pools.of_tops.lane[top:], np.zeros(1), angle)
     tallies = pools.of_tops.lane[tops]
     columns["t_end"][tops] = tallies["t"]
+    # `steps` of a record are those of earlier phases, see `TOP_RECORD`
     columns["steps"][tops] = pools.tops["steps"][tops] + tallies["steps"]
     for name in SWINGS:
         columns[name][tops] = tallies[name]
@@ -233,9 +240,11 @@ def _write(outcomes: Outcomes, pools: Any, tops: np.ndarray) -> None:
     events = pools.all_events.events
     names = dict(enumerate(event.extremes for event in problems.base.system.events))
     for k in np.flatnonzero(events["extremes"]).tolist():
+        # in the scale of the coefficients, as in `Driver.extremes`; a change of one is one of both
         values = functions["extremes"][k].T / events["scale"][k]
         for end, best, found in zip(("min", "max"), (np.fmin, np.fmax), values, strict=True):
             column = columns[f"{names.get(k) or 'normal_force'}_{end}"]
+            # each phase may have its own function of the normal force
             column[tops] = best(column[tops], found)
 
 
@@ -258,7 +267,7 @@ def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> Event
     ranges = []
     for event in base.system.events:
         names = [event.name, *(kept.name for kept in event.kept)]
-        names += SWINGS if event.sense else ()
+        names += SWINGS if event.sense else ()  # its zeros are turnings, which give them
         watches.append(bool(event.ends or event.lasting) or reads(*names))
         ranges.append(reads(f"{event.extremes}_min", f"{event.extremes}_max"))
     return looked_for(rows, watches, ranges, stops=base.on_liftoff == "stop")

@@ -86,9 +86,10 @@ def columns_of(system: System) -> dict[str, ColumnForm]:
 class Outcomes:
     """The results of an ensemble, as arrays (n,) with one element per top, and its cost.
 
-    `ensemble.measure` makes it; threads write the elements of different tops. `columns`, with
-    `forms`, are internal until `_conclude`; `rows` and `final`, (variables, n), stay so. `kind` is
-    the class, an index of CLASSES, and `status` a code of `Status`, an index of STATUSES.
+    `ensemble.measure` makes it; threads write the elements of different tops. `columns`, described
+    by `forms`, are internal until `_conclude`; `rows`, (n, k, variables), and `final`,
+    (variables, n), remain internal. `kind` is the class, an index of CLASSES, and `status` a code
+    of `Status`, an index of STATUSES.
     """
 
     def __init__(self, tops: Problems, lyapunov: bool = False, times: np.ndarray | None = None):
@@ -107,6 +108,7 @@ class Outcomes:
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         self.lasts_since = np.full(n, np.nan)  # of tops in lanes, as in their tallies
+        # `look` compares states with the start; `begin` sets the starts of tops with phases
         drift = Drift(tops, tops.start, tops.valid)
         self.look, self.begin = drift.look, drift.begin
         self.drift = drift.worst
@@ -136,7 +138,7 @@ def _conclude(outcomes: Outcomes) -> None:
     tops = outcomes.tops
     columns = outcomes.columns
     for name, (empty, unit, _) in outcomes.forms.items():
-        if np.isnan(empty):
+        if np.isnan(empty):  # times, angles and forces; counts, which begin with 0, have no unit
             columns[name] *= tops.unit(unit)
             columns[name][~np.isfinite(columns[name])] = np.nan
     ended = np.flatnonzero(np.isfinite(outcomes.final).all(axis=0))

@@ -55,6 +55,7 @@ def rows_at_times(
     internal = times / tops.unit(SECOND)[:, None]
     measured = measure(tops, threads=threads, wanted=(), times=internal, most=most)
 
+    # formulas take one state for each top and time; other rows stay NaN
     top, row = np.nonzero(np.isfinite(measured.rows).all(axis=2))
     states = measured.rows[top, row].T
     values = values_of(tops, states, top)

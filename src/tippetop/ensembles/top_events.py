@@ -41,8 +41,9 @@ def log_events(measured: Outcomes) -> None:
     some, first = np.unique(rows["phase"][order], return_index=True)
     for top, numbers in zip(some.tolist(), np.split(order, first)[1:], strict=True):
         log = log_of(tops, top)
-        its = rows[numbers]
+        its = rows[numbers]  # as PASSAGE_RECORD of `tallies`
         log.tallies.lane["lasts_since"] = measured.lasts_since[top]
+        # the fields of `Passages` in its order, the states last, without padding
         columns = [its[name] for name in ("time", "event", "sign", "at_pole")]
         zeros = Passages._make([*columns, states[numbers, : len(tops.start)]])
         table, marks, _ = log.add_zeros(zeros)

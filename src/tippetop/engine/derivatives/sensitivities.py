@@ -43,21 +43,21 @@ def differentiate(
     times
         Of the rows [s], (n,), ascending, up to the end of the run.
     events
-        Those of the run: arrays `time` [s] and `kind`, (n,), and the names `kinds`.
+        The `runs.events.EventTable` of the run: `time` [s] and `kind`, (n,), and the names `kinds`.
     order
-        1, or 2 for second derivatives of the columns too.
+        1, or 2 to add second derivatives of the columns.
     moments
         Columns of times at which phases change [s], by the name of their table.
     driver
-        That of the run, at its end, with its `intervals` (`runs.run.with_phases`); only read if its
-        contact may change.
+        The `HybridDriver` of the run, at its end, with its `intervals` (`runs.run.with_phases`);
+        only read if the contact may change its phase.
 
     Returns
     -------
     tables
         SI units per SI unit: `trajectory`, along time and parameter; `events`, of the time of an
-        event, and of theta there; `second`, along a second parameter too, empty for order 1; and
-        those of the moments. The keys are fields of `library.derivatives.Sensitivities`.
+        event, and of theta there; `second`, along time and two parameters, empty for order 1; and
+        one table for each of `moments`. The keys are fields of `library.derivatives.Sensitivities`.
     sentences
         Why there are no derivatives, where there are none.
 
@@ -70,8 +70,9 @@ def differentiate(
     i = j = np.arange(n)
     if order == 2:
         i, j = np.tril_indices(n)  # second derivatives along means of two directions too
-    own = i == j
+    own = i == j  # directions that change one number; the others serve mixed derivatives only
     every = np.unique(np.concatenate([[0.0], times, events.time]))
+    # means of two directions, as `_mixed` takes them: a change of one is a change of both
     ways = (np.eye(n)[:, i] + np.eye(n)[:, j]) / 2
     passed = followed(problem, wrt, every, driver, ways, order)
     sizes = passed.sizes[:, None]
@@ -87,6 +88,7 @@ def differentiate(
         scale = passed.scales.of(source.unit)
         each = [(values[part] * scale).parts for part in source.parts]
         _, *derivatives = zip(*each, strict=True)
+        # of all directions but the last one, the time
         first, *others = (np.array(parts)[:, :-1, rows] for parts in derivatives)
         symbol = source.unit.symbol
         by = "time", PARAMETER
@@ -107,6 +109,7 @@ def differentiate(
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
     *by_number, pace = values["theta"].first[:, at]
+    # at the event: theta changes at a fixed time, and moves with the time of the event
     by_theta = np.array(by_number)[own] / sizes + pace / unit * by_time
     by = "event", PARAMETER
     tables = {
@@ -145,7 +148,8 @@ def _limit(
     tables
         Columns of derivatives by table.
     notes
-        `Pass.margins()`, by time: a change of a number is valid up to the least before a row.
+        `Pass.margins()`, ascending in time: a change of a number is valid up to the least of the
+        notes at or before the time of a row.
     wrt
         Names of the numbers.
     unit
@@ -154,12 +158,13 @@ def _limit(
         The time of each row [s], by the name of each table that gets `valid_within`.
     """
     least = np.fmin.accumulate([np.full(len(wrt), np.inf), *(note.least for note in notes)])
+    # least[k] is that of the first k notes, so the search counts the notes up to a row
     starts = np.array([note.time for note in notes]) * unit
     for name, when in whens.items():
         within = least[np.searchsorted(starts, when, side="right")]
         table = tables[name]
         for one in table.values():
-            if one.dims[1:2] == (PARAMETER,):
+            if one.dims[1:2] == (PARAMETER,):  # derivatives; the others are times and kinds
                 one.values[within < NONE_BELOW] = np.nan
         text = "relative change of the number up to which the phases follow each other as they do"
         by = *table["time"].dims[:1], PARAMETER
@@ -187,6 +192,7 @@ def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     means = np.empty((len(along), n, n, along.shape[-1]))
     means[:, i, j] = means[:, j, i] = along
     own = along[:, i == j]
+    # along (a + b)/2 the derivative is (f_aa + 2 f_ab + f_bb)/4
     return 2 * means - (own[:, :, None] + own[:, None]) / 2
 
 

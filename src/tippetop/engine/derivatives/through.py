@@ -18,7 +18,9 @@ Symbols
     motion    a `Motion`: the equations of a phase or of an impact
     jump, n   a `hybrid.Jump`, and its result, a `form.Next`
     tape      a recorded function of numbers with derivatives, a `Tape`
-    q, b      state and parameters of a phase
+    q, b      state and parameters of a phase, records of its form and of `Phase.parameters`
+    place     the index of a region of an impact, by which a tape refers to its motion
+    h         the value of an event function, a `Dual`
 """
 
 import operator
@@ -130,15 +132,19 @@ class Motion(NamedTuple):
         lanes = 1 << min(directions - 1, MOST_LANES - 1).bit_length()
         key = self.formulas, self.variables, lanes, parts - 1
         ta = awaited_once(compiled_flow, key, "the variational equations are being compiled")
-        # the largest decide the errors
+        # each direction is divided by its largest derivative, as the largest numbers of a lane
+        # decide its errors; derivatives of order k take the power k of this size
         sizes = np.abs(state[:size, 1]).max(axis=0).clip(min=1.0)
         scales = sizes ** np.arange(parts)[:, None]
+        # each number before its derivatives, as `compiled_flow` takes them
         start, known = (
             (rows / scales).reshape(-1, directions) for rows in (state[:size], self.pars)
         )
+        # the grid must begin at the time of the state; `back[1:]` leaves this time out again
         grid, back = np.unique(np.append(0.0, times), return_inverse=True)
         after = np.repeat(state[..., None], len(grid), axis=-1)
         for first in range(0, directions, lanes) if len(grid) > 1 else ():
+            # lanes without a direction repeat the last one
             some = np.arange(first, first + lanes).clip(max=directions - 1)
             with _one_at_a_time:
                 ta.set_time(0.0)
@@ -157,6 +163,7 @@ class Motion(NamedTuple):
         """
         q, carried = self.variables.split(state[:, 0, 0])
         rates = *self.variables.rates(q, carried, plain(self.body)), 1.0
+        # the added direction is a copy for its value; the loop writes its derivative
         moved = np.concatenate([state, state[:, :, :1]], axis=2)
         for row, rate in zip(moved, rates, strict=True):
             row[1, :-1] -= rate * state[-1, 1]
@@ -202,9 +209,12 @@ class Motion(NamedTuple):
         function, (directions,), where they are known better than from the state; for a time, minus
         its derivatives. `_ended` and `_impact` call it.
         """
+        # turns: the derivatives of the pace along the directions; bend: the rate of the pace
         rates, ((_, by), (pace, turns), (bend, _)) = self.slopes(event, state)
         moved = state.copy()
         moved[:, 1] -= np.outer(rates, by if known is None else known) / pace[0]
+        # the vertex of the parabola through the zero with this pace and bend: its height, then
+        # this over the derivative of the height at a constant bend
         extreme = pace**2 / (2 * abs(bend))
         least = extreme / abs(by - pace / bend * turns)
         # a disc gives way where the function falls like a square root: it has no extreme there
@@ -264,6 +274,7 @@ class Tape:
 
                 def moved(*values: float) -> np.ndarray:
                     """Return the results of the motion, each before its derivative."""
+                    # `follow` takes columns of all directions; here all are the first one
                     return follow(place, np.outer(values, np.ones(numbers.shape[2])))[:, 0]
 
                 made = inputs[0].program.call(place, moved, *_pairs(leaves(given)))
@@ -274,11 +285,13 @@ class Tape:
             self.parts = 2 * len(results)
             return [*_pairs(results), *changes]
 
+        # recorded with the first direction, executed with a column for each
         self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel().tolist())
 
     def __call__(self, numbers: np.ndarray, follow: Callable) -> tuple | None:
         """Return what `evaluated` does; None if a comparison turns out otherwise."""
         directions = numbers.shape[2]
+        # all inputs are columns, one for each direction: none is common
         columns = self.program(np.zeros((0, 1)), numbers.reshape(-1, directions), follow)
         if columns is None:
             return None
@@ -330,7 +343,8 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
         if made := tape(numbers, followed):
             return made
     if len(tapes) < BRANCHES:
-        with suppress(Exception):  # whatever it does that is no line of a tape
+        # whatever it does that is no line of a tape; the call below raises its own errors again
+        with suppress(Exception):
             tape = Tape(function, numbers, followed)
             if made := tape(numbers, followed):
                 tapes.append(tape)
@@ -467,6 +481,7 @@ class Pass:
             made[:, 0] = np.array(values)[:, None]
             return made
 
+        # the last row is the time
         self.start = rows([*tops.start, 0.0], [*problem.start(), 0.0])
         self.first = rows(leaves(tops.internal_body), leaves(problem.internal_body))
         self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
@@ -492,10 +507,11 @@ class Pass:
             if phase not in self.motions:
                 pars = as_rows(leaves(phase.parameters(self.body)), self.directions)
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
+            # times in the jump before belong to this phase if the jump is brief: see BRIEF
             since = max(ended, interval.began - BRIEF)
             state = self._ended(number, interval, since, state, lasts, zeros)
             ended = interval.ended
-            if jump := interval.jump:
+            if jump := interval.jump:  # of phases that end at one time, the first decides
                 self.shifts.setdefault(ended, state[-1, 1])
         for found in (self.samples, self.between):
             for phase, parts in found.items():
@@ -507,6 +523,7 @@ class Pass:
         They are rows of the run, not states of phases, at fixed times.
         """
         variables = self.problem.variables
+        # value and derivatives; `in_time` adds the time as a direction
         shape = len(variables.names), 2, self.directions + 1, len(self.times)
         rows = np.full(shape, np.nan)
         if self.times[0] == 0:  # a phase may begin later
@@ -537,6 +554,7 @@ class Pass:
             `_impact` does. Return numbers (the longest time of the next phase, then the state in
             it) and the name of this phase with its zeros. If the run ends: the delay, and "".
             """
+            # `rules` is (e_n,), or () without a contact, as `_numbers_of` has set `e_n`
             body, rules = refill(self.given, iter(numbers))
             state = numbers[len(self.known) :]
             now = world._replace(body=body, left=float(driver.end) - state[-1])
@@ -551,6 +569,7 @@ class Pass:
                 return [n.delay], ("", ())
             return [n.lasts, *begun, state[-1] + n.delay], (n.phase, (*n.zeros,))
 
+        # a tape repeats one jump of one kind of impacts, for bodies of the same records
         key = jump.phase, jump.exit.jump, jump.kind, kinds(world.body)
         numbers = np.concatenate([self.known, state])
         try:
@@ -591,33 +610,38 @@ class Pass:
         for stop in stops if end > since else ():
             which = np.flatnonzero((self.times > since) & (self.times <= stop))
             count = PER_INTERVAL + int(PER_TIME * (stop - done))
-            apart = np.linspace(done, stop, count + 2)[1:]
+            apart = np.linspace(done, stop, count + 2)[1:]  # `inside`, then the end
+            # times in the brief jump before the phase get its first state
             after = motion.flow(np.append(self.times[which], apart).clip(done) - done, state)
             inside = after[..., len(which) : -1]
             self.samples[phase].append((which, after[..., : len(which)]))
             self.between[phase].append((np.full(count, number), inside))
             state = after[..., -1].copy()
             since = done = stop
-            if stop < end:
+            if stop < end:  # at a fixed speed: see PROJECTED_AT
                 state, _ = motion.happens(event, state)
         state[:, 0] = np.append(last, end)[:, None]
         if exit:
+            # without an event the clock ends it, which `lasts` moves
             known = None if event else -lasts
             if exit.event in zeros and end - interval.began < BRIEF_PHASE:
+                # so brief a phase has PER_INTERVAL states inside, the middle one at half its time
                 three = start, inside[..., PER_INTERVAL // 2], state
                 paces = [motion.slopes(event, one)[1][1, 1] for one in three]
                 known = (end - interval.began) * (SIMPSON @ paces)
             state, least = motion.happens(event, state, known)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{exit.event}`", least))
+        # the end is the last sample of each interval: `margins` takes it for that
         self.between[phase].append((np.array([number]), state[..., None]))
         return state
 
     def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
         """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`.
 
-        It has the same arguments and results, in the same order, but `numbers` has those after the
-        region, as rows, and the results are rows too. `place` is the index of the region.
+        It has the arguments and results of that method, in its order: a change of one is a change
+        of both, and of `follow_motion` in loop.c. But `place` is the index of the region, `numbers`
+        has the arguments after the region, as rows, and the results are rows.
         """
         impacts = self.driver.impacts
         region = [*impacts.stages][place]
@@ -630,12 +654,12 @@ class Pass:
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
         results = as_rows(made, self.directions)
-        after = slice(3, 3 + size)
+        after = slice(3, 3 + size)  # the state follows status, steps and event
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
         state = motion.flow(np.array([float(driver.reached()[0])]), state[:size])[..., 0]
         state[:, 0] = results[after, 0]
-        if made[2] >= 0:
+        if made[2] >= 0:  # the number of the event that ended it; -1: its clock did
             state, _ = motion.happens(formulas.events[made[2]], state)
         results[after] = state
         return results
@@ -678,6 +702,7 @@ class Pass:
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
         for name, h in self.whole.functions(rows).items():
             happens = np.broadcast_to(names, len(times)) == name
+            # the last derivative of `h` is its rate
             shifts[:, happens] = -(h.first[:-1] / h.first[-1])[:, happens]
         for k, time in enumerate(times):
             shifts[:, k] = self.shifts.get(time, shifts[:, k])
@@ -697,9 +722,13 @@ class Pass:
                 if name not in exits:
                     continue
                 size = np.abs(h.value)
+                # `in_time` took the motion of the time of a sample out of the derivatives of `h`:
+                # its rate, the last one, times the derivatives of that time, puts it back
                 least = size / np.abs(h.first[:-1] + h.first[-1] * state[-1, 1])
                 for k in _lows(size, which):
                     interval = self.driver.intervals[which[k]]
+                    # `_ended` appends the end as the last sample of an interval: the function of
+                    # the exit that happened is zero there, which is no near miss
                     is_end = k + 1 == len(which) or which[k + 1] != which[k]
                     is_exit = interval.jump and interval.jump.exit.event == name
                     if size[k] > NOISE and not (is_end and is_exit):
@@ -722,8 +751,8 @@ def _what(jump: Jump) -> str:
 def _quaternion(products: Sequence) -> list[Dual]:
     """Return unit quaternions with their derivatives, of P = 4 q q^t.
 
-    With a constant q0 near q, P q0 is along q, and its length is that of the unit vector times a
-    number.
+    With a constant q0 near q, P q0 = 4 q (q . q0) is along q: divided by its length it is q, with
+    the derivatives of q.
     """
     near = quaternion([[plain(one) for one in row] for row in products])
     along = [sum(map(operator.mul, row, near)) for row in products]
@@ -738,6 +767,7 @@ def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
     """
     joint = np.diff(which) != 0
     change = np.diff(size)
+    # the first sample of a phase never counts; the last one does if the size falls to it
     falls = np.append(False, ~joint & (change <= 0))
     rises = np.append(joint | (change > 0), True)
     return np.flatnonzero(falls & rises)
