@@ -483,15 +483,17 @@ Kinematics: Any = namedtuple("Kinematics", "z s2 z_dot z_ddot_free phi_dot_s2 ax
 """How the axis moves, and L: functions of the state that do not depend on the form; all are smooth
 at the poles.
 
-z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
-no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
-= theta'^2 + phi'^2 sin(theta)^2, L3 is L.3hat, and Lz is L.zhat, about the centre of mass. The
-`Scalars` here, of `rolling` and of `rows` begin with these fields, and are filled by position.
+z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta) [1/s], z_ddot_free is z'' of the
+axis if no torque about the centre of mass acted [1/s^2], phi_dot_s2 is phi' sin(theta)^2 [rad/s],
+axis_speed2 is |3hat'|^2 = theta'^2 + phi'^2 sin(theta)^2 [1/s^2], L3 is L.3hat, and Lz is L.zhat,
+about the centre of mass [kg m^2/s]. The `Scalars` here, of `rolling` and of `rows` begin with these
+fields, and are filled by position.
 """
 
 Scalars = type(filled(**dict.fromkeys((*Kinematics._fields, "v_u", "v_n", "v2", "speed2"))))
-"""The kinematics of a body that glides, v_A.3hat = nu_x sin(theta), (3hat x v_A).zhat = nu_y
-sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass.
+"""The kinematics of a body that glides, v_u = v_A.3hat = nu_x sin(theta) [m/s], v_n =
+(3hat x v_A).zhat = nu_y sin(theta) [m/s], v2 = |v_A|^2 [m^2/s^2], and speed2 = |r'|^2 of the
+horizontal velocity of the centre of mass [m^2/s^2].
 """
 
 
@@ -592,7 +594,10 @@ def push_u(s, b):
 
 
 def bent_bias_n(s, b):
-    """Return `bias_n` of a body with an outline: that of a sphere, and more by the bend c'(z)."""
+    """Return `bias_n` of a body with an outline: that of a sphere, and more by the bend c'(z).
+
+    It is the part of `response.bent_bias` along zhat x 3hat; a change of one is a change of both.
+    """
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
     return bias_n(s, as_ball(b)) + b.bend * (s.z_dot * s.s2 * turn)
 

@@ -109,7 +109,7 @@ IMPACT = contact.filled(
 )
 """A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
 impulse, that of friction, energy that the body gained, and how friction ended. `struck` fills it by
-position; the place of a word of `mode` is its number in a store."""
+position; the position of a word in `mode` is its number in a store."""
 
 
 # --- the balls ----------------------------------------------------------------------------------
@@ -259,6 +259,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
             return on_disc(Next(name, x, cause, zeros=roots), world)
     else:
+        # v_A, at most STOPS_AT, becomes exactly 0: as in `slide_on`
         x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
         F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
@@ -711,8 +712,8 @@ JUMPS: Mapping[str, Callable] = {
     "sphere-leaves": partial(stay_on, ball=1),
     "stem-leaves": partial(stay_on, ball=0),
 }
-"""What follows the events that end phases, by name, except those after which it may go on: for
-these `opening.phases_of` adds `go_on` and `slide_on`.
+"""The jumps after the events that end phases, by name of the event. For events after which the same
+phase may go on, `opening.phases_of` adds `go_on` and `slide_on`.
 """
 
 REASONS = (
@@ -727,4 +728,4 @@ REASONS = (
     "rests",
     "gives",
 )
-"""Causes of phases; the place of a word is its number in a store."""
+"""Causes of phases; the position of a word is its number in a store."""

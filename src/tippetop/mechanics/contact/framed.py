@@ -109,9 +109,9 @@ LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
 
 OWN = ("motion", "up", "turns", "spin", "rotation")
 Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
-"""As of other rows; the common state, zhat and omega x zhat along the half axes, omega_z, energy of
-rotation. `row_scalars` fills them by position; `angles_by` and `rotation_energy` read `motion` and
-`rotation` by name.
+"""The scalars of other rows; the common state; zhat and omega x zhat along the half axes, (3,);
+omega_z [rad/s]; energy of rotation [J]. `row_scalars` fills the record by position; `angles_by` and
+`rotation_energy` read `motion` and `rotation` by name.
 """
 
 

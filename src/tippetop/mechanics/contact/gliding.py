@@ -13,7 +13,8 @@ Symbols
     carried   record of the integrals: phi, x, y, work, impulse
     s, z      sin(theta), cos(theta) in (e, s, z, b); but s in (s, b) is a record of `Scalars`
     u, 3hat   unit vector of the axis; e = (cos(phi), sin(phi), 0), 2hat = zhat x e
-    L, L_3    angular momentum about the centre of mass, L.3hat; r: horizontal place of this point
+    L, L_3    angular momentum about the centre of mass, L.3hat
+    r         horizontal position of the centre of mass
     A, a      the contact point; the arm, from the centre of mass to A
     v_A       velocity of A, nu_x e + nu_y 2hat
     F, g_n    force of the plane at A; its normal part; friction is -k g_n v_A
@@ -453,6 +454,7 @@ EULER = in_euler_angles(
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
+"""Columns that are vectors: the variables of the state that are their components."""
 LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},
     "phi": "azimuth phi of the horizontal projection of the axis, in (-pi, pi]; undefined (NaN) "

@@ -91,7 +91,7 @@ class Stage(NamedTuple):
     form: Form
     acts: Callable  # acts(q, b) -> Acts, per normal impulse, or at rest per rise of v_n
     events: tuple[Event, ...]  # formula(q, b)
-    follows: dict[str, Any]  # the border that is reached, by its event
+    follows: dict[str, Any]  # the `Border` that is reached, by the name of its event
 
 
 def can_rest(law: Any) -> bool:

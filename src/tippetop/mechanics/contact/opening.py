@@ -94,7 +94,8 @@ TABLES = {
     },
     "impacts": IMPACT._asdict(),
 }
-"""Units or words of the columns of further tables; the place of a word is its number in a store."""
+"""Units or words of the columns of further tables; the position of a word is its number in a
+store."""
 
 
 def kind_of(law: Any) -> tuple:

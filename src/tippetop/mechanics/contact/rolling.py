@@ -43,8 +43,8 @@ from .response import reaction
 
 FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
 Scalars = type(contact.filled(**dict.fromkeys(FIELDS)))
-"""The kinematics, |r'|^2 of the horizontal velocity of the centre of mass, and |F_h|^2 of the
-horizontal part of the reaction.
+"""The kinematics, speed2 = |r'|^2 of the horizontal velocity of the centre of mass [m^2/s^2], and
+friction_force2 = |F_h|^2 of the horizontal part of the reaction [N^2].
 """
 
 
