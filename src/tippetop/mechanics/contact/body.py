@@ -49,16 +49,16 @@ class Touch(NamedTuple):
     m: Operand  # [kg]
     R: Operand  # radius of the ball [m]
     c: Operand  # from the centre of mass to the centre of the ball, along 3hat; any sign [m]
-    I1: Operand  # about the centre of mass [kg m^2]
-    I3: Operand
+    I1: Operand  # across 3hat, about the centre of mass [kg m^2]
+    I3: Operand  # about 3hat [kg m^2]
     g: Operand  # [m/s^2]
     friction: Any  # record of a law
-    clearance: Operand = ()  # the other ball touches where this + lever cos(theta) = 0; (): none
-    lever: Operand = ()
-    outline: Any = ()  # shape of a body that is no ball, see `outline`
-    bend: Operand = ()  # c'(z) of an outline
-    height: Operand = ()  # R - c z of an outline: as a difference it would lose digits
-    around: Any = ()  # record of `surroundings`
+    clearance: Operand = ()  # [m]; other ball touches where this + lever cos(theta) = 0; (): none
+    lever: Operand = ()  # [m]; (): none
+    outline: Any = ()  # shape of a body that is no ball, see `outline`; (): a ball
+    bend: Operand = ()  # c'(z) of an outline [m]
+    height: Operand = ()  # R - c z of an outline [m]: as a difference it would lose digits
+    around: Any = ()  # a `surroundings.Surroundings`; (): none
 
 
 def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
@@ -78,7 +78,11 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
 
 
 def seen_from_other(b: Touch) -> Touch:
-    """Return the same body as a `Touch` of its other ball; b has `clearance` and `lever`."""
+    """Return the same body as a `Touch` of its other ball; b has `clearance` and `lever`.
+
+    From the sphere it is the second Touch of `seen_from_balls`, but for rounding, and from the
+    stem's ball the first; a change of one is a change of both.
+    """
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
@@ -112,13 +116,13 @@ def touching(known: Any, b: Touch) -> Touch:
     """
     if not is_outlined(b):
         return b
-    if hasattr(known, "s2"):
+    if hasattr(known, "s2"):  # scalars
         return touching_ball(known.z, known.s2, b)
-    if hasattr(known, "u"):
+    if hasattr(known, "u"):  # a common state
         return by_axis(known.u, b)
-    if hasattr(known, "ux"):
+    if hasattr(known, "ux"):  # a state of the vector form, or a row
         return by_axis(axis(known), b)
-    if hasattr(known, "theta"):
+    if hasattr(known, "theta"):  # a state in Euler angles
         s = sin(known.theta)
         return touching_ball(cos(known.theta), s * s, b)
     return b
@@ -136,7 +140,7 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
         """Return the function that chooses among the three."""
 
         def choose(b: Any) -> Callable:
-            """Return the formula for a body."""
+            """Return the formula for a body; an `Asymmetric` always has an outline."""
             if not getattr(b, "outline", ()):
                 return of_sphere
             return (of_outline if isinstance(b, Touch) else of_frame) or of_sphere
@@ -147,7 +151,10 @@ def by_body(*, of_outline: Any = None, of_frame: Any = None) -> Callable:
 
 
 def as_ball(b: Touch) -> Touch:
-    """Return a body with an outline as the ball by which it touches."""
+    """Return a body with an outline as the ball by which it touches.
+
+    R and c of b are those of `touching_ball`, or the caller replaces them (`rows.ball_of`).
+    """
     return b._replace(outline=(), bend=(), height=())
 
 
@@ -208,7 +215,8 @@ def filled(**units: Any) -> Any:
 
 AXIS = ("ux", "uy", "uz")
 FRAME = (*AXIS, "ix", "iy", "iz")
-"""Variables that describe how a body lies."""
+"""Variables that describe how a body lies, in the order of the fields of a `frame.Frame`: states
+are filled by position (`*x.u`)."""
 
 
 def state(lies: tuple[str, ...] = AXIS, /, **units: Any) -> Any:
@@ -222,6 +230,8 @@ def state(lies: tuple[str, ...] = AXIS, /, **units: Any) -> Any:
 
 
 VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
+"""Variables of the velocity of the centre of mass, in a flight and in rows: filled by position from
+a Vector, and read by `contact_phases.moving`."""
 
 
 BALLS = ("body", "stem")
@@ -268,22 +278,23 @@ class Moving(NamedTuple):
 
     u: Any  # 3hat, or a Frame
     L: Vector  # about the centre of mass
-    velocity: Vector  # of the centre of mass
-    height: Operand  # of the centre of mass
-    carried: Any = ()  # the record of the integrals of the run
+    velocity: Vector  # of the centre of mass [m/s]
+    height: Operand  # of the centre of mass [m]
+    carried: Any = ()  # the record of the integrals of the run; (): not filled in
 
 
 class Reaction(NamedTuple):
     """Action of the plane on a body, which `Phase.reaction` returns and `rows.row` reads."""
 
-    force: Vector
-    drilled: Operand = 0  # power that torques of the contact take
+    force: Vector  # (3,) [N]
+    drilled: Operand = 0  # power that torques of the contact take from the body [W]
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
     """Return the state x with amounts added to the integrals of the run, such as work=..., by name.
 
-    Integrals that the run does not have are ignored. Impulses use it, for they take no time.
+    Integrals that the run does not have are ignored; `x.carried` must be filled in. Impulses use
+    this function, for they take no time.
     """
     known = x.carried._fields
     more = {name: getattr(x.carried, name) + integrals[name] for name in integrals if name in known}
@@ -310,9 +321,10 @@ def height_of(u, b):
 
 @formula
 def gap(x, b):
-    """Return the gap between the ball of b and the plane [m], negative if it penetrates.
+    """Return the gap between the lowest point of a body and the plane [m], negative below it.
 
-    x is a `Moving`.
+    x is a `Moving`; b a `Touch`, of which it is the gap of that ball (of an outline, R and c are
+    those of `touching_ball`), or an `Asymmetric`. `rows.row_scalars` has the same for a ball.
     """
     return x.height - height_of(x.u, b)
 
@@ -426,7 +438,8 @@ def moment(u, F, b):
 def rolling_velocity(e, s, z, b):
     """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
 
-    e: record with theta_dot, phi_dot, omega3; s, z: sin(theta), cos(theta).
+    e: record with theta_dot, phi_dot, omega3; s, z: sin(theta), cos(theta). It is -`arm_velocity`
+    in angles; a change of one is a change of both.
     """
     return e.theta_dot * height(z, b), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
 
@@ -437,8 +450,8 @@ def rolling_velocity(e, s, z, b):
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
     """Return a sentence, in a list, if a moment of inertia exceeds the sum of the others.
 
-    `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name. It serves
-    as `System.checks`, or is a part of it.
+    `parameters`: I1, I3, and I2 of a body without an axis of symmetry [kg m^2], by name. This
+    function is `System.checks` of a system, or a part of it.
     """
     moments = {name: parameters.get(name, parameters["I1"]) for name in ("I1", "I2", "I3")}
     name = max(moments, key=moments.__getitem__)
@@ -470,15 +483,17 @@ Kinematics: Any = namedtuple("Kinematics", "z s2 z_dot z_ddot_free phi_dot_s2 ax
 """How the axis moves, and L: functions of the state that do not depend on the form; all are smooth
 at the poles.
 
-z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
-no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
-= theta'^2 + phi'^2 sin(theta)^2, L3 is L.3hat, and Lz is L.zhat, about the centre of mass. The
-`Scalars` here, of `rolling` and of `rows` begin with these fields, and are filled by position.
+z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta) [1/s], z_ddot_free is z'' of the
+axis if no torque about the centre of mass acted [1/s^2], phi_dot_s2 is phi' sin(theta)^2 [rad/s],
+axis_speed2 is |3hat'|^2 = theta'^2 + phi'^2 sin(theta)^2 [1/s^2], L3 is L.3hat, and Lz is L.zhat,
+about the centre of mass [kg m^2/s]. The `Scalars` here, of `rolling` and of `rows` begin with these
+fields, and are filled by position.
 """
 
 Scalars = type(filled(**dict.fromkeys((*Kinematics._fields, "v_u", "v_n", "v2", "speed2"))))
-"""The kinematics of a body that glides, v_A.3hat = nu_x sin(theta), (3hat x v_A).zhat = nu_y
-sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass.
+"""The kinematics of a body that glides, v_u = v_A.3hat = nu_x sin(theta) [m/s], v_n =
+(3hat x v_A).zhat = nu_y sin(theta) [m/s], v2 = |v_A|^2 [m^2/s^2], and speed2 = |r'|^2 of the
+horizontal velocity of the centre of mass [m^2/s^2].
 """
 
 
@@ -579,7 +594,10 @@ def push_u(s, b):
 
 
 def bent_bias_n(s, b):
-    """Return `bias_n` of a body with an outline: that of a sphere, and more by the bend c'(z)."""
+    """Return `bias_n` of a body with an outline: that of a sphere, and more by the bend c'(z).
+
+    It is the part of `response.bent_bias` along zhat x 3hat; a change of one is a change of both.
+    """
     turn = s.phi_dot_s2 + s.L3 / b.I3 * s.z  # omega_z
     return bias_n(s, as_ball(b)) + b.bend * (s.z_dot * s.s2 * turn)
 
@@ -653,7 +671,10 @@ def height_energy(z, b):
 
 @formula
 def energy(s, b):
-    """Return the energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]"""
+    """Return the energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]
+
+    s.speed2 is horizontal, and the vertical velocity is -c z'. `rows.energy` is the same of a row.
+    """
     return (
         b.m * (s.speed2 + (b.c * s.z_dot) ** 2) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
     )
@@ -672,7 +693,7 @@ def tip_inertia(b):
 def arm_speed2(s, b):
     """Return |omega x a|^2 [m^2/s^2], the square of the speed of the centre in rolling.
 
-    s are any scalars; it is the square of `arm_velocity`.
+    s are any scalars; the result is the square of `arm_velocity`, a change of which changes this.
     """
     w3 = s.L3 / b.I3
     q = b.c - b.R * s.z

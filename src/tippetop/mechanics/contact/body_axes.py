@@ -72,7 +72,7 @@ def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
     s, z are sin(theta), cos(theta). `data`, the initial numbers of the user as `Integral.start`
     gets them, may have phi and psi, which are 0 otherwise.
     """
-    phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
+    phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))  # 0 of the type of z
     first, _ = axes_of_angles(s, z, phi, psi)
     return first
 

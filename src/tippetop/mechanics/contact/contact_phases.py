@@ -80,14 +80,14 @@ def phase_name(label: str, ball: int, *regions: str) -> str:
 class Acts(NamedTuple):
     """The action of the plane at one contact: force [N], torque [N m], v_A and omega, (3,) each.
 
-    It can be used as a `Reaction`. `on_ball.acts` makes it.
+    It can be used as a `Reaction`. `acts` in `on_ball` makes it, and `side` in `shared`.
     """
 
     force: Vector
-    torque: Vector
-    velocity: Vector
-    omega: Vector
-    sides: tuple = ()  # the actions on each ball, if there are two
+    torque: Vector  # about the contact point
+    velocity: Vector  # v_A [m/s]
+    omega: Vector  # [rad/s]
+    sides: tuple = ()  # the `Acts` of each ball, sphere first, if both touch
 
     @property
     def drilled(self) -> Any:
@@ -96,12 +96,13 @@ class Acts(NamedTuple):
 
 
 Contact: Any = namedtuple("Contact", "z z_dot by sides q")
-"""`by` is the action of the plane, `sides` that on each ball in contact, `q` the state."""
+"""cos(theta) and its rate [1/s]; `by`: the `Acts` of the plane; `sides`: a tuple of the `Acts` on
+each ball in contact, by `side`; `q`: the state of the phase."""
 
 
 TURN = carried_along(axis_rate, spin)
 OF_FRAME = Orientation(lambda q, carried, b: axis(q).axes[::2])
-"""Of a state with both axes; psi is one of its angles."""
+"""Of a state with a Frame: `[::2]` are axes 1 and 3; psi is one of its angles."""
 
 
 def orientation_of(units: Any) -> Orientation:
@@ -171,13 +172,19 @@ def on_ball(
         return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height_of(x.u, b))
 
     def power(q, carried, b):
-        """Return the power that friction and surroundings take [W], the rate of `work`."""
+        """Return the power that friction and surroundings take [W], the rate of `work`.
+
+        `rows.row_scalars` has the part of friction for a row; a change of one changes both.
+        """
         by = acts(q, b)
         power = by.drilled - dot(by.force, by.velocity)
         return power + surroundings_power(leave(q, b), b)
 
     def jellett_lost(q, carried, b):
-        """Return the rate at which torques take Jellett's integral [kg m^3/s^2]."""
+        """Return the rate at which torques take Jellett's integral [kg m^3/s^2].
+
+        `flight` has this rate without a contact, and `response.kicked` the same of impulses.
+        """
         by = acts(q, b)
         return dot(plus(by.torque, around_torque(turning(q), b)), arm(axis(q), b))
 
@@ -224,6 +231,7 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 
 
 Free: Any = namedtuple("Free", "z z_dot gap")
+"""The scalars of a flight: cos(theta) and its rate [1/s]; the gap of the phase's ball [m]."""
 
 
 def moving(q: Any, carried: Any = ()) -> Moving:
@@ -288,6 +296,7 @@ FLIGHT = flight()
 
 def slip_leave(q, b):
     """Return the common state of a state q of slip under a smooth law."""
+    # the height's rate is -c z', also of an outline
     velocity = Vector(q.rx_dot, q.ry_dot, -(b.c * axis_rate(q, b).z))
     return Moving(axis(q), turning(q).L, velocity, height(q.uz, b))
 
@@ -347,7 +356,9 @@ def coulomb_slip(lies: tuple[str, ...]) -> Phase:
     """Return the phase of sliding under Coulomb's law itself.
 
     v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
-    length, where sliding stops. `exits` reads and fills beta and w of its state.
+    length, where sliding stops. `sliding` gets the direction instead of v_A, on which the force
+    does not depend otherwise. beta precedes w in the state, in what enters it, in its rates, and
+    where `exits` fills it (`pushed`, `slide`); a change of one is a change of all.
     """
     return on_ball(
         state(lies, beta=RADIAN, w=METRE_PER_SECOND),
@@ -377,6 +388,7 @@ LEAST_PATCH = 1e-5
 STILL, where smooth friction lets it creep: it would never come to rest."""
 
 Speeds: Any = namedtuple("Speeds", "v2 U2")
+"""|v_A|^2 and U^2 of a contact [m^2/s^2]; `Border.beyond` reads them by name."""
 
 
 def patch_speed2(omega, b):
@@ -403,6 +415,7 @@ def disc_friction(
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
         """Return force and torque [m] per normal force, (3,) each."""
         by = drag(horizontal2(v), edge_speed2(omega, b))
+        # 1: per normal force
         return drilling_force(1, v, by, b.friction.mu), torque(by, omega, b.friction)
 
     return friction
@@ -512,7 +525,7 @@ def region_of(s: Any, b: Touch) -> str:
 
     It is the first, by rising x = |v|/U, whose end is not reached: the order of `law.regions`. It
     is "" if a speed is not finite, a name that under such a law no phase and no stage of an impact
-    has.
+    has. A border with direction < 0 is not such an end: it leads back to a smaller x, or is "slow".
     """
     for name, region in b.friction.regions.items():
         if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
@@ -529,7 +542,7 @@ GIVES = Event(
     lambda s, b: margin(s.by.force, s.by.torque.z, b.friction),
     -1,
     "gives",
-    sampled=True,
+    sampled=True,  # `margin` compares numbers and iterates: it has no Taylor series
 )
 REST = without_slip((LIFTOFF, TOUCH, GIVES))
 
@@ -570,6 +583,7 @@ def shared(x, v, frictions, total, swing, b):
         return Acts(force, torque, slip, omega), lean
 
     (one, lean), (two, other_lean) = map(side, frictions, slips, (b, other))
+    # the stem carries N, the sphere total - N: (total - N) lean + N other_lean = swing
     N = (swing - total * lean) / (other_lean - lean)
     one, two = (
         by._replace(force=times(load, by.force), torque=times(load, by.torque))
@@ -607,7 +621,8 @@ def slide_on_both(law: Any, *names: str) -> Phase:
 
         The axis keeps its inclination, z'' = 0.
         """
-        swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
+        # z'' = (L x 3hat)_z'/I1 = 0, so (L' x 3hat)_z = -(L x 3hat')_z, and air has its part of it
+        swing = -cross(x.L, contact.axis_rate(x, b)).z
         swing = swing - cross(around_torque(x, b), x.u).z
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
@@ -642,6 +657,7 @@ def rolled(x, b):
     V_dot = rate(velocity)
     if b.around:
         pushed, V_dot = pushed_on_both(Moving(u, x.L, velocity, 0 * u.z), L_dot, V_dot, b)
+    # per normal force: m V_dot and the rolling torque are shared as m g is
     acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
     frictions = [lambda *of: acts] * 2
     swing = cross(pushed, u).z
@@ -677,7 +693,7 @@ ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
 
 
 PHASES = ("slip", "roll", "flight", "both", "rest")
-"""Labels of phases; the place of a label is its number in a store."""
+"""Labels of phases; the position of a label is its number in a store."""
 
 
 def phases_under(
@@ -701,9 +717,11 @@ def phases_under(
         roll = without_slip((LIFTOFF, TOUCH, CONE), lies=lies)
         return {("slip",): coulomb_slip(lies), ("roll",): roll, ("flight",): flies}
     if not law.regions:
+        # SLIP, with fewer products, has no torques, no surroundings and no Frame
         general = law.torque or surrounded or lies is not AXIS
         slip = slip_under(law, lies=lies) if general else SLIP
         known: dict[tuple[str, ...], Phase] = {("slip",): slip, ("flight",): flies}
+        # a body with a Frame has one contact only
         return known | ({("both",): slide_on_both(law)} if lies is AXIS else {})
     return {
         **{("slip", name): slip_under(law, name) for name in law.regions},
@@ -740,6 +758,7 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
     counted as work.
     """
     v = contact_velocity(x, b)
+    # total and swing of `shared`, as impulses, after which s_z' and (L x 3hat)_z are zero
     sinks = -(b.m * x.velocity.z)
     p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
     return gained(kicked(x, b, p, twist), work=b.m * mean_gravity(b) * contact.gap(x, b))

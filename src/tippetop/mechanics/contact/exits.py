@@ -109,7 +109,7 @@ IMPACT = contact.filled(
 )
 """A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
 impulse, that of friction, energy that the body gained, and how friction ended. `struck` fills it by
-position; the place of a word of `mode` is its number in a store."""
+position; the position of a word in `mode` is its number in a store."""
 
 
 # --- the balls ----------------------------------------------------------------------------------
@@ -152,7 +152,7 @@ def first_touch(n: Next, world: Any) -> Next:
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
-    if series := n.series:
+    if series := n.series:  # rows during the jump have the reference too: 0 * t, as t is an array
         n.series = lambda t: (
             (after := series(t))[0],
             after[1]._replace(jellett_reference=now + lost + 0 * t),
@@ -176,7 +176,10 @@ def begin(x: Moving, world: Any) -> Next:
 
 
 def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
-    """Return the end of a run in the state x, with its status and the reason as a sentence."""
+    """Return the end of a run in the state x, with its status and the reason as a sentence.
+
+    It has a phase, although the run ends, because `first_touch` and `opening` read it.
+    """
     return Next(phase_name("flight", ball), x, cause, ends=status, message=message)
 
 
@@ -194,7 +197,7 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str, others: int = 
             count += 1
         if count == 4 or rate < 0:
             return ended(x, ball, cause, "stalled", NO_WAY)
-        roots["land" if k == ball else "touch"] = count
+        roots["land" if k == ball else "touch"] = count  # the events of `contact_phases.flight`
     lasts = longest_flight(x, world.body[0])
     return Next(phase_name("flight", ball), x, cause, zeros=roots, lasts=lasts)
 
@@ -207,10 +210,11 @@ def longest_flight(x: Moving, b: Touch) -> Any:
     v = x.velocity.z
     highest = x.height  # the centre of mass stays above the plane; of a ball, less
     if not b.outline:
-        highest = abs(contact.gap(x, b)) + 2 * abs(b.c)
+        highest = abs(contact.gap(x, b)) + 2 * abs(b.c)  # if the body turns over
     g = mean_gravity(b)
     if b.around and b.around.shake:
         _, c, s, rate = b.around.shake
+        # bounds of what vibration adds to the velocity, and to the height either way
         speed = (abs(c) + abs(s)) / rate
         v = abs(v) + speed
         highest = highest + 2 * speed / rate
@@ -255,6 +259,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
             return on_disc(Next(name, x, cause, zeros=roots), world)
     else:
+        # v_A, at most STOPS_AT, becomes exactly 0: as in `slide_on`
         x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
         F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
@@ -262,6 +267,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         against = (atan2(-F.y, -F.x),) if F.z > 0 else ()
         slides = world.phases[phase_name("slip", ball)]
         for beta in (*first_directions(partial(pushed, slides, *plain((x, b)))), *against):
+            # the first is taken; `against` is for the edge of the cone, if no other is found
             return slide(x, world, ball, beta, cause) or on_edge(x, ball, cause, roots)
     return fly(x, world, ball, 2, "opens-at-once", zeros)
 
@@ -283,7 +289,7 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
     law = b.friction
     if not law.set_valued:
         x = brought_to_rest(x, frictions_of(law, regions_of(x, *world.body)), b)
-        name = phase_name("both", 0, *regions_of(x, *world.body))
+        name = phase_name("both", 0, *regions_of(x, *world.body))  # of the changed x
         phase = world.phases[name]
         s = phase.form.scalars(phase.enter(x, b), b)
         if min(side.force.z for side in s.sides) > PRESSES * b.m * mean_gravity(b):
@@ -296,10 +302,10 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
 
 def opening(n: Next, world: Any) -> Any:
-    """Return the second derivative of the other ball's gap at the start of the phase of n.
+    """Return I1 times the second derivative of the other ball's gap at the start of the phase of n.
 
-    The other ball touches too, so it leaves the plane if the result is positive. In flight it is
-    infinite.
+    The gap is `contact_phases.other_gap`, and z' = (L x 3hat)_z/I1. The other ball touches too, so
+    it leaves the plane if the result is positive. In flight the result is infinite.
     """
     phase = world.phases[n.phase]
     if phase.label == "flight":
@@ -353,7 +359,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v = contact_velocity(x, b)
-    impact = world.struck(x, b, e_n)
+    impact = world.struck(x, b, e_n)  # an `engine.impacts.Impact`
     p = impact.p
     x = kicked(x, b, p, impact.twist)
     after = contact_velocity(x, b)
@@ -372,7 +378,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
 def pushed(phase: Phase, x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta.
 
-    P = w' is the rate of the sliding speed w, Q = w beta'; they are computed at w = 1.
+    P = w' is the rate of the sliding speed w, Q = w beta'; they are computed at w = 1, so that
+    beta' is Q. The state is that of `contact_phases.coulomb_slip`, filled by position.
     `first_directions` takes this function of beta, for all angles of a grid at once.
     """
     units = phase.form.units
@@ -425,7 +432,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     x = widened(x)
     b = wide.body[ball]
     units = phase.form.units
-    first = len(x.u) + len(x.L)  # of the integrals
+    first = len(x.u) + len(x.L)  # index of the integrals in the numbers of the series
 
     def read(values: Any) -> tuple[Any, Any]:
         """Return the state q of the slip and the record of integrals, by numbers of the series.
@@ -437,7 +444,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         return type(units)(*moved[:first], beta, w, *joined_values(units, carried)), carried
 
     def rates(world: Any, *values: Any) -> list:
-        """Return the rates of the state and of its speed w, and w beta'.
+        """Return the rates of the numbers of the series, in the order of `start`: at the end w', Q.
 
         The slide is found with the direction beta as the unknown: where w = 0, beta' = 0/0.
         """
@@ -456,8 +463,10 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     def lasts(end: np.ndarray) -> bool:
         """Return whether the ball still presses on the plane, and the other one is above it."""
         q, _ = read(end)
+        # the gap is `contact_phases.other_gap`, of which a change is a change here
         return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
+    # axis, L, integrals, w, beta: the order that `read` and `rates` have
     start = np.array([*x.u, *x.L, *x.carried, eighty_bits(w), eighty_bits(beta)])
     slides = first_slip(wide.repeated((phase, type(x.carried)), rates, start), start, span, lasts)
     if slides is None:
@@ -512,13 +521,14 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
         return np.array((ends[0] - ends[1])[:, 0] / (2 * size), float)
 
     wide = np.array([*map(eighty_bits, values)])
+    # one row for each number; [0.0] makes each an array, and is left out again
     derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
     ways = np.array(derivatives, np.longdouble).T
     by = np.array([slope(way, MOVE / max(*abs(way), 1e-300), 0.0) for way in ways])
-    pattern = known.series([delay])
+    pattern = known.series([delay])  # records of state and integrals, as at the end
     end = np.array(leaves(pattern), float)[:, 0]
     speed = pattern[0]._fields.index("w")
-    if end[speed] < STOPS_AT:
+    if end[speed] < STOPS_AT:  # the slide ends by its stop, whose time depends on the numbers
         rates = slope(0 * wide, MOVE, delay) / delay
         shift = -by[:, speed] / rates[speed]
         by = by + np.outer(shift, rates)
@@ -544,6 +554,7 @@ def land(x: Moving, world: Any) -> Next:
     """
     if world.phase.label != "flight":
         return strike(x, world, 1 - world.phase.ball, "other-ball")
+    # rounding may leave no ball on the plane: then the nearest one
     there = balls_on_plane(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
@@ -670,6 +681,8 @@ def at_rest(n: Next, world: Any) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
+    # acceleration of the contact per force, or of the disc's edge per torque/patch; friction lacks
+    # -left * limit of these, for a time that is in proportion to `left` too
     gains = 1 / b.m if horizontal_size(F) > limit else b.friction.patch**2 / turn_held(x.u, b)[1]
     if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
@@ -699,8 +712,8 @@ JUMPS: Mapping[str, Callable] = {
     "sphere-leaves": partial(stay_on, ball=1),
     "stem-leaves": partial(stay_on, ball=0),
 }
-"""What follows the events that end phases, by name, except those after which it may go on: for
-these `opening.phases_of` adds `go_on` and `slide_on`.
+"""The jumps after the events that end phases, by name of the event. For events after which the same
+phase may go on, `opening.phases_of` adds `go_on` and `slide_on`.
 """
 
 REASONS = (
@@ -715,4 +728,4 @@ REASONS = (
     "rests",
     "gives",
 )
-"""Causes of phases; the place of a word is its number in a store."""
+"""Causes of phases; the position of a word is its number in a store."""

@@ -16,14 +16,21 @@ from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
 from ..event import zero_of
 
 
-NODES, STEP = 16, 1e-5  # of beta, for a slope
+NODES, STEP = 16, 1e-5
+"""Number of nodes; step of beta [rad] of the difference that is its slope."""
+
 STEPS = np.repeat([0, -STEP, STEP], NODES)
+"""Amounts to add to beta in three copies of the nodes, one after another: `_swept` makes the copies
+by `tile` and takes them apart by `split`, in this order."""
+
 SWEEPS = 40
+"""Most corrections of a slide."""
 
 NEAR = 0.1
 """Change of a correction, of beta and relative of w, after which the next ones keep its slopes."""
 
 HALVINGS = 40
+"""Most halvings of the duration of a slide."""
 
 RESOLVED = 1e-17
 """Size of the last coefficients of a series that is resolved, relative to the largest."""
@@ -44,8 +51,8 @@ def first_slip(
     Returns
     -------
     tuple
-        Its duration; at(t) -> the state at times t since its start; and whether it is slow at its
-        end too, or stops there. None if nothing begins to slide.
+        The duration of the slide; at(t) -> the state at times t since its start; and whether the
+        slide stops at its end, or is still slow there. None if nothing begins to slide.
 
     Parameters
     ----------
@@ -71,7 +78,7 @@ def first_slip(
         if found:
             at, pace, stiffness = found
             times = np.linspace(0, duration, 2 * NODES)
-            times[0] = BRIEF * duration
+            times[0] = BRIEF * duration  # not 0, where w/t is 0/0
             moves = pace(times) > 0
             if not moves[:2].any():  # only rounding moves it
                 return None
@@ -109,6 +116,7 @@ def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
                 equations = np.array(w[:, None] * slope.T + np.diag(follows), float)
                 if not np.isfinite(equations).all():
                     return None
+                # as floats: numpy inverts no longdoubles, and a correction need not be exact
                 inverse = np.linalg.pinv(equations)  # 0 in a plane
             by = by[:, :NODES]
             change = inverse @ np.array(by[-1] - w * (beta @ slope), float)
@@ -118,7 +126,7 @@ def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
             moves = np.max(np.abs([change, faster]))
             if moves < 1e4 * np.finfo(start.dtype).eps:
                 break  # not if NaN
-            is_far = not moves < NEAR
+            is_far = not moves < NEAR  # if near, the slopes are kept
         else:
             return None
     values = fit @ state.T
@@ -129,7 +137,7 @@ def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
     gained = fit @ ((state[-2] - start[-2]) / times)
 
     def at(t: Any) -> np.ndarray:
-        """Return the state and beta at times t since the start, (k + 1, ...)."""
+        """Return the state at times t since the start, (k, ...); its last number is beta."""
         moved = chebval(2 * np.asarray(t) / duration - 1, values).T - chebval(-1, values)
         return (begin + moved).T  # exactly the start at 0
 
@@ -137,15 +145,17 @@ def _swept(rates: Callable, start: np.ndarray, duration: Any) -> tuple | None:
         """Return w/t, the mean acceleration since the start."""
         return start[-2] / t + chebval(2 * t / duration - 1, gained)
 
-    return at, pace, follows[0] * duration / w[0]
+    return at, pace, follows[0] * duration / w[0]  # node 0 is the last in time
 
 
 @cache
 def _matrices(kind: np.dtype) -> tuple[np.ndarray, ...]:
-    """Return the nodes of Chebyshev, and what gives the coefficients of values at them, their
-    integrals and their slopes over a duration of 2.
+    """Return the Chebyshev nodes in [-1, 1], falling, and three matrices for values at the nodes.
+
+    `fit` @ values are the coefficients, (order, node). values @ matrix are the integrals from -1
+    and the slopes at the nodes, (node of a value, node of a result).
     """
-    pi = np.arccos(-kind.type(1))
+    pi = np.arccos(-kind.type(1))  # in the precision of `kind`
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
     fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
     fit[0] /= 2
@@ -159,9 +169,10 @@ def first_directions(law: Callable) -> Iterator[float]:
     `exits.pushed`. There is exactly one direction outside the cone. In a plane, where Q is 0
     everywhere, it is 0 or pi.
     """
-    grid = np.radians(np.arange(361) + 1 / np.e)
+    grid = np.radians(np.arange(361) + 1 / np.e)  # off round angles, where Q may be exactly 0
     Q = law(grid)[1]
     turns = np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0))
+    # times Q[k], as `zero_of` takes a function that is positive at the lower end
     zeros = (zero_of(lambda beta, k=k: law(beta)[1] * Q[k], *grid[k : k + 2]) for k in turns)
     for beta in zeros if Q.any() else (0.0, np.pi):
         P, _, N = law(beta)

@@ -26,12 +26,12 @@ class Asymmetric(NamedTuple):
     """A body without an axis of symmetry, which `systems.ellipsoid` fills by position."""
 
     m: Operand  # [kg]
-    I1: Operand  # about the centre of mass [kg m^2]
+    I1: Operand  # I1, I2, I3: about the centre of mass, along axes 1, 2, 3 [kg m^2]
     I2: Operand
     I3: Operand
     g: Operand  # [m/s^2]
     friction: Any  # record of a law
-    outline: Any
+    outline: Any  # its shape, with the methods of `Ellipsoid`
     clearance: Operand = ()  # as of a `body.Touch`
     lever: Operand = ()
     around: Any = ()
@@ -65,15 +65,15 @@ class Ellipsoid(NamedTuple):
     function. Vectors are in the axes of the body.
     """
 
-    a: Operand
+    a: Operand  # a, b, c [m]
     b: Operand
     c: Operand
     cos: Operand  # of delta
     sin: Operand
-    x: Operand
+    x: Operand  # x, y, z [m]
     y: Operand
     z: Operand
-    a11: Operand  # the matrix of squares of the half axes, along axes 1, 2, 3
+    a11: Operand  # the matrix of squares of the half axes, along axes 1, 2, 3 [m^2]
     a12: Operand
     a22: Operand
     a33: Operand
@@ -84,7 +84,10 @@ class Ellipsoid(NamedTuple):
         return self.c
 
     def half_axes(self, v: Vector) -> Vector:
-        """Return the components along the half axes a, b, c of a vector along axes 1, 2, 3."""
+        """Return the components along the half axes a, b, c of a vector along axes 1, 2, 3.
+
+        `framed.start` and `framed.heading` make the same rotation; a change of one changes all.
+        """
         along = self.cos * v.x + self.sin * v.y
         return Vector(along, self.cos * v.y - self.sin * v.x, v.z)
 

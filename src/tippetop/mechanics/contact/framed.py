@@ -53,14 +53,15 @@ ALTERNATIVES = (
 )
 
 Begin: Any = namedtuple("Begin", "moving x y")
-"""A start: the common state of the body, and its place."""
+"""A start: the common state of the body, and its place x, y [m], which integrals read by name."""
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     """Return the `Begin` of a start, from the numbers of the user in `data`: `System.start`.
 
     s, z are sin(theta), cos(theta). The orientation is given by theta, phi and psi, or by tilt,
-    roll and heading; missing numbers are zero.
+    roll and heading; missing numbers are zero. psi_dot and centre_at_rest replace others as in
+    `gliding.start_of`; a change of one is a change of both.
     """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
@@ -76,7 +77,8 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     if "psi_dot" in data:
         given.omega3 = given.psi_dot + given.phi_dot * u.z
     node = Vector(-sin(given.phi), cos(given.phi), none)
-    swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)  # zhat - z 3hat
+    # zhat - z 3hat: omega3 is the whole part along 3hat
+    swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)
     omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
     omega = plus(omega, times(given.omega3, third))
     omega = omega._replace(z=omega.z + given.spin)
@@ -107,9 +109,9 @@ LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
 
 OWN = ("motion", "up", "turns", "spin", "rotation")
 Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
-"""As of other rows; the common state, zhat and omega x zhat along the half axes, omega_z, energy of
-rotation. `row_scalars` fills them by position; `angles_by` and `rotation_energy` read `motion` and
-`rotation` by name.
+"""The scalars of other rows; the common state; zhat and omega x zhat along the half axes, (3,);
+omega_z [rad/s]; energy of rotation [J]. `row_scalars` fills the record by position; `angles_by` and
+`rotation_energy` read `motion` and `rotation` by name.
 """
 
 
@@ -129,7 +131,7 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
-    """Return the row of a start, its reaction not yet known."""
+    """Return the row of e, a `Begin` or a record of angles; the force in it is 0, not yet known."""
     return rows.filled_row(rows.FRAME_UNITS, begun(e, s, z, b))
 
 
@@ -153,6 +155,7 @@ def contact_mobility(s: Any, b: Asymmetric) -> Any:
     """
     x = s.motion
     v = contact.contact_velocity(x, b)
+    # v takes the place of omega: the laws here have no torque, which alone reads it
     force, torque = smooth_friction(v, v, s.z, b)
     return gains(x.u, force, torque, b)[0].z
 
@@ -162,7 +165,8 @@ SLIDES = replace(
     rows.form_of(slip_under(Frictionless, lies=FRAME), "slip", ANGLES, OF_ROW),
     domains=(NOT_JAMMED,),
 )
-"""Under any law that is smooth in the velocity."""
+"""Under any law that is smooth in the velocity: `slip_under` reads only that `Frictionless` has no
+regions, and the force is that of b.friction."""
 ROLLS = rows.form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES, OF_ROW)
 
 

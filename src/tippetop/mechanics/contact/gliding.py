@@ -8,11 +8,13 @@ what users give and read, but singular at the poles; the vector form is regular 
 
 Symbols
     b         the body, a `body.Touch`
-    q, e      state of the vector form; of Euler angles: theta, theta', phi', omega_3, nu_x, nu_y
+    q         state of the vector form; in a form of angles, its state
+    e         `EulerState`: theta, theta', phi', omega_3, nu_x, nu_y; of the chart: record ANGLES
     carried   record of the integrals: phi, x, y, work, impulse
     s, z      sin(theta), cos(theta) in (e, s, z, b); but s in (s, b) is a record of `Scalars`
     u, 3hat   unit vector of the axis; e = (cos(phi), sin(phi), 0), 2hat = zhat x e
-    L, L_3    angular momentum about the centre of mass, L.3hat; r: horizontal place of this point
+    L, L_3    angular momentum about the centre of mass, L.3hat
+    r         horizontal position of the centre of mass
     A, a      the contact point; the arm, from the centre of mass to A
     v_A       velocity of A, nu_x e + nu_y 2hat
     F, g_n    force of the plane at A; its normal part; friction is -k g_n v_A
@@ -132,7 +134,7 @@ def vector_rates(q, b):
     """
     u = axis(q)
     F = reaction(q, b)
-    L3_rate = b.R * (u.x * F.y - u.y * F.x)
+    L3_rate = b.R * (u.x * F.y - u.y * F.x)  # (a x F).3hat, of which c 3hat x F is no part
     return VectorState(*axis_rate(q, b), *contact.moment(u, F, b), L3_rate, F.x / b.m, F.y / b.m)
 
 
@@ -239,7 +241,8 @@ def place_of_angles(centre: Callable) -> tuple[Integral, ...]:
 def axis_and_momentum(e, s, z, I1, I3):
     """Return the `Turning` (3hat, L) of angles e, for moments I1 across and I3 along the axis.
 
-    s, z are sin(theta), cos(theta). L is about the point to which I1 refers [kg m^2/s].
+    e: a record ANGLES, of this module, `rolling` or `rows`, with theta_dot, phi_dot, omega3 and
+    phi; s, z: sin(theta), cos(theta). L is about the point to which I1 refers [kg m^2/s].
     """
     ex = cos(e.phi)
     ey = sin(e.phi)
@@ -255,7 +258,8 @@ def axis_and_momentum(e, s, z, I1, I3):
 def vector_of_angles(e, s, z, b):
     """Return the vector state of angles e: `of_angles` of the form.
 
-    s = sin(theta) and z = cos(theta) are given, because they are exact at the poles.
+    e: a record ANGLES, with phi, not an `EulerState`; s, z: sin(theta), cos(theta), exact at the
+    poles. b: a `Touch` with R and c; those of an outline are filled in by `touching_ball`.
     """
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
@@ -269,7 +273,11 @@ def azimuth(q: Any, carried: Any) -> Any:
 
 
 def wrapped_azimuth(q: Any, carried: Any) -> Any:
-    """Return phi in (-pi, pi] [rad], from theta and the integral phi."""
+    """Return phi in (-pi, pi] [rad], from theta and the integral phi.
+
+    Where sin(theta) < 0, as theta is not wrapped, 3hat has the opposite azimuth; at a pole it is
+    0/0 in meaning, as in `azimuth`.
+    """
     s = sin(q.theta)
     return atan2(s * sin(carried.phi), s * cos(carried.phi))
 
@@ -303,7 +311,7 @@ def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Cal
             "phi": azimuth(q, carried),
         }
         if hasattr(c, "motion"):
-            known["psi"] = psi_of_axes(*c.motion.u.axes[::2])
+            known["psi"] = psi_of_axes(*c.motion.u.axes[::2])  # axes 1 and 3
         if hasattr(c, "v_u"):
             known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
         if hasattr(c, "rise"):
@@ -384,8 +392,8 @@ ALTERNATIVES = (
 def start_of(angles: Any) -> Callable:
     """Return `System.start` of a body: numbers of the user -> the record of angles.
 
-    What the user does not give is zero. psi_dot may be given instead of omega3, and centre_at_rest
-    instead of nu_x and nu_y.
+    Missing numbers are zero. psi_dot may be given instead of omega3, and centre_at_rest instead of
+    nu_x and nu_y: as in `framed.start`; a change of one is a change of both.
     """
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
@@ -446,6 +454,7 @@ EULER = in_euler_angles(
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
+"""Columns that are vectors: the variables of the state that are their components."""
 LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},
     "phi": "azimuth phi of the horizontal projection of the axis, in (-pi, pi]; undefined (NaN) "

@@ -43,13 +43,17 @@ contact.
 Blow: Any = namedtuple("Blow", "by goal speed ratio stops u L touch")
 """The parameters of an impact.
 
-A stage ends where by.(v_n, work_n, p_n) = goal. Then the unit of slip; the unit of v_n by it; the
-logarithm of the slip of a contact at rest; 3hat; L before the impact; the body.
+by, goal: a stage ends where by.(v_n, work_n, p_n) = goal, see ENDS. speed: the unit of slip [m/s].
+ratio: the unit of v_n divided by that of slip. stops: logarithm of the slip, in its unit, at which
+a contact is at rest. u: 3hat or a Frame. L: (3,), before the impact. touch: the body.
+`engine.impacts` fills a Blow by position, twice; a change here is a change there.
 """
 
 Motion: Any = namedtuple("Motion", "v_x v_y turn grown v_n p_x p_y p_n t_x t_y t_n work_n")
-"""Slip, and that of the edge of a disc, to be multiplied by exp(grown); v_n; impulses of the force
-and of the torque; work of the normal force. `rates` and `engine.impacts` fill it by position.
+"""v_x, v_y, turn: slip, and velocity of the edge of a disc, in the unit of slip and divided by
+exp(grown). v_n: normal velocity, in its unit. p_x, p_y, p_n: impulse of the force, t_x, t_y, t_n:
+of the torque, by the unit of v_n. work_n: work of the normal force, by the square of this unit.
+`rates` and `engine.impacts` fill a Motion by position.
 """
 
 
@@ -58,7 +62,10 @@ ENDS = {
     "energetic": Vector(0.0, 1.0, 0.0),
     "poisson": Vector(0.0, 0.0, 1.0),
 }
-"""The number by which a law of impact ends restitution, of (v_n, work_n, p_n)."""
+"""The number by which a law of impact ends restitution, of (v_n, work_n, p_n): `Blow.by`.
+
+The keys are `restitution.RESTITUTIONS`; `ImpactMotions.struck` has the goals in the same order.
+"""
 REACHED = Event(
     "reached",
     "the stage ends",
@@ -84,7 +91,7 @@ class Stage(NamedTuple):
     form: Form
     acts: Callable  # acts(q, b) -> Acts, per normal impulse, or at rest per rise of v_n
     events: tuple[Event, ...]  # formula(q, b)
-    follows: dict[str, Any]  # the border that is reached, by its event
+    follows: dict[str, Any]  # the `Border` that is reached, by the name of its event
 
 
 def can_rest(law: Any) -> bool:
@@ -132,10 +139,10 @@ def stages(law: Any) -> dict[str, Stage]:
             p = Vector(q.p_x, q.p_y, q.p_n)
             twist = Vector(q.t_x, q.t_y, q.t_n)
             turned = plus(cross(arm(b.u, b.touch), p), twist)
-            L = plus(b.L, times(b.speed * b.ratio, turned))
+            L = plus(b.L, times(b.speed * b.ratio, turned))  # the unit of v_n, and of impulses
             v = Vector(w * q.v_x, w * q.v_y, none)
             omega = angular_velocity(Turning(b.u, L), b.touch)
-            if law.regions:
+            if law.regions:  # `turn` is a variable: it keeps its digits where turning stops
                 omega = omega._replace(z=w * q.turn / b.touch.friction.patch)
             if friction is None:
                 force, torque = held(b.u, FLAT_BIAS, 0.0, omega, b.touch)
@@ -162,7 +169,8 @@ def stages(law: Any) -> dict[str, Stage]:
             else:
                 pace = 1 / across.z
                 grows = none
-                slides = times(pace if friction else none, slides)
+                slides = times(pace if friction else none, slides)  # none at rest: slip stays 0
+            # the order of `Motion`: slides and grows, then works
             works = across.z, *by.force, *by.torque, by.force.z * q.v_n
             every = *slides, grows, *(pace * one for one in works)
             return Motion._make(one / CLOCK_RATE for one in every)
@@ -173,6 +181,7 @@ def stages(law: Any) -> dict[str, Stage]:
     stops = (STOPS,) if can_rest(law) else ()
     known = {REST: stage(None)}
     for name, region in law.regions.items():
+        # "slow" is a condition on w alone, which `speeds` lacks; it leads to the same region
         ways = {way.event: way for way in region.borders if way.event != "slow"}
         passing = (border(way) for way in ways.values())
         friction = disc_friction(region.drag, law.torque, edge_speed2)
@@ -213,7 +222,7 @@ def slide(q: Any, by: Acts, b: Any) -> Any:
     `by` are the force and torque that would be needed to hold it, those of the stage REST.
     """
     law = b.touch.friction
-    grown = b.stops + 1
+    grown = b.stops + 1  # above the slip at which STOPS ends the stage
     if has_parts(law):
         grown = log((DISC_BEGINS_AT if law.regions else BEGINS_AT) / b.speed)
     v, edge = direction(by.force, by.torque.z, law)

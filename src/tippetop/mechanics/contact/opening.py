@@ -94,7 +94,8 @@ TABLES = {
     },
     "impacts": IMPACT._asdict(),
 }
-"""Units or words of the columns of further tables; the place of a word is its number in a store."""
+"""Units or words of the columns of further tables; the position of a word is its number in a
+store."""
 
 
 def kind_of(law: Any) -> tuple:
@@ -146,7 +147,7 @@ def phases_of(
     kinds = {
         phase_name(label, ball, *regions): (phase_by_states(phase, around), label, ball, regions)
         for (label, *regions), phase in known.items()
-        for ball in range(balls - (label == "both"))
+        for ball in range(balls - (label == "both"))  # "both" once, seen from the sphere
     }
     phases = {}
     for name, (phase, label, ball, regions) in kinds.items():
@@ -160,6 +161,7 @@ def phases_of(
         if label == "slip" and law.set_valued:
             names.append(STALL)
             jumps |= dict.fromkeys((CLOCK, STALL), slide_on)
+        # the gap of these bodies is no polynomial of the state; R and c are not 1 in internal units
         gaps = ("land",) if opening.framed or opening.outlined else ()
         form = replace(phase.form, not_normalised=("R", "c"), resolved=gaps)
         phases[name] = replace(

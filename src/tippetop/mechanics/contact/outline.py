@@ -44,7 +44,7 @@ def root(x: Series) -> Series:
 
 
 class Spheroid(NamedTuple):
-    """Half length a along the axis, half width b; the centre at c along 3hat."""
+    """Half length a along the axis, half width b; the centre at c along 3hat, all [m]."""
 
     a: Operand
     b: Operand
@@ -64,7 +64,7 @@ class Spheroid(NamedTuple):
 
 
 class Rim(NamedTuple):
-    """A circle of radius `ring` about the axis, rounded by `tube`; its centre at c along 3hat."""
+    """A circle of radius `ring` about the axis, rounded by `tube`; centre at c 3hat, all [m]."""
 
     ring: Operand
     tube: Operand
@@ -113,6 +113,7 @@ def shape_by(height: Callable, names: Iterable[str]) -> Any:
             """Return the size [m]: half the width and half the length."""
             with np.errstate(all="ignore"):  # an outline that is not smooth is refused later
                 places = np.array([0.0, 1.0, -1.0])
+                # the order of `places`: axis horizontal, up and down
                 across, up, down = (at(z, 1 - z * z, self.height).value for z in places)
             return across + (up + down) / 2
 

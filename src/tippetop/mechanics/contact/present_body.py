@@ -103,7 +103,7 @@ def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:
 
 
 def phase_by_states(phase: Phase, around: tuple[str, ...]) -> Phase:
-    """Return a phase of the contact whose functions get the body in its state; see above."""
+    """Return a phase whose functions get the body in its state, as in `form_by_states`."""
     form = form_by_states(phase.form, around)
 
     def enter(x: Any, b: Any) -> Any:

@@ -174,7 +174,7 @@ def contact_acceleration(x, F, torque, b):
 def work_of(x, p, twist, b):
     """Return the energy [J] that the impulses p [N s] and twist [N m s] give a body."""
     speeds = zip(velocities(x, b), gains(x.u, p, twist, b), strict=True)
-    v, omega = (plus(times(2, before), more) for before, more in speeds)
+    v, omega = (plus(times(2, before), more) for before, more in speeds)  # before + after
     return (dot(p, v) + dot(twist, omega)) / 2
 
 
@@ -296,6 +296,7 @@ def held(u, bias, free, omega, b):
     by_load, turns = gains(u, times(0, rolls), rolls, b)
     F, torque = impulses(u, bias, free, b)
     more, twist = impulses(u, by_load, turns.z, b)
+    # rolling adds in proportion to N: the force is -(F + N more), of which N is the vertical part
     N = -F.z / (1 + more.z)
     torque = minus(times(N, minus(rolls, twist)), torque)
     return times(-1, plus(F, times(N, more))), torque
@@ -307,7 +308,7 @@ def cone(F, body):
     return (body.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
 
 
-HALVINGS = 60  # of the interval in which w/U lies
+HALVINGS = 60  # of the interval in which x/(1 + x) lies, x = |v_A|/U
 
 
 def sliding_at(force: Any) -> Any:
@@ -320,7 +321,7 @@ def sliding_at(force: Any) -> Any:
 
     def beyond(x: Any, force: Any) -> Any:
         """Return f(x) - force at x = |v_A|/U, whose zero is sought."""
-        return drag(x * x, 1.0).k * x - force
+        return drag(x * x, 1.0).k * x - force  # U = 1: k = f(x)/|v_A| = f(x)/x
 
     known = plain(force)
     low = 0.5

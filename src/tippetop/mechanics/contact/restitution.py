@@ -14,11 +14,14 @@ from ..units import METRE, ONE
 
 
 RESTITUTIONS = ("energetic", "poisson", "newton")
-"""Laws of impact: the work of restitution is e_n^2 that of compression (Stronge); the impulse is
-e_n that of compression; or so is the normal velocity, which can make energy.
+"""Laws of impact, the keys of `impact_motion.ENDS`. "energetic" (Stronge): the work of restitution
+is e_n^2 times that of compression. "poisson": the normal impulse of restitution is e_n times that
+of compression. "newton": the normal velocity after the impact is -e_n times that before, which can
+make energy.
 """
 
-# least radius of a stem's ball, and longest stem, by the radius of the sphere: the rest is a slip
+# least radius of a stem's ball, and longest stem, by the radius of the sphere; beyond it the number
+# is a mistake of the user
 LEAST_RADIUS, LONGEST = 1e-9, 1e6
 
 

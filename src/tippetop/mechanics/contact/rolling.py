@@ -7,7 +7,8 @@ form is regular everywhere; Euler angles are singular at the poles.
 
 Symbols
     b         the body, a `body.Touch`
-    q, e      state of the vector form, 3hat and L; of Euler angles: theta, theta', phi', omega_3
+    q         state of the vector form, 3hat and L; in a form of angles, its state
+    e         `EulerState`: theta, theta', phi', omega_3; in `vector_of_angles`: record ANGLES
     carried   record of the integrals: phi, x, y, impulse
     x         a `body.Turning` (u, L); u, 3hat: unit vector of the axis
     s, z      sin(theta), cos(theta) in (e, s, z, b); s in (s, b): record of `Scalars` or Kinematics
@@ -42,8 +43,8 @@ from .response import reaction
 
 FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
 Scalars = type(contact.filled(**dict.fromkeys(FIELDS)))
-"""The kinematics, |r'|^2 of the horizontal velocity of the centre of mass, and |F_h|^2 of the
-horizontal part of the reaction.
+"""The kinematics, speed2 = |r'|^2 of the horizontal velocity of the centre of mass [m^2/s^2], and
+friction_force2 = |F_h|^2 of the horizontal part of the reaction [N^2].
 """
 
 
@@ -203,7 +204,10 @@ def spin(q, b):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """Return the vector state of angles e; s, z: sin(theta), cos(theta), exact at the poles."""
+    """Return the vector state of angles e; s, z: sin(theta), cos(theta), exact at the poles.
+
+    e: a record ANGLES, with phi, not an `EulerState`. `heavy_top` calls it with b.I1 about the tip.
+    """
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     return VectorState(*u, *L)
 

@@ -56,12 +56,12 @@ NUMBERS = {
     "Fy": NEWTON,
     "force": NEWTON,  # normal
     "radius": METRE,  # of the ball in contact, or last in contact
-    "offset": METRE,
-    "stem_gap": METRE,
-    "phase": ONE,
-    "ball": ONE,
-    "jellett_taken": JELLETT,
-    "drilled": WATT,
+    "offset": METRE,  # c of that ball
+    "stem_gap": METRE,  # of the stem's ball; 0 without a stem
+    "phase": ONE,  # number in PHASES
+    "ball": ONE,  # number in BALLS
+    "jellett_taken": JELLETT,  # the reference: see `exits.first_touch`
+    "drilled": WATT,  # power that torques of the contact take
 }
 """Further numbers of a row. `height` comes first, as in a `Moving`: see `filled_row`."""
 
@@ -116,7 +116,7 @@ def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
     gap = contact.gap(x, b)
     first = b
     if phase.ball == 0:
-        gap = gap + b.clearance + b.lever * x.u.z
+        gap = gap + b.clearance + b.lever * x.u.z  # `contact_phases.other_gap`, in flight too
     else:
         first = contact.seen_from_other(b)
     numbers |= {"radius": b.R, "offset": b.c, "stem_gap": gap, "jellett_taken": reference}
@@ -151,7 +151,11 @@ def lowest_velocity(q, b):
 
 
 def row_scalars(q, b):
-    """Return the `Scalars` of a row q, filled by position; numbers of a ball are 0 without one."""
+    """Return the `Scalars` of a row q, filled by position; numbers of a ball are 0 without one.
+
+    The gap of a ball is `body.gap` by the numbers of the row, and power as in
+    `contact_phases.on_ball`, without surroundings; a change of one is a change of both.
+    """
     x = moving(q)
     v = lowest_velocity(q, b)
     moves = kinematics(x, contact.axis_rate(x, b), b)
@@ -178,7 +182,8 @@ PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n n
 def row_of_angles(e, s, z, b):
     """Return the row of angles e; the force of the plane in it is zero, not yet known.
 
-    s, z are sin(theta), cos(theta), exact at the poles.
+    e may lack fields of ANGLES, as PLANAR_ANGLES do: they are zero. s, z are sin(theta),
+    cos(theta), exact at the poles. `framed.start` has the same velocity and height.
     """
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
@@ -268,7 +273,7 @@ def form_of(phase: Phase, label: str, angles: Any, of_rows: Form) -> Form:
 
     def scalars(q: Any, b: Any) -> Any:
         """Return the scalars of a state q of the phase, those of its row."""
-        (alone,) = contact.seen_from_balls(b, ())
+        (alone,) = contact.seen_from_balls(b, ())  # no stem, as `row` reads `clearance`
         return of_rows.scalars(row(phase, q, (), alone)[0], b)
 
     def of_angles(e: Any, s: Any, z: Any, b: Any) -> Any:
@@ -293,7 +298,10 @@ def of_ball(function: Callable) -> Callable:
 
 
 def energy(s, b):
-    """Return the energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
+    """Return the energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A.
+
+    It is `body.energy` of a row, whose speed2 has the vertical velocity too.
+    """
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 

@@ -61,6 +61,7 @@ def in_surroundings(system: System, around: tuple[str, ...]) -> System:
     """Return a system whose body is in surroundings of these groups, without its theory."""
     rules = rules_of(around)
     units = {key: rule.unit for key, rule in rules.items()}
+    # the units of the surroundings are in place of the parameters, which the units of b do not need
     body_units = surrounded_body(lambda parameters, friction: system.body_units(friction))
     return replace(
         system,

@@ -95,8 +95,8 @@ changes it by 5e-15 of itself."""
 class Air(NamedTuple):
     """The torque of the air about the centre of mass is -(c1 + c2 |omega|) omega."""
 
-    c1: Operand
-    c2: Operand
+    c1: Operand  # [N m s]
+    c2: Operand  # [N m s^2]
 
 
 class Slope(NamedTuple):
@@ -107,21 +107,24 @@ class Slope(NamedTuple):
 
 
 class Shake(NamedTuple):
-    """Gravity across a plane that vibrates: g + c cos(rate t) + s sin(rate t)."""
+    """Gravity across a plane that vibrates: g + c cos(rate t) + s sin(rate t).
 
-    g: Operand
-    c: Operand
-    s: Operand
-    rate: Operand
+    `at_present` computes it, with the integral `clock` = rate t (`present_body.VIBRATION_PHASE`).
+    """
+
+    g: Operand  # across the plane at rest [m/s^2]
+    c: Operand  # [m/s^2]
+    s: Operand  # [m/s^2]
+    rate: Operand  # 2 pi f [rad/s]
 
 
 class Table(NamedTuple):
     """A plane that turns about x, y; `at` is the place of the body from there, once it is known."""
 
-    omega: Operand
-    x: Operand
-    y: Operand
-    at: Any = ()
+    omega: Operand  # about the normal of the plane [rad/s]
+    x: Operand  # [m]
+    y: Operand  # [m]
+    at: Any = ()  # (3,) [m], third component 0; `at_present` fills it in
 
 
 class Surroundings(NamedTuple):
@@ -130,10 +133,10 @@ class Surroundings(NamedTuple):
     A field is () if there is no such thing.
     """
 
-    air: Any = ()
-    slope: Any = ()
-    shake: Any = ()
-    table: Any = ()
+    air: Any = ()  # an `Air`
+    slope: Any = ()  # a `Slope`
+    shake: Any = ()  # a `Shake`
+    table: Any = ()  # a `Table`
 
 
 def groups_in(tables: Mapping[str, Any]) -> tuple[str, ...]:
@@ -228,11 +231,11 @@ def surrounded_body(body: Callable) -> Callable:
             along = g * sin(tilt)
             around["slope"] = Slope(along * cos(azimuth), along * sin(azimuth))
             g = g * cos(tilt)
-        if "vibration" in given:
+        if "vibration" in given:  # after "tilt", as `Shake` takes the g across the plane
             amplitude, frequency, phase = given["vibration"]
             # 2 pi f, pi = atan2(0, -1) in the precision of the numbers
             rate = 2 * atan2(0 * frequency, 0 * frequency - 1) * frequency
-            push = amplitude * rate**2
+            push = amplitude * rate**2  # of the plane's acceleration push cos(rate t + phase)
             around["shake"] = Shake(g, push * cos(phase), -(push * sin(phase)), rate)
         if "turntable" in given:
             around["table"] = Table(*given["turntable"])

@@ -30,7 +30,7 @@ def mobility(b: Any) -> tuple[Vector, Any, Any]:
     array over the poses of the body.
     """
     theta = THETA
-    psi: Any = 0.0
+    psi: Any = 0.0  # phi too: the axis lies in the x-z plane, and so the arm of a `Touch`
     if isinstance(b, Asymmetric):
         theta = THETA[::10, None]
         psi = np.linspace(-np.pi, np.pi, len(theta))
