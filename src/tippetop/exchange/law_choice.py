@@ -1,7 +1,8 @@
 """Fits of one film under several friction laws, and which of them the film decides for.
 
-A problem and the name of a law go in, the same problem under this law comes out; fits of several go
-in, the best one and a sentence come out.
+A problem and the name of a law go in, the same problem under this law comes out (of [run] only
+`until` is kept, and the form is chosen anew); fits of several go in, the best one and a sentence
+come out.
 """
 
 import math

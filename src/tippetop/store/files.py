@@ -38,6 +38,8 @@ def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
 def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     """Yield an empty scratch file, which becomes `path`, synced, when the block ends well.
 
+    It has the name of `path`, because some writers (ffmpeg for `film`) choose the format by its
+    ending. Leftovers of killed processes go even if `path` is then refused.
     Raises StoreError if `path` exists and may not be overwritten, or cannot be written.
     """
     path = Path(path)

@@ -47,8 +47,9 @@ class OtherVersions(Exception):
 def compute_chunk(task: Task, threads: int = 1) -> Rows:
     """Compute the rows of a chunk: columns (tops, ...) by name, SI.
 
-    They depend on the task alone, not on `threads`: a store has equal bits on any workers. Raises
-    OtherVersions.
+    They depend on the task and the model of the processor, not on `threads`: a store has equal bits
+    on any workers of one model. Versions are compared here, the processor of a worker is not.
+    Raises OtherVersions.
     """
     here = provenance.versions()
     if differ := [name for name in here if here[name] != task.versions.get(name)]:

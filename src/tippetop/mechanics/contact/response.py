@@ -219,8 +219,9 @@ def across_and_along(G, n):
 
 
 def turn_held(u, b):
-    """Return the effect of the torque that keeps Omega_z: t, 1/k_zz, and t^2/k_zz per k^2.
+    """Return the effect of the torque that keeps Omega_z: t, 1/k_zz, t^2/(k_zz |zhat x 3hat|^2).
 
+    The third is the `less` of `inverse_times`; u is a Vector, b a `Touch` of a body of revolution.
     t is the acceleration of the contact point per torque, along zhat x 3hat, and Omega_z' per
     force; k_zz is Omega_z' per torque, regular at the poles. `exits.at_rest` reads the second.
     """
