@@ -23,24 +23,33 @@ from functools import partial
 from typing import Any
 
 from ..form import Domain, Form, Integral, Phase
-from ..units import RADIAN
+from ..units import ONE
 from .body import filled, touching, touching_ball
 from .surroundings import COPY, at_present, joined_values
 
 
-VIBRATION_PHASE = Integral(
-    "clock",
-    RADIAN,
-    "phase 2 pi f t of the vibration",
-    lambda q, carried, b: b.around.shake.rate,
-    lambda data, s, z: 0 * z,
+def clock(rate_of: Callable, name: str, first: int) -> Integral:
+    """Return the integral for the cosine or the sine of the phase of the vibration, no unit.
+
+    `name` is "clock_cos" or "clock_sin"; its rate is rate_of(q, 2 pi f) [1/s], its value at the
+    start `first`. The state q has copies of both, `at_clock_cos` and `at_clock_sin`. The phase
+    itself would grow, and with it the step, which heyoka chooses by the largest variable: energies
+    then drift by 1e-10 in ten seconds.
+    """
+    rate = lambda q, carried, b: rate_of(q, b.around.shake.rate)  # noqa: E731
+    return Integral(name, ONE, "phase of the vibration", rate, lambda data, s, z: first + 0 * z)
+
+
+VIBRATION_PHASE = (
+    clock(lambda q, rate: -(rate * q.at_clock_sin), "clock_cos", 1),
+    clock(lambda q, rate: rate * q.at_clock_cos, "clock_sin", 0),
 )
-"""`surroundings.at_present` reads it by its name."""
+"""`surroundings.at_present` reads both by name."""
 
 
 def added_integrals(around: tuple[str, ...]) -> tuple[Integral, ...]:
     """Return the integrals that surroundings of these groups add: the phase of a vibration."""
-    return (VIBRATION_PHASE,) if "vibration" in around else ()
+    return VIBRATION_PHASE if "vibration" in around else ()
 
 
 def present(known: Any, b: Any) -> Any:

@@ -109,7 +109,7 @@ class Slope(NamedTuple):
 class Shake(NamedTuple):
     """Gravity across a plane that vibrates: g + c cos(rate t) + s sin(rate t).
 
-    `at_present` computes it, with the integral `clock` = rate t (`present_body.VIBRATION_PHASE`).
+    `at_present` computes it, with the integrals `present_body.VIBRATION_PHASE`.
     """
 
     g: Operand  # across the plane at rest [m/s^2]
@@ -259,8 +259,7 @@ def at_present(b: Any, known: Any) -> Any:
     now = {name.removeprefix(COPY): value for name, value in known._asdict().items()}
     if around.shake:
         g, c, s, _ = around.shake
-        phase = now["clock"]
-        b = b._replace(g=g + c * cos(phase) + s * sin(phase))
+        b = b._replace(g=g + c * now["clock_cos"] + s * now["clock_sin"])
     if around.table:
         table = around.table
         at = Vector(now["x"] - table.x, now["y"] - table.y, 0 * now["x"])
