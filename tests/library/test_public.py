@@ -86,8 +86,8 @@ def test_signatures_are_readable() -> None:
 def test_help_on_records_lists_their_fields_only(face: Any, signature: str) -> None:
     """Each record has its signature and its docstring: no methods, attributes or descriptors."""
     text = pydoc.plain(pydoc.render_doc(face))
-    # Python 3.13 writes a long signature on several lines
-    assert "".join(signature.split()) in "".join(text.replace("'", "").split())
+    # Python 3.13 writes a long signature on several lines, which begin with a bar
+    assert "".join(signature.split()) in re.sub(r"['|\s]", "", text)
     assert not re.search(r"\|  .*(defined here|inherited from .*):$", text, re.M)
     assert "__dataclass_fields__" not in text
 
