@@ -44,13 +44,6 @@ def all_compiled_is_kept() -> None:
                     setattr(module, name, kept)
 
 
-@pytest.hookimpl(trylast=True)
-def pytest_sessionfinish() -> None:
-    """Collect garbage once: pytest will do it five times, which takes a second of each worker."""
-    gc.collect()
-    gc.freeze()
-
-
 @pytest.fixture(autouse=True)
 def handlers() -> Iterator[None]:
     """A test leaves Ctrl-C and SIGTERM to the next one as it found them: `main` ends by ignoring

@@ -89,7 +89,7 @@ def choice(name: str, value: Any, known: Collection[str]) -> None:
 
 
 def not_among(name: str, value: Any, known: Collection[str]) -> str:
-    """Return the sentence on a value that is none of these words; None: it is missing."""
+    """Return the sentence for a value that is not one of these words; None if it is missing."""
     near = suggestion(value, known) if isinstance(value, str) else ""
     given = "missing" if value is None else f"{value!r:.60}"
     return f"`{name}` must be one of {', '.join(known)}, but is {given}.{near}"

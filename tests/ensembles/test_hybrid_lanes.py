@@ -1,9 +1,8 @@
 """Tops whose contact changes run in lanes as they would run alone, whatever runs beside them."""
 
-import functools
 import threading
 import time
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -198,10 +197,10 @@ def test_only_what_has_no_line_is_left_to_python(monkeypatch) -> None:
         return struck(x, world, ball)
 
     monkeypatch.setattr(exits, "struck", fails)
-    monkeypatch.setattr(hybrid, "jump_of", functools.cache(hybrid.Jump))
+    monkeypatch.setattr(hybrid, "jump_of", cache(hybrid.Jump))
     ensemble.measure(some("sticks"), threads=1)
     del raised[0]
-    monkeypatch.setattr(hybrid, "jump_of", functools.cache(hybrid.Jump))
+    monkeypatch.setattr(hybrid, "jump_of", cache(hybrid.Jump))
     with pytest.raises(AttributeError, match="a mistake"):
         ensemble.measure(some("sticks"), threads=1)
 

@@ -53,7 +53,7 @@ def view(
 
 
 def _text(store: Path | None, start: float | None, until: float | None) -> str:
-    """Return the HTML of the page of a store; of the playground if `store` is None.
+    """Return the HTML of the page of a store, or of the playground if `store` is None.
 
     `start` and `until` [s] are the options `--from` and `--until`; `view` has refused both for the
     playground. `page_of_store` refuses a store that is neither a run nor a sweep.

@@ -524,7 +524,6 @@ class HybridDriver(Driver):
     learns_start = False  # whether the jump to the first phase gets programs
     # internal times -> states (times, variables) of the jump to the present phase, if it takes time
     series: Any = None
-    keeps_extremes = True  # of event functions; `ensembles` may do without
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -687,7 +686,7 @@ class HybridDriver(Driver):
         signs: Any = self.functions["sign"]
         if self.series:
             first = self._ranged(now, time)
-            if before is None:  # the run begins with the series; on a zero no side is known
+            if before is None:  # the run begins with this series: on a zero, its side is unknown
                 sides, zeros, _ = solver.begins(n, first, signs)
                 signs = [0 if zero > 0 else side for side, zero in zip(sides, zeros, strict=True)]
         signs, zeros, passed = solver.begins(n, values, signs)
@@ -885,14 +884,13 @@ class HybridDriver(Driver):
         return np.array([[self.number(one) for one in value] for value in values]).T
 
     def _ranged(self, began: Any, end: Any) -> list:
-        """Update the extremes of event functions, if kept, in a jump from time `began` to `end`.
+        """Update the extremes of event functions in a jump from time `began` to `end`.
 
         Return the values of the event functions at its start. `note_change` in loop.c does the same
         at the same times: a change of one is a change of both.
         """
         solver = self.solver
-        # the values at the start are always needed
-        times = jump_times(began, end)[: None if self.keeps_extremes else 1]
+        times = jump_times(began, end)
         points = solver.points(self.series(*times), solver.b)
         for number, values in points.items():
             event = self.all_events.events[number]
@@ -932,7 +930,7 @@ class HybridDriver(Driver):
         for solver in self.solvers.values():
             mine = np.flatnonzero(phases == solver.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal: one state at a time;
-            # of other numbers all at once, or none
+            # states of other numbers go in all at once, if there are any
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
                 b = solver.b if slots is None else self.parameters_in(slots[some], solver)

@@ -168,7 +168,6 @@ class Pools:
     samples: Log
     found: tuple[Tallies, Log, Log]
     rows_of: Any
-    keeps_extremes: bool
 
     def share(self, tops: Tops, thread: int, phases: int = 1, programs: Any = None) -> None:
         """Set the arrays of the tops; none has begun.

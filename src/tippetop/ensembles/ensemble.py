@@ -114,7 +114,6 @@ def measure(
         ]
         every = new_tops(groups[0], n, begun, functions, bodies, measured.times)
         for thread, group in enumerate(groups):
-            group.keeps_extremes = wanted != ()  # only columns need extremes
             group.join(every, thread)
         workers = [partial(run_tops, measured, group, ended, room, stop) for group in groups]
         _run_all(workers, iter(numbers.tolist()), stop)

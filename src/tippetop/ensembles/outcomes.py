@@ -121,7 +121,7 @@ class Outcomes:
         self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     def refuse(self, top: int, sentence: str) -> None:
-        """Mark a top, by its number, as invalid, and store the reason as a sentence.
+        """Mark the top of this number as invalid, and store the reason as a sentence.
 
         Tops that `Problems.checked` finds invalid are not among these `faults`; `dataset` joins
         both.

@@ -91,7 +91,7 @@ def _differ(runs: list[Attributes], table: str, key: str) -> bool:
 
 
 def shared(runs: list[Attributes]) -> Attributes:
-    """Return the attributes of the first run, without what is not common to all in its title.
+    """Return the attributes of the first run; its title keeps only what all runs share.
 
     `title` draws them. Further attributes, such as units and symbols, are those of the first run.
     """

@@ -124,7 +124,7 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
 def _names(
     subject: str, names: list[str], system: System, known: set[str], others: Iterable[str] = ()
 ) -> list[str]:
-    """Return a sentence for each name that is impossible, or not new.
+    """Return a sentence for each name that is invalid or already taken.
 
     `known` are names of the system, `others` those of other records of the user. Rows and
     tables of sweeps have columns state_..., final_..., drift_... and ..._lo.

@@ -162,6 +162,12 @@ def test_a_body_slides_and_sticks_as_newton_and_euler_say(top: Any, around: dict
     tilted.assert_motion(run.trajectory.isel(time=-1), b, end, 1e-9)
 
 
+def test_a_fast_vibration_leaves_the_steps_as_they_are() -> None:
+    """A variable that grows with time would lengthen them, and the balance drift."""
+    run = tt.run("rolling", plane={"amplitude": 1e-7, "frequency": 900.0})
+    assert run.drift["energy_balance"] < 1e-13
+
+
 # --- closed forms -------------------------------------------------------------------------------
 
 

@@ -440,7 +440,7 @@ class Pass:
         self.samples, self.between = defaultdict[Any, Any](list), defaultdict[Any, Any](list)
         self.shifts = {0.0: np.zeros(self.directions)}
         body = driver.world.body if problem.system.is_hybrid else problem.internal_body
-        # what is compared is mu with 0, by which `opening.assembled` replaces the law
+        # mu is compared with 0, because `opening.assembled` takes another law without friction
         _, changes = noted(self._numbers_of, wrt, body, ways)
         self.notes = [Note(0.0, "the law of friction", least_of(changes, self.directions))]
         formulas = formulas_of(problem.system, problem.form.name, problem.law)
