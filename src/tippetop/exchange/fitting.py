@@ -270,7 +270,7 @@ def judged(
         estimates[name] = Estimate(float(value), errors[0], low, high, errors[1])
     met = ends[0].searches
     reasons = []
-    if hopeless and met < MET:
+    if hopeless and met < MET and doubts:
         reasons.append(
             f"{searches} independent searches found nothing near enough to the data: more `starts` "
             "would hardly help."

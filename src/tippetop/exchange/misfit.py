@@ -62,12 +62,17 @@ class Misfit:
     """
 
     def __init__(self, observation: Observation, space: Space, loss: str):
-        """Give each group the weight 1, and a floor of rounding error."""
+        """Give each group a weight by its spread, and a floor of rounding error."""
         choice("loss", loss, WEIGHTS)
         self.observation = observation
         self.space = space
         self.loss = loss
-        self.weights = dict.fromkeys(observation.groups, 1.0)
+        # in units of the first group, which has the weight 1
+        spreads = [float(np.nanstd(seen, axis=0).max()) for seen in observation.groups.values()]
+        self.weights = {
+            group: spreads[0] / spread if spreads[0] * spread else 1.0
+            for group, spread in zip(observation.groups, spreads, strict=True)
+        }
         self.rounding = {
             group: ROUNDING * float(np.sqrt(np.nanmean(seen**2))) or ROUNDING
             for group, seen in observation.groups.items()

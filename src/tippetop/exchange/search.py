@@ -90,11 +90,11 @@ class Minimum(NamedTuple):
     def met(self, other: "Minimum", within: float = np.inf) -> bool:
         """Return whether another point is the same to the data, and near in each coordinate.
 
-        Both are minima over the same window; the Jacobian and variance of this one count.
+        Both are minima over the same window; the variance of this one counts.
         """
-        apart = self.point - other.point
-        seen = self.jacobian @ apart
-        return bool(seen @ seen < SAME * self.variance and np.all(np.abs(apart) < within))
+        apart = np.abs(self.point - other.point)
+        seen = self.residual - other.residual
+        return bool(seen @ seen < SAME * self.variance and np.all(apart < within))
 
 
 def local_minimum(
