@@ -321,10 +321,9 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
     t = table.t
     key = each.name, t.tobytes()
     if key not in known:
-        times = np.unique(np.append(np.minimum(t, each.problem.until), 0.0))
+        times, place = np.unique([0.0, *np.minimum(t, each.problem.until)], return_inverse=True)
         whole = truth(each.problem, times)[0]
-        # without the row at 0 that was added before the first time
-        known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
+        known[key] = Truth(*(part[place[1:]] for part in whole))
     exact = known[key]
     there = _motion(table)
     _check_start(path, there, exact, each.problem)

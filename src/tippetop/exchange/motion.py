@@ -99,9 +99,9 @@ def motion(table: Table, convention: Convention = Convention()) -> Arrays:  # no
     """
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     found = {name: rows for name, rows in table.columns.items() if name not in KIND}
-    for kind in KINDS.keys() - {"orientation"}:
-        names = KINDS[kind][0].split()
-        if any(map(table.has, names)):
+    for kind, (columns, *_) in KINDS.items():
+        names = columns.split()
+        if kind != "orientation" and any(map(table.has, names)):
             none = np.full(len(table.t), np.nan)
             rows = np.stack([table.columns.get(name, none) for name in names], axis=1)
             found[kind] = rows[:, turn]
