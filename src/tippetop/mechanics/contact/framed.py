@@ -29,9 +29,9 @@ from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, Moving, Turning, filled
 from .body_axes import PSI, axes_of_angles
-from .contact_phases import OF_FRAME, moving, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, moving, slip_under, without_slip
 from .frame import Asymmetric, Frame
-from .response import gains
+from .response import bias_vector
 
 
 # --- the start ----------------------------------------------------------------------------------
@@ -65,23 +65,18 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
+    first, third = axes_of_angles(s, z, given.phi, given.psi)
     if any(name in data for name in LYING):
-        across = Vector(-sin(given.heading), cos(given.heading), none)
-        one = times(cos(given.tilt), Vector(across.y, -across.x, none))._replace(z=sin(given.tilt))
-        two = plus(times(cos(given.roll), across), times(sin(given.roll), cross(one, across)))
-        third = cross(one, two)
-        first = minus(times(b.outline.cos, one), times(b.outline.sin, two))
-    else:
-        first, third = axes_of_angles(s, z, given.phi, given.psi)
+        # half axis a has this tilt and azimuth; half axis c is 1hat of it, turned by -roll
+        below, one = axes_of_angles(cos(given.tilt), sin(given.tilt), given.heading, given.roll)
+        third = times(-1, below)
+        first = minus(times(b.outline.cos, one), times(b.outline.sin, cross(third, one)))
     u = Frame(*third, *first)
-    if "psi_dot" in data:
-        given.omega3 = given.psi_dot + given.phi_dot * u.z
+    if "psi_dot" not in data:
+        given.psi_dot = given.omega3 - given.phi_dot * u.z
     node = Vector(-sin(given.phi), cos(given.phi), none)
-    # zhat - z 3hat: omega3 is the whole part along 3hat
-    swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)
-    omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
-    omega = plus(omega, times(given.omega3, third))
-    omega = omega._replace(z=omega.z + given.spin)
+    omega = plus(times(given.theta_dot, node), times(given.psi_dot, third))
+    omega = omega._replace(z=omega.z + given.phi_dot + given.spin)
     x = Turning(u, frame.momentum(omega, u, b))
     vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
     velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)
@@ -151,13 +146,10 @@ OF_ROW = replace(
 def contact_mobility(s: Any, b: Asymmetric) -> Any:
     """Return the upward acceleration of the contact point per normal force [1/kg].
 
-    It must be positive. `body.contact_mobility` is the same times m, by friction without torques.
+    It must be positive. `body.contact_mobility` is the same times m. Without a normal force the
+    point would not keep its height.
     """
-    x = s.motion
-    v = contact.contact_velocity(x, b)
-    # v takes the place of omega: the laws here have no torque, which alone reads it
-    force, torque = smooth_friction(v, v, s.z, b)
-    return gains(x.u, force, torque, b)[0].z
+    return -bias_vector(s.motion, b).z / s.force
 
 
 NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
