@@ -133,7 +133,7 @@ def lies(attitude: np.ndarray, b: Any) -> Any:
     if attitude.shape[1] == 3:
         return Vector(*attitude.T)
     first, _, third = axes(Quaternion(*attitude.T))
-    return Frame(*third, *first) if hasattr(b, "I2") else third
+    return Frame(*third, *first)
 
 
 def lowest(attitude: np.ndarray, b: Any) -> np.ndarray:

@@ -86,11 +86,6 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     return Begin(Moving(*x, velocity, height), given.x, given.y)
 
 
-def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of e: of a `Begin`, which `start` made, or of a record of angles."""
-    return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
-
-
 # --- rows and scalars ---------------------------------------------------------------------------
 
 
@@ -127,7 +122,8 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
     """Return the row of e, a `Begin` or a record of angles; the force in it is 0, not yet known."""
-    return rows.filled_row(rows.FRAME_UNITS, begun(e, s, z, b))
+    start_of_body = e if isinstance(e, Begin) else start(e._asdict(), s, z, b)
+    return rows.filled_row(rows.FRAME_UNITS, start_of_body.moving)
 
 
 OF_ROW = replace(
@@ -167,8 +163,7 @@ ROLLS = rows.form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES, OF_RO
 
 def heading(s: Any, b: Asymmetric) -> Any:
     """Return the azimuth of half axis a [rad]."""
-    one, two, _ = s.motion.u.axes
-    along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
+    along = frame.in_space(Vector(b.outline.cos, b.outline.sin, 0), s.motion.u)
     return atan2(along.y, along.x)
 
 

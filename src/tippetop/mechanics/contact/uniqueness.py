@@ -35,7 +35,7 @@ def mobility(b: Any) -> tuple[Vector, Any, Any]:
         theta = THETA[::10, None]
         psi = np.linspace(-np.pi, np.pi, len(theta))
     first, u = axes_of_angles(np.sin(theta), np.cos(theta), 0 * psi, psi)
-    u = Frame(*u, *first) if isinstance(b, Asymmetric) else u
+    u = Frame(*u, *first)
     b = by_axis(u, b)
     K, _ = gains(u, Vector(0.0, 0.0, 1.0), Vector(0.0, 0.0, 0.0), b)
     return K, np.abs(arm(u, b).x), height_of(u, b)
