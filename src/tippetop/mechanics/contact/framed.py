@@ -24,6 +24,7 @@ from ..form import Quantity
 from ..friction import Frictionless
 from ..number import Alternative, Number
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
+from ..system import Opening
 from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
@@ -46,12 +47,6 @@ INITIAL = gliding.INITIAL | {
         RADIAN_PER_SECOND, "angular velocity, which is vertical, instead of other rates"
     ),
 }
-ALTERNATIVES = (
-    *gliding.ALTERNATIVES,
-    *(Alternative(n, ("theta", "phi", "psi", "theta_dot", "nu_x", "nu_y")) for n in LYING),
-    Alternative("spin", ("theta_dot", "phi_dot", "omega3", "psi_dot")),
-)
-
 Begin: Any = namedtuple("Begin", "moving x y")
 """A start: the common state of the body, and its place x, y [m], which integrals read by name."""
 
@@ -93,9 +88,6 @@ ANGLES = filled(**gliding.ANGLES._asdict(), psi=RADIAN)
 ROLLING_ANGLES = filled(**rolling.ANGLES._asdict(), psi=RADIAN)
 ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 """Public variables: those of other bodies, with psi."""
-
-UNDEFINED_AT_POLES = (*gliding.UNDEFINED_AT_POLES, "psi")
-LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
 
 OWN = ("motion", "up", "turns", "spin", "rotation")
 Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
@@ -188,9 +180,6 @@ COMMON = (
         lambda s, b: atan2(s.up.y, s.up.z),
     ),
 )
-QUANTITIES = (*COMMON, rows.FRICTION_POWER)
-ROLLING_QUANTITIES = (*COMMON, rows.HORIZONTAL, rows.FRICTION_NEEDED)
-
 OF_AXES = (
     Event(
         "spin_reversal",
@@ -215,5 +204,31 @@ OF_AXES = (
     gliding.EQUATOR,
     gliding.INVERTED,
 )
-ROLLING_EVENTS = (*OF_AXES, rows.LIFTOFF)
-EVENTS = (*ROLLING_EVENTS, gliding.SETTLED)
+
+
+OF_SYSTEM = gliding.OF_SYSTEM | {
+    "initial": INITIAL,
+    "alternatives": (
+        *gliding.ALTERNATIVES,
+        *(Alternative(n, ("theta", "phi", "psi", "theta_dot", "nu_x", "nu_y")) for n in LYING),
+        Alternative("spin", ("theta_dot", "phi_dot", "omega3", "psi_dot")),
+    ),
+    "start": start,
+    "angles": ANGLES,
+    "forms": {"vector": SLIDES},
+    "quantities": (*COMMON, rows.FRICTION_POWER),
+    "events": (*OF_AXES, rows.LIFTOFF, gliding.SETTLED),
+    "undefined_at_poles": (*gliding.UNDEFINED_AT_POLES, "psi"),
+    "long_names": gliding.LONG_NAMES | {"psi": PSI},
+    "opening": Opening(framed=(ROW_ANGLES, OF_ROW)),
+}
+"""Fields of a System that glides."""
+
+ROLLING = rolling.of_system_at_rest(OF_SYSTEM) | {
+    "angles": ROLLING_ANGLES,
+    "forms": {"vector": ROLLS},
+    "quantities": (*COMMON, rows.HORIZONTAL, rows.FRICTION_NEEDED),
+    "events": (*OF_AXES, rows.LIFTOFF),
+    "opening": None,
+}
+"""Fields of a System in pure rolling."""
