@@ -86,18 +86,13 @@ def seen_from_other(b: Touch) -> Touch:
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
-def is_outlined(b: Any) -> bool:
-    """Return whether a body is one of revolution with an outline, not a ball."""
-    return isinstance(b, Touch) and bool(b.outline)
-
-
 def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     """Return the body with R and c of the ball by which it touches the plane at z = cos(theta).
 
-    The ball has the curvature of the outline there; a sphere is returned as it is. s2 is
+    The ball has the curvature of the outline there; other bodies are returned as they are. s2 is
     sin(theta)^2, of which 1 - z^2 would lose digits.
     """
-    if not is_outlined(b):
+    if not (isinstance(b, Touch) and b.outline):
         return b
     f = at(z, s2, b.outline.height)
     return b._replace(R=f.value - z * f.first, c=-f.first, bend=-f.second, height=f.value)
@@ -114,7 +109,7 @@ def touching(known: Any, b: Touch) -> Touch:
     The body is returned as it is if the record lacks its inclination, as `Contact` and `Free`, the
     scalars of phases, do: the events of these phases do not read R or c.
     """
-    if not is_outlined(b):
+    if not getattr(b, "outline", ()):  # of which the inclination is not needed
         return b
     if hasattr(known, "s2"):  # scalars
         return touching_ball(known.z, known.s2, b)

@@ -89,8 +89,7 @@ ROLLING_ANGLES = filled(**rolling.ANGLES._asdict(), psi=RADIAN)
 ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 """Public variables: those of other bodies, with psi."""
 
-OWN = ("motion", "up", "turns", "spin", "rotation")
-Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
+Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, "motion", "up", "turns", "spin", "rotation"))))
 """The scalars of other rows; the common state; zhat and omega x zhat along the half axes, (3,);
 omega_z [rad/s]; energy of rotation [J]. `row_scalars` fills the record by position; `angles_by` and
 `rotation_energy` read `motion` and `rotation` by name.
