@@ -69,10 +69,9 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     u = Frame(*third, *first)
     if "psi_dot" not in data:
         given.psi_dot = given.omega3 - given.phi_dot * u.z
-    node = Vector(-sin(given.phi), cos(given.phi), none)
-    omega = plus(times(given.theta_dot, node), times(given.psi_dot, third))
-    omega = omega._replace(z=omega.z + given.phi_dot + given.spin)
-    x = Turning(u, frame.momentum(omega, u, b))
+    turn_x, turn_y = contact.of_azimuth(none, given.theta_dot, given.phi)
+    turn = Vector(turn_x, turn_y, given.phi_dot + given.spin)
+    x = Turning(u, frame.momentum(plus(turn, times(given.psi_dot, third)), u, b))
     vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
     velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)
     if data.get("centre_at_rest"):
