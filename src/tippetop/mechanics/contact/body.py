@@ -308,10 +308,19 @@ def height(z, b):
     return b.R - b.c * z
 
 
-@by_body(of_frame=lambda u, b: -frame.arm(u, b).z)
+@by_body(of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm)
+def arm(u, b):
+    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
+
+    u is 3hat.
+    """
+    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+
+
+@formula
 def height_of(u, b):
     """Return the height of the centre of mass of a body on the plane [m]; u is 3hat, or a Frame."""
-    return height(u.z, b)
+    return -arm(u, b).z
 
 
 @formula
@@ -322,15 +331,6 @@ def gap(x, b):
     those of `touching_ball`), or an `Asymmetric`. `rows.row_scalars` has the same for a ball.
     """
     return x.height - height_of(x.u, b)
-
-
-@by_body(of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm)
-def arm(u, b):
-    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
-
-    u is 3hat.
-    """
-    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
 
 
 @formula
