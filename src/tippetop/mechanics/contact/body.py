@@ -94,8 +94,8 @@ def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     """
     if not (isinstance(b, Touch) and b.outline):
         return b
-    f = at(z, s2, b.outline.height)
-    return b._replace(R=f.value - z * f.first, c=-f.first, bend=-f.second, height=f.value)
+    f, first, second, _ = at(z, s2, b.outline.height).parts
+    return b._replace(R=f - z * first, c=-first, bend=-second, height=f)
 
 
 def by_axis(u: Any, b: Touch) -> Touch:
@@ -540,7 +540,7 @@ def contact_mobility(s, b):
     """Return the upward acceleration of A per unit of g_n/m, a number without a unit.
 
     It must be positive; otherwise the contact jams. [denominator of T 3.16] Divided by m it is the
-    vertical part of `response.gains` per normal force; `framed.contact_mobility` has that unit.
+    vertical part of `response.gains` per normal force; `framed.NOT_JAMMED` has that unit.
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b) - height(s.z, b) * slip)

@@ -129,16 +129,9 @@ OF_ROW = replace(
 # --- the forms of one phase ---------------------------------------------------------------------
 
 
-def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg].
-
-    It must be positive. `body.contact_mobility` is the same times m. Without a normal force the
-    point would not keep its height.
-    """
-    return -bias_vector(s.motion, b).z / s.force
-
-
-NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
+NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=lambda s, b: -bias_vector(s.motion, b).z / s.force)
+"""The function is the acceleration, without a force, by which the contact point sinks, per normal
+force [1/kg]; `body.contact_mobility` is the same times m."""
 SLIDES = replace(
     rows.form_of(slip_under(Frictionless, lies=FRAME), "slip", ANGLES, OF_ROW),
     domains=(NOT_JAMMED,),

@@ -20,11 +20,6 @@ class Series(Dual):
     __slots__ = ()
     level = 2
 
-    @property
-    def second(self) -> Any:
-        """Return the second derivative."""
-        return self.parts[2]
-
 
 def root(x: Series) -> Series:
     """Return the square root, for the height of an outline; `tippetop.extending` offers it.
