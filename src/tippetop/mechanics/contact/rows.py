@@ -76,11 +76,11 @@ FRAME_UNITS = state(FRAME, **VELOCITY, **NUMBERS)
 def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
     """Return a common state as a row with these units; numbers that are not given are 0.
 
-    `units` begin with the fields of the common state, in its order.
+    `units` are ROW_UNITS or FRAME_UNITS, and are filled by position.
     """
-    values = [*x.u, *x.L, *x.velocity, x.height]
-    names = units._fields[len(values) :]
-    return type(units)(*values, *(numbers.get(name, 0 * x.height) for name in names))
+    numbers["height"] = x.height
+    values = (numbers.get(name, 0 * x.height) for name in NUMBERS)
+    return type(units)(*x.u, *x.L, *x.velocity, *values)
 
 
 def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
