@@ -129,7 +129,7 @@ OF_ROW = replace(
 # --- the forms of one phase ---------------------------------------------------------------------
 
 
-NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=lambda s, b: -bias_vector(s.motion, b).z / s.force)
+NOT_JAMMED = replace(gliding.NOT_JAMMED, formula=lambda s, b: -bias_vector(s.motion, b).z / s.force)
 """The function is the acceleration, without a force, by which the contact point sinks, per normal
 force [1/kg]; `body.contact_mobility` is the same times m."""
 SLIDES = replace(
