@@ -111,4 +111,4 @@ def test_long_and_flat_bodies_are_smooth(ratio: float) -> None:
     body = tt.extending.outline(NUMBERS, hen_egg)
     top = body(m=1.0, a=ratio, b=1.0, I1=1.0, I3=1.0)
     shape = top.body().outline
-    assert shape.size == pytest.approx(1.0 + ratio)
+    assert shape.size == pytest.approx(1.0)

@@ -72,7 +72,7 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     gaps = _gaps(motion, arms)
     nearest = gaps.argmin(axis=0)
     touches = gaps.min(axis=0) < TOUCH * size(body)
-    result["lifts off"] = rise(problem, motion) > TOUCH * size(body)
+    result["lifts off"] = bool(rise(problem, motion) > TOUCH * size(body))
     if rules.stem:
         result["lands on the stem"] = bool((touches & (nearest == 1)).any())
     moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..errors import InputError, is_one_number, names_its_faults
 from .described import Described
@@ -113,7 +113,8 @@ def all_are(records: Any, container: Any, kind: type) -> bool:
     return all(isinstance(record, kind) for record in values)
 
 
-class Domain(NamedTuple):
+@dataclass(frozen=True)
+class Domain:
     """A condition for a motion to be possible: formula(scalars, b) must stay positive.
 
     `meaning` is a clause on a state where it is not, for messages.

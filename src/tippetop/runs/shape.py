@@ -107,13 +107,13 @@ def surface_of(b: Any) -> Surface:
         half, centre = np.array([outline[:3], outline[5:8]])  # a, b, c and x, y, z of `Ellipsoid`
         return Surface(centre, half, float(np.arctan2(outline.sin, outline.cos)))
     normal = np.linspace(0, np.pi, POINTS)
-    theta = np.pi - np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
-    ball = touching_ball(np.cos(theta), np.sin(theta) ** 2, b)
-    rows = np.array([ball.c - ball.R * np.cos(theta), ball.R * np.sin(theta), normal])
-    rows[:2] += ROUNDED * rows[1].max() * np.array([np.cos(normal), np.sin(normal)])
-    middle = (rows[0, 0] + rows[0, -1]) / 2
-    along, across = rows[0, 0] - middle, rows[1].max()
-    rows = np.array([(rows[0] - middle) / along, rows[1] / across, normal]).T
+    inner = np.clip(normal, NEAR_POLE, np.pi - NEAR_POLE)
+    ball = touching_ball(-np.cos(inner), np.sin(inner) ** 2, b)
+    points = ball.c + ball.R * np.exp(1j * inner)  # height + i radius
+    points += ROUNDED * points.imag.max() * np.exp(1j * normal)
+    middle = (points.real[0] + points.real[-1]) / 2
+    along, across = points.real[0] - middle, points.imag.max()
+    rows = np.array([(points.real - middle) / along, points.imag / across, normal]).T
     top, bottom = 1 + np.maximum(ROUNDED * rows[[0, -1], 1], LEAST_TIP)  # steeper than the rows
     meridian = np.vstack([[top, 0.0, 0.0], rows, [-bottom, 0.0, np.pi]])
     half = np.array([across, across, along])
@@ -133,7 +133,7 @@ def lies(attitude: np.ndarray, b: Any) -> Any:
     if attitude.shape[1] == 3:
         return Vector(*attitude.T)
     first, _, third = axes(Quaternion(*attitude.T))
-    return Frame(*third, *first) if hasattr(b, "I2") else third
+    return Frame(*third, *first)
 
 
 def lowest(attitude: np.ndarray, b: Any) -> np.ndarray:

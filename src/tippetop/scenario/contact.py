@@ -14,6 +14,7 @@ from ..mechanics.contact.contact_phases import LEAST_PATCH
 from ..mechanics.contact.frame import Asymmetric
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
+from ..mechanics.contact.rows import energy
 from ..mechanics.contact.surrounded import surrounded_rolling
 from ..mechanics.contact.surroundings import TABLES, groups_in
 from ..mechanics.contact.uniqueness import most_rolling, painleve_bound
@@ -189,8 +190,7 @@ def _highest(problem: Problem) -> float:
     """Return the height to which the energy of the start can raise the centre of mass [m]."""
     q, _ = problem.variables.split(problem.start().astype(float))
     b = problem.internal_body
-    energy = next(one for one in problem.system.quantities if one.name == "energy")
-    height = energy.formula(problem.form.scalars(q, b), b) / (b.m * b.g)
+    height = energy(problem.form.scalars(q, b), b) / (b.m * b.g)
     return float(height) * problem.unit(METRE)
 
 

@@ -86,21 +86,16 @@ def seen_from_other(b: Touch) -> Touch:
     return b._replace(R=b.R - b.clearance, c=b.c + b.lever, clearance=-b.clearance, lever=-b.lever)
 
 
-def is_outlined(b: Any) -> bool:
-    """Return whether a body is one of revolution with an outline, not a ball."""
-    return isinstance(b, Touch) and bool(b.outline)
-
-
 def touching_ball(z: Any, s2: Any, b: Touch) -> Touch:
     """Return the body with R and c of the ball by which it touches the plane at z = cos(theta).
 
-    The ball has the curvature of the outline there; a sphere is returned as it is. s2 is
+    The ball has the curvature of the outline there; other bodies are returned as they are. s2 is
     sin(theta)^2, of which 1 - z^2 would lose digits.
     """
-    if not is_outlined(b):
+    if not (isinstance(b, Touch) and b.outline):
         return b
-    f = at(z, s2, b.outline.height)
-    return b._replace(R=f.value - z * f.first, c=-f.first, bend=-f.second, height=f.value)
+    f, first, second, _ = at(z, s2, b.outline.height).parts
+    return b._replace(R=f - z * first, c=-first, bend=-second, height=f)
 
 
 def by_axis(u: Any, b: Touch) -> Touch:
@@ -114,7 +109,7 @@ def touching(known: Any, b: Touch) -> Touch:
     The body is returned as it is if the record lacks its inclination, as `Contact` and `Free`, the
     scalars of phases, do: the events of these phases do not read R or c.
     """
-    if not is_outlined(b):
+    if not getattr(b, "outline", ()):  # of which the inclination is not needed
         return b
     if hasattr(known, "s2"):  # scalars
         return touching_ball(known.z, known.s2, b)
@@ -313,10 +308,19 @@ def height(z, b):
     return b.R - b.c * z
 
 
-@by_body(of_frame=lambda u, b: -frame.arm(u, b).z)
+@by_body(of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm)
+def arm(u, b):
+    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
+
+    u is 3hat.
+    """
+    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
+
+
+@formula
 def height_of(u, b):
     """Return the height of the centre of mass of a body on the plane [m]; u is 3hat, or a Frame."""
-    return height(u.z, b)
+    return -arm(u, b).z
 
 
 @formula
@@ -327,15 +331,6 @@ def gap(x, b):
     those of `touching_ball`), or an `Asymmetric`. `rows.row_scalars` has the same for a ball.
     """
     return x.height - height_of(x.u, b)
-
-
-@by_body(of_outline=lambda u, b: Vector(b.c * u.x, b.c * u.y, -b.height), of_frame=frame.arm)
-def arm(u, b):
-    """Return a = c 3hat - R zhat, (3,) [m], from the centre of mass to the contact point.
-
-    u is 3hat.
-    """
-    return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
 
 
 @formula
@@ -545,7 +540,7 @@ def contact_mobility(s, b):
     """Return the upward acceleration of A per unit of g_n/m, a number without a unit.
 
     It must be positive; otherwise the contact jams. [denominator of T 3.16] Divided by m it is the
-    vertical part of `response.gains` per normal force; `framed.contact_mobility` has that unit.
+    vertical part of `response.gains` per normal force; `framed.NOT_JAMMED` has that unit.
     """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * sine2(s, b) - height(s.z, b) * slip)

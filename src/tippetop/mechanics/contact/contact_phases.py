@@ -696,9 +696,7 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the position of a label is its number in a store."""
 
 
-def phases_under(
-    law: Any, lies: tuple[str, ...] = AXIS, surrounded: bool = False
-) -> dict[tuple[str, ...], Phase]:
+def phases_under(law: Any, lies: tuple[str, ...], surrounded: bool) -> dict[tuple[str, ...], Phase]:
     """Return the phases under a law: {("slip",): Phase, ...}, by label and regions.
 
     `phase_name` makes names of these keys, here and in the jumps of `exits`, which must find them.
@@ -720,9 +718,7 @@ def phases_under(
         # SLIP, with fewer products, has no torques, no surroundings and no Frame
         general = law.torque or surrounded or lies is not AXIS
         slip = slip_under(law, lies=lies) if general else SLIP
-        known: dict[tuple[str, ...], Phase] = {("slip",): slip, ("flight",): flies}
-        # a body with a Frame has one contact only
-        return known | ({("both",): slide_on_both(law)} if lies is AXIS else {})
+        return {("slip",): slip, ("flight",): flies, ("both",): slide_on_both(law)}
     return {
         **{("slip", name): slip_under(law, name) for name in law.regions},
         ("flight",): flies,

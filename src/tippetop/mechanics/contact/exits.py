@@ -450,9 +450,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
         """
         q, carried = read(values)
         b = world.body[ball]
-        speed: Any = 1.0  # of which the forces are independent, but on a table
-        if b.around and b.around.table:
-            speed = np.maximum(q.w, SLOWEST)
+        speed = np.maximum(q.w, SLOWEST)
         by = phase.form.rates(q._replace(w=speed), b)
         return [*by[:first], *world.rates(phase, q, carried), by.w, by.beta * speed]
 

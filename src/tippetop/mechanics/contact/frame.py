@@ -181,28 +181,30 @@ def arm_velocity(x, b):
     return in_space(cross(turns(x, b), local_arm(x.u, b)), x.u)
 
 
-def turn_about_contact(torque, a, b):
-    """Return w = (I + m (a^2 - a a))^-1 torque: the effect of a torque about the contact at rest.
+def held_force(torque, more, a, b):
+    """Return the force at the contact point that holds it, (3,) [N].
 
-    All are along the axes of the body.
+    Without a force its acceleration is `more`, and I^-1 torque x a in addition, where `torque` is
+    that about the centre of mass. The body turns with omega' = (I + m (a^2 - a a))^-1 (torque - m a
+    x more), as about a contact at rest. All are along the axes of the body.
     """
+    about_contact = minus(torque, times(b.m, cross(a, more)))
     ma2 = b.m * (a.x**2 + a.y**2 + a.z**2)
-    about = Vector(b.I1 + ma2, b.I2 + ma2, b.I3 + ma2)
-    p = over(a, about)
-    share = b.m * dot(p, torque) / (1 - b.m * dot(p, a))
-    return plus(over(torque, about), times(share, p))
+    moments = Vector(b.I1 + ma2, b.I2 + ma2, b.I3 + ma2)
+    p = over(a, moments)
+    share = b.m * dot(p, about_contact) / (1 - b.m * dot(p, a))
+    turn = plus(over(about_contact, moments), times(share, p))
+    return times(b.m, minus(cross(a, turn), more))
 
 
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x = m (x - m w x a), (3,): the force that gives A the acceleration x.
+    """Return K^-1 x, (3,): the force that gives A the acceleration x.
 
     x is a vector in space; the impulse that gives the velocity x is the same. K is that of
     `response.gains`.
     """
-    a = local_arm(u, b)
-    v = along_axes(x, u)
-    w = turn_about_contact(cross(a, v), a, b)
-    return in_space(times(b.m, minus(v, times(b.m, cross(w, a)))), u)
+    none = times(0, x)
+    return in_space(held_force(none, along_axes(times(-1, x), u), local_arm(u, b), b), u)
 
 
 def gyration(omega, b):
@@ -244,7 +246,5 @@ def reaction(x, b):
 
     It is on a level plane at rest, in still air, and equal to `response.held_reaction` there.
     """
-    a = local_arm(x.u, b)
-    more = swing(x, b)
-    w = turn_about_contact(minus(gyration(turns(x, b), b), times(b.m, cross(a, more))), a, b)
-    return in_space(times(b.m, minus(cross(a, w), more)), x.u)
+    torque = gyration(turns(x, b), b)
+    return in_space(held_force(torque, swing(x, b), local_arm(x.u, b), b), x.u)

@@ -24,14 +24,15 @@ from ..form import Quantity
 from ..friction import Frictionless
 from ..number import Alternative, Number
 from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
+from ..system import Opening
 from ..units import RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import frame, gliding, rolling, rows
 from .body import FRAME, Moving, Turning, filled
 from .body_axes import PSI, axes_of_angles
-from .contact_phases import OF_FRAME, moving, slip_under, smooth_friction, without_slip
+from .contact_phases import OF_FRAME, moving, slip_under, without_slip
 from .frame import Asymmetric, Frame
-from .response import gains
+from .response import bias_vector
 
 
 # --- the start ----------------------------------------------------------------------------------
@@ -46,12 +47,6 @@ INITIAL = gliding.INITIAL | {
         RADIAN_PER_SECOND, "angular velocity, which is vertical, instead of other rates"
     ),
 }
-ALTERNATIVES = (
-    *gliding.ALTERNATIVES,
-    *(Alternative(n, ("theta", "phi", "psi", "theta_dot", "nu_x", "nu_y")) for n in LYING),
-    Alternative("spin", ("theta_dot", "phi_dot", "omega3", "psi_dot")),
-)
-
 Begin: Any = namedtuple("Begin", "moving x y")
 """A start: the common state of the body, and its place x, y [m], which integrals read by name."""
 
@@ -65,35 +60,24 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Asymmetric) -> Any:
     """
     none = 0 * z
     given = SimpleNamespace(**{name: none + data.get(name, 0) for name in (*INITIAL, *rows.LOWEST)})
+    first, third = axes_of_angles(s, z, given.phi, given.psi)
     if any(name in data for name in LYING):
-        across = Vector(-sin(given.heading), cos(given.heading), none)
-        one = times(cos(given.tilt), Vector(across.y, -across.x, none))._replace(z=sin(given.tilt))
-        two = plus(times(cos(given.roll), across), times(sin(given.roll), cross(one, across)))
-        third = cross(one, two)
-        first = minus(times(b.outline.cos, one), times(b.outline.sin, two))
-    else:
-        first, third = axes_of_angles(s, z, given.phi, given.psi)
+        # half axis a has this tilt and azimuth; half axis c is 1hat of it, turned by -roll
+        below, one = axes_of_angles(cos(given.tilt), sin(given.tilt), given.heading, given.roll)
+        third = times(-1, below)
+        first = minus(times(b.outline.cos, one), times(b.outline.sin, cross(third, one)))
     u = Frame(*third, *first)
-    if "psi_dot" in data:
-        given.omega3 = given.psi_dot + given.phi_dot * u.z
-    node = Vector(-sin(given.phi), cos(given.phi), none)
-    # zhat - z 3hat: omega3 is the whole part along 3hat
-    swing = Vector(-u.z * u.x, -u.z * u.y, u.x * u.x + u.y * u.y)
-    omega = plus(times(given.theta_dot, node), times(given.phi_dot, swing))
-    omega = plus(omega, times(given.omega3, third))
-    omega = omega._replace(z=omega.z + given.spin)
-    x = Turning(u, frame.momentum(omega, u, b))
+    if "psi_dot" not in data:
+        given.psi_dot = given.omega3 - given.phi_dot * u.z
+    turn_x, turn_y = contact.of_azimuth(none, given.theta_dot, given.phi)
+    turn = Vector(turn_x, turn_y, given.phi_dot + given.spin)
+    x = Turning(u, frame.momentum(plus(turn, times(given.psi_dot, third)), u, b))
     vx, vy = contact.of_azimuth(given.nu_x, given.nu_y, given.phi)
     velocity = contact.centre_velocity(x, Vector(vx, vy, given.nu_z), b)
     if data.get("centre_at_rest"):
         velocity = velocity._replace(x=none, y=none)
     height = given.gap + contact.height_of(u, b)
     return Begin(Moving(*x, velocity, height), given.x, given.y)
-
-
-def begun(e: Any, s: Any, z: Any, b: Asymmetric) -> Moving:
-    """Return the common state of e: of a `Begin`, which `start` made, or of a record of angles."""
-    return (e if isinstance(e, Begin) else start(e._asdict(), s, z, b)).moving
 
 
 # --- rows and scalars ---------------------------------------------------------------------------
@@ -104,11 +88,7 @@ ROLLING_ANGLES = filled(**rolling.ANGLES._asdict(), psi=RADIAN)
 ROW_ANGLES = filled(**ANGLES._asdict(), **rows.LOWEST)
 """Public variables: those of other bodies, with psi."""
 
-UNDEFINED_AT_POLES = (*gliding.UNDEFINED_AT_POLES, "psi")
-LONG_NAMES = gliding.LONG_NAMES | {"psi": PSI}
-
-OWN = ("motion", "up", "turns", "spin", "rotation")
-Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, *OWN))))
+Scalars = type(filled(**dict.fromkeys((*rows.FIELDS, "motion", "up", "turns", "spin", "rotation"))))
 """The scalars of other rows; the common state; zhat and omega x zhat along the half axes, (3,);
 omega_z [rad/s]; energy of rotation [J]. `row_scalars` fills the record by position; `angles_by` and
 `rotation_energy` read `motion` and `rotation` by name.
@@ -132,7 +112,8 @@ def row_scalars(q: Any, b: Asymmetric) -> Any:
 
 def row_of_angles(e: Any, s: Any, z: Any, b: Asymmetric) -> Any:
     """Return the row of e, a `Begin` or a record of angles; the force in it is 0, not yet known."""
-    return rows.filled_row(rows.FRAME_UNITS, begun(e, s, z, b))
+    start_of_body = e if isinstance(e, Begin) else start(e._asdict(), s, z, b)
+    return rows.filled_row(rows.FRAME_UNITS, start_of_body.moving)
 
 
 OF_ROW = replace(
@@ -148,19 +129,9 @@ OF_ROW = replace(
 # --- the forms of one phase ---------------------------------------------------------------------
 
 
-def contact_mobility(s: Any, b: Asymmetric) -> Any:
-    """Return the upward acceleration of the contact point per normal force [1/kg].
-
-    It must be positive. `body.contact_mobility` is the same times m, by friction without torques.
-    """
-    x = s.motion
-    v = contact.contact_velocity(x, b)
-    # v takes the place of omega: the laws here have no torque, which alone reads it
-    force, torque = smooth_friction(v, v, s.z, b)
-    return gains(x.u, force, torque, b)[0].z
-
-
-NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
+NOT_JAMMED = replace(gliding.NOT_JAMMED, formula=lambda s, b: -bias_vector(s.motion, b).z / s.force)
+"""The function is the acceleration, without a force, by which the contact point sinks, per normal
+force [1/kg]; `body.contact_mobility` is the same times m."""
 SLIDES = replace(
     rows.form_of(slip_under(Frictionless, lies=FRAME), "slip", ANGLES, OF_ROW),
     domains=(NOT_JAMMED,),
@@ -175,8 +146,7 @@ ROLLS = rows.form_of(without_slip((), lies=FRAME), "roll", ROLLING_ANGLES, OF_RO
 
 def heading(s: Any, b: Asymmetric) -> Any:
     """Return the azimuth of half axis a [rad]."""
-    one, two, _ = s.motion.u.axes
-    along = plus(times(b.outline.cos, one), times(b.outline.sin, two))
+    along = frame.in_space(Vector(b.outline.cos, b.outline.sin, 0), s.motion.u)
     return atan2(along.y, along.x)
 
 
@@ -201,9 +171,6 @@ COMMON = (
         lambda s, b: atan2(s.up.y, s.up.z),
     ),
 )
-QUANTITIES = (*COMMON, rows.FRICTION_POWER)
-ROLLING_QUANTITIES = (*COMMON, rows.HORIZONTAL, rows.FRICTION_NEEDED)
-
 OF_AXES = (
     Event(
         "spin_reversal",
@@ -228,5 +195,31 @@ OF_AXES = (
     gliding.EQUATOR,
     gliding.INVERTED,
 )
-ROLLING_EVENTS = (*OF_AXES, rows.LIFTOFF)
-EVENTS = (*ROLLING_EVENTS, gliding.SETTLED)
+
+
+OF_SYSTEM = gliding.OF_SYSTEM | {
+    "initial": INITIAL,
+    "alternatives": (
+        *gliding.ALTERNATIVES,
+        *(Alternative(n, ("theta", "phi", "psi", "theta_dot", "nu_x", "nu_y")) for n in LYING),
+        Alternative("spin", ("theta_dot", "phi_dot", "omega3", "psi_dot")),
+    ),
+    "start": start,
+    "angles": ANGLES,
+    "forms": {"vector": SLIDES},
+    "quantities": (*COMMON, rows.FRICTION_POWER),
+    "events": (*OF_AXES, rows.LIFTOFF, gliding.SETTLED),
+    "undefined_at_poles": (*gliding.UNDEFINED_AT_POLES, "psi"),
+    "long_names": gliding.LONG_NAMES | {"psi": PSI},
+    "opening": Opening(framed=(ROW_ANGLES, OF_ROW)),
+}
+"""Fields of a System that glides."""
+
+ROLLING = rolling.of_system_at_rest(OF_SYSTEM) | {
+    "angles": ROLLING_ANGLES,
+    "forms": {"vector": ROLLS},
+    "quantities": (*COMMON, rows.HORIZONTAL, rows.FRICTION_NEEDED),
+    "events": (*OF_AXES, rows.LIFTOFF),
+    "opening": None,
+}
+"""Fields of a System in pure rolling."""

@@ -10,8 +10,6 @@ from collections import namedtuple
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, cast
 
-import numpy as np
-
 from ..dual import Dual
 from ..operand import Operand, sqrt
 
@@ -21,11 +19,6 @@ class Series(Dual):
 
     __slots__ = ()
     level = 2
-
-    @property
-    def second(self) -> Any:
-        """Return the second derivative."""
-        return self.parts[2]
 
 
 def root(x: Series) -> Series:
@@ -104,17 +97,13 @@ def shape_by(height: Callable, names: Iterable[str]) -> Any:
 
         __slots__ = ()
 
-        def height(self, z: Series, s2: Series) -> Series:
+        def height(self, z: Any, s2: Any) -> Any:
             """Return the height of the centre of mass [m], by z and s2 = sin(theta)^2."""
             return height(z, s2, record._make(self))
 
         @property
         def size(self) -> Operand:
-            """Return the size [m]: half the width and half the length."""
-            with np.errstate(all="ignore"):  # an outline that is not smooth is refused later
-                places = np.array([0.0, 1.0, -1.0])
-                # the order of `places`: axis horizontal, up and down
-                across, up, down = (at(z, 1 - z * z, self.height).value for z in places)
-            return across + (up + down) / 2
+            """Return the size [m]: half the width, the height if the axis is horizontal."""
+            return self.height(0.0, 1.0)
 
     return Shape

@@ -19,10 +19,9 @@ Symbols
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
-from ..form import Domain, Form, Integral, Phase
+from ..form import Form, Integral, Phase
 from ..units import ONE
 from .body import filled, touching, touching_ball
 from .surroundings import COPY, at_present, joined_values
@@ -70,9 +69,7 @@ def in_scalars(record: Any) -> Any:
 
     `record` is an Event, a Quantity or a Domain, s the record of scalars of the state.
     """
-    formula = record.formula
-    changed = record._replace if isinstance(record, Domain) else partial(replace, record)
-    return changed(formula=lambda s, b: formula(s, touching(s, b)))
+    return replace(record, formula=lambda s, b: record.formula(s, touching(s, b)))
 
 
 def form_by_states(form: Form, around: tuple[str, ...] = ()) -> Form:

@@ -69,21 +69,18 @@ ROW_UNITS = state(**VELOCITY, **NUMBERS)
 Row = type(ROW_UNITS)
 """A common state as one record of numbers, with the other numbers of a row."""
 
-OF_BALL = ("radius", "offset", "stem_gap", "jellett_taken")
-FRAME_UNITS = state(
-    FRAME, **VELOCITY, **{name: unit for name, unit in NUMBERS.items() if name not in OF_BALL}
-)
-"""Of a body without an axis of symmetry."""
+FRAME_UNITS = state(FRAME, **VELOCITY, **NUMBERS)
+"""Of a body without an axis of symmetry; the numbers of a ball are 0."""
 
 
 def filled_row(units: Any, x: Moving, **numbers: Any) -> Any:
     """Return a common state as a row with these units; numbers that are not given are 0.
 
-    `units` begin with the fields of the common state, in its order.
+    `units` are ROW_UNITS or FRAME_UNITS, and are filled by position.
     """
-    values = [*x.u, *x.L, *x.velocity, x.height]
-    names = units._fields[len(values) :]
-    return type(units)(*values, *(numbers.get(name, 0 * x.height) for name in names))
+    numbers["height"] = x.height
+    values = (numbers.get(name, 0 * x.height) for name in NUMBERS)
+    return type(units)(*x.u, *x.L, *x.velocity, *values)
 
 
 def row(phase: Phase, q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
@@ -161,7 +158,7 @@ def row_scalars(q, b):
     moves = kinematics(x, contact.axis_rate(x, b), b)
     power = q.drilled - (q.Fx * v.x + q.Fy * v.y)
     gap = contact.gap(x, b) if "ix" in q._fields else q.height - q.radius + q.offset * q.uz
-    numbers = (getattr(q, name, 0) for name in NUMBERS)
+    numbers = (getattr(q, name) for name in NUMBERS)
     speed2 = dot(x.velocity, x.velocity)
     return Scalars(*moves, *slip_scalars(x.u, v), v.z, speed2, power, gap, *numbers)
 

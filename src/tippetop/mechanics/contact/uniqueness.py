@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..operand import Vector
-from .body import arm, by_axis, height_of
+from .body import arm, by_axis
 from .body_axes import axes_of_angles
 from .frame import Asymmetric, Frame
 from .response import gains
@@ -23,11 +23,11 @@ from .response import gains
 THETA = np.linspace(0, np.pi, 2_001)[1:-1]
 
 
-def mobility(b: Any) -> tuple[Vector, Any, Any]:
-    """Return K, the lever [m] of the normal force and the height [m] of the centre of mass by pose.
+def mobility(b: Any) -> tuple[Vector, Vector]:
+    """Return K and the arm [m] by pose, (3,) each.
 
-    K is the acceleration of the contact point per normal force, (3,) [1/kg]; each number is an
-    array over the poses of the body.
+    K is the acceleration of the contact point per normal force [1/kg]; each number is an array over
+    the poses of the body.
     """
     theta = THETA
     psi: Any = 0.0  # phi too: the axis lies in the x-z plane, and so the arm of a `Touch`
@@ -35,10 +35,10 @@ def mobility(b: Any) -> tuple[Vector, Any, Any]:
         theta = THETA[::10, None]
         psi = np.linspace(-np.pi, np.pi, len(theta))
     first, u = axes_of_angles(np.sin(theta), np.cos(theta), 0 * psi, psi)
-    u = Frame(*u, *first) if isinstance(b, Asymmetric) else u
+    u = Frame(*u, *first)
     b = by_axis(u, b)
     K, _ = gains(u, Vector(0.0, 0.0, 1.0), Vector(0.0, 0.0, 0.0), b)
-    return K, np.abs(arm(u, b).x), height_of(u, b)
+    return K, arm(u, b)
 
 
 def painleve_bound(b: Any, highest: float = math.inf) -> float:
@@ -48,10 +48,10 @@ def painleve_bound(b: Any, highest: float = math.inf) -> float:
     of a body with so little energy never rises above it. It is infinite where K_hz vanishes
     everywhere. `theory.eggs_and_discs` reports it as a threshold.
     """
-    K, _, height = mobility(b)
+    K, a = mobility(b)
     with np.errstate(divide="ignore"):
         bounds = K.z / np.hypot(K.x, K.y)
-    return float(np.min(bounds, initial=np.inf, where=height <= highest))
+    return float(np.min(bounds, initial=np.inf, where=-a.z <= highest))
 
 
 def most_rolling(b: Any, mu: float) -> float:
@@ -59,6 +59,6 @@ def most_rolling(b: Any, mu: float) -> float:
 
     Above it there is no normal force.
     """
-    K, lever, _ = mobility(b)
+    K, a = mobility(b)
     with np.errstate(divide="ignore"):
-        return float(np.min(b.I1 * (K.z - mu * np.abs(K.x)) / lever))
+        return float(np.min(b.I1 * (K.z - mu * np.abs(K.x)) / np.abs(a.x)))

@@ -289,7 +289,7 @@ def sliding(c, b):
     return c.v2 - 1e-12
 
 
-NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
+NOT_JAMMED = replace(gliding.NOT_JAMMED, formula=contact_mobility)
 FORM = Form(
     "angle",
     UNITS,

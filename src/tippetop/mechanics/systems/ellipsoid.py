@@ -9,13 +9,12 @@ from functools import partial
 from typing import Any
 
 from ..contact import body as contact
-from ..contact import framed, gliding, rolling
+from ..contact import framed
 from ..contact.body import Top
 from ..contact.frame import Asymmetric
 from ..contact.frame import Ellipsoid as Outline
 from ..number import Number, number, reuse
 from ..operand import Vector, cos, sin
-from ..system import Opening
 from ..units import INERTIA, METRE, RADIAN
 from . import outlook
 from .revolution import pair
@@ -101,33 +100,11 @@ class Ellipsoid(Top):
         return faults + contact.inertia_faults(parameters)
 
 
-GLIDING = gliding.OF_SYSTEM | {
-    "initial": framed.INITIAL,
-    "alternatives": framed.ALTERNATIVES,
-    "start": framed.start,
-    "undefined_at_poles": framed.UNDEFINED_AT_POLES,
-    "long_names": framed.LONG_NAMES,
-}
 ELLIPSOID, ROLLING_ELLIPSOID = pair(
     Ellipsoid,
     "ellipsoid",
-    GLIDING
-    | {
-        "angles": framed.ANGLES,
-        "forms": {"vector": framed.SLIDES},
-        "quantities": framed.QUANTITIES,
-        "events": framed.EVENTS,
-        "opening": Opening(framed=(framed.ROW_ANGLES, framed.OF_ROW)),
-        "outlook": outlook.without_axis,
-    },
-    rolling.of_system_at_rest(GLIDING)
-    | {
-        "angles": framed.ROLLING_ANGLES,
-        "forms": {"vector": framed.ROLLS},
-        "quantities": framed.ROLLING_QUANTITIES,
-        "events": framed.ROLLING_EVENTS,
-        "outlook": partial(outlook.without_axis, rolls=True),
-    },
+    framed.OF_SYSTEM | {"outlook": outlook.without_axis},
+    framed.ROLLING | {"outlook": partial(outlook.without_axis, rolls=True)},
     source="Kane, T. R., Levinson, D. A.: Realistic mathematical modeling of the rattleback. "
     "Int. J. Non-Linear Mechanics 17, 175 (1982)",
 )

@@ -124,7 +124,7 @@ FLAT = Event(
     ends="flat",
 )
 NOT_FLAT = Domain(
-    lambda s, b: s.s2 - LEAST_SINE2,
+    FLAT.formula,
     "a disc with sin(theta) below 1e-3 lies flat: it has no single contact point",
 )
 

@@ -34,14 +34,10 @@ def outline_faults(shape: Any, lengths: list[int]) -> list[str]:
     """
     s = np.sin(THETA)
     z = np.cos(THETA)
-
-    def height(shape: Any) -> list[np.ndarray]:
-        """Return the height and its first derivatives by z on a grid of theta, (n,) each."""
-        return [part + 0 * z for part in at(z, s * s, shape.height).parts]
-
-    f = height(shape)
-    twice = height(shape._make(x * 2.0**n for x, n in zip(shape, lengths, strict=True)))
-    if not np.allclose(twice[0], 2 * f[0], rtol=1e-9, atol=0, equal_nan=True):
+    # the height and its derivatives by z, (n,) each
+    f = [part + 0 * z for part in at(z, s * s, shape.height).parts]
+    twice = shape._make(x * 2.0**n for x, n in zip(shape, lengths, strict=True))
+    if not np.allclose(twice.height(z, s * s), 2 * f[0], rtol=1e-9, atol=0, equal_nan=True):
         return [
             "`height` must be the same in all units, but is not: a length in it must be one of "
             "`numbers`."

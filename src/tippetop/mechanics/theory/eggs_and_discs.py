@@ -13,8 +13,7 @@ import math
 
 import numpy as np
 
-from ..contact.body import Touch, height, touching_ball
-from ..contact.outline import at
+from ..contact.body import Touch, touching_ball
 from ..contact.uniqueness import THETA, painleve_bound
 from ..units import METRE, ONE, RADIAN_PER_SECOND
 from .modes import stability
@@ -56,7 +55,7 @@ def limits(b: Touch) -> dict[str, Threshold]:
 
     def rest(name: str, theta: float, more: str = "") -> None:
         """Add the height of the centre of mass at rest at theta, if the body can rest there."""
-        high = at(math.cos(theta), math.sin(theta) ** 2, b.outline.height).value
+        high = touching_ball(math.cos(theta), math.sin(theta) ** 2, b).height
         words = f"height of the centre of mass at rest at theta = {theta:.6g} rad{more}"
         if high > 0:  # a thick disc touches with its other edge there
             found[name] = Threshold(high, METRE, words)
@@ -85,7 +84,7 @@ def steady_rolling(theta: float, phi_dot: float, b: Touch) -> dict[str, Threshol
     s = math.sin(theta)
     z = math.cos(theta)
     ball = touching_ball(z, s * s, b)
-    high = height(z, ball)
+    high = ball.height
     q = ball.c - ball.R * z
     # z'' = 0, as of `rolling.z_dot2` with z' = 0, is linear in omega_3; solved by hand it loses no
     # digits where phi' is small or large
