@@ -74,7 +74,7 @@ def film(
     axis = np.array([np.sin(theta), 0.0, np.cos(theta)])
     start = np.concatenate([axis, I3 * spin * axis, np.zeros(3)])
     found = solve_ivp(
-        rates, (0, times[-1]), start, method="LSODA", rtol=1e-8, atol=1e-11, t_eval=times
+        rates, (0, times[-1]), start, method="DOP853", rtol=1e-10, atol=1e-13, t_eval=times
     )
     return (found.y[:3] / np.linalg.norm(found.y[:3], axis=0)).T
 
