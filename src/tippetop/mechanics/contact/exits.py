@@ -483,60 +483,48 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
 
 
-MOVE = 1e-6
-"""Of the points of a difference, relative: the error of the difference is its square."""
+MOVE = 1e-4
+"""Of the nearer points of a difference, relative to the largest derivative: its error is the fourth
+power, and that of rounding small where derivatives by time cancel.
+"""
 
 
 def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any) -> Next | None:
     """Return a slow slide whose numbers have derivatives, as `slide`.
 
-    The slide is repeated for numbers moved along each derivative; differences give those of its
-    end.
+    The slide is repeated for numbers moved along each derivative; differences give those of its end
+    and of its duration.
     """
     given = x, world.body, (w,)
-    values = leaves(plain(given))
+    wide = np.array([*map(eighty_bits, leaves(plain(given)))])
 
-    def begun(numbers: Any) -> Next | None:
-        """Return the plain slide of other numbers."""
+    def begun(numbers: np.ndarray) -> Next | None:
+        """Return the slide of other numbers, with a duration and an end of 80 bits."""
         x, body, (w,) = refill(given, iter(numbers))
-        there = world._replace(body=body, left=plain(world.left))
+        there = world._replace(body=body, left=eighty_bits(plain(world.left)))
         return slide(x, there, ball, plain(beta), cause, w)
 
-    known = begun(values)
+    known = begun(wide)
     if known is None:
         return None
-    delay: Any = known.delay
 
-    def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return the rate of the end's leaves, (n,), if numbers change by `way`, time by `pace`.
+    def end(change: np.ndarray) -> np.ndarray:
+        """Return the duration and the leaves of the end, (n,), if numbers change by this."""
+        n = begun(wide + change)
+        if n is None:
+            raise ArithmeticError("a slow slide has no derivative")
+        return np.array([n.delay, *leaves(n.x)])
 
-        `way` has the order of `leaves(given)`; `size` is the step of the difference.
-        """
-        ends = []
-        for step in (size, -size):
-            n = begun(wide + step * way)
-            if n is None:
-                raise ArithmeticError("a slow slide has no derivative")
-            ends.append(np.array(leaves(n.series([known.delay + step * pace]))))
-        return np.array((ends[0] - ends[1])[:, 0] / (2 * size), float)
-
-    wide = np.array([*map(eighty_bits, values)])
     # one row for each number; [0.0] makes each an array, and is left out again
     derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
-    ways = np.array(derivatives, np.longdouble).T
-    by = np.array([slope(way, MOVE / max(*abs(way), 1e-300), 0.0) for way in ways])
-    pattern = known.series([delay])  # records of state and integrals, as at the end
-    end = np.array(leaves(pattern), float)[:, 0]
-    speed = pattern[0]._fields.index("w")
-    if end[speed] < STOPS_AT:  # the slide ends by its stop, whose time depends on the numbers
-        rates = slope(0 * wide, MOVE, delay) / delay
-        shift = -by[:, speed] / rates[speed]
-        by = by + np.outer(shift, rates)
-        delay = Dual(delay, shift)
-    phase = world.phases[known.phase]
-    q, carried = refill(pattern, map(Dual, end, by.T))
-    x = phase.leave(q, world.body[ball])._replace(carried=carried)
-    return replace(known, x=x, delay=delay)
+    by = []
+    for way in np.array(derivatives, np.longdouble).T:
+        size = MOVE / max(*abs(way), 1e-300)
+        near, far = (end(k * size * way) - end(-k * size * way) for k in (1, 2))
+        by.append((8 * near - far) / (12 * size))
+    values = np.array([known.delay, *leaves(known.x)])
+    delay, *after = map(Dual, values.astype(float), np.array(by, float).T)
+    return replace(known, x=refill(known.x, iter(after)), delay=delay)
 
 
 # --- exits of the phases ------------------------------------------------------------------------
