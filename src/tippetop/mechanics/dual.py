@@ -10,6 +10,7 @@ Symbols
 """
 
 import operator
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from functools import reduce
@@ -27,8 +28,9 @@ PASCAL = ((1,), (1, 1), (1, 2, 1), (1, 3, 3, 1))
 CONSTANT = 0
 """The derivative of a constant."""
 
-COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda difference: None)
-"""Called with the difference of two numbers that are compared, a Dual."""
+COMPARED: ContextVar[Any] = ContextVar("compared", default=deque(maxlen=0))  # noqa: B039
+"""The differences of numbers that are compared, Duals, if a list is set; by default none are kept.
+"""
 
 
 def _sum(a: Sequence, b: Sequence) -> list:
@@ -142,7 +144,7 @@ class Dual(NDArrayOperatorsMixin):
         return self.parts[1]
 
     def __bool__(self) -> bool:
-        COMPARED.get()(self)
+        COMPARED.get().append(self)
         return bool(self.value)
 
     def __pow__(self, power: Any) -> Any:
@@ -158,7 +160,7 @@ class Dual(NDArrayOperatorsMixin):
         """
         name = function.__name__
         if name in COMPARISONS:
-            COMPARED.get()(np.subtract(*inputs))
+            COMPARED.get().append(np.subtract(*inputs))
             return function(*map(plain, inputs))
         kind = type(self)
         for one in inputs:
@@ -205,10 +207,16 @@ def parts_of(value: Any, order: int) -> tuple:
     return (*known, *(0.0,) * order)[: order + 1]
 
 
+class Line(Dual):
+    """A number along a line of its own, such as an unknown."""
+
+    __slots__ = ()
+
+
 def implicit(root: Any, residual: Callable, given: Any) -> Any:
     """Return a root with its derivatives, by the implicit function theorem.
 
     `root` solves residual(root, given) = 0 for the values of `given`, which has derivatives. It is
     one step of Newton, so only first derivatives are right.
     """
-    return root - residual(root, given) / residual(Dual(root, 1.0), plain(given)).first
+    return root - residual(root, given) / residual(Line(root, 1.0), plain(given)).first

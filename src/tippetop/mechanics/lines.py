@@ -30,7 +30,7 @@ OPERATIONS = (
 """In the order of the loop: a line contains the place of its operation here. All but the last four
 are functions of NumPy."""
 
-TURNED = {"greater": "less", "greater_equal": "less_equal"}
+TURNED = {"greater": "less", "greater_equal": "less_equal", "fmax": "maximum"}
 """Functions of NumPy that are one of the operations on their operands in the other order."""
 
 

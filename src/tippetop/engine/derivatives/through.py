@@ -17,9 +17,8 @@ Symbols
     pace      the rate of an event function; by: its derivatives along the directions
     motion    a `Motion`: the equations of a phase or of an impact
     jump, n   a `hybrid.Jump`, and its result, a `form.Next`
-    tape      a recorded function of numbers with derivatives, a `Tape`
     q, b      state and parameters of a phase, records of its form and of `Phase.parameters`
-    place     the index of a region of an impact, by which a tape refers to its motion
+    place     the index of a region of an impact, by which a program refers to its motion
     h         the value of an event function, a `Dual`
 """
 
@@ -29,7 +28,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import lru_cache, partial
+from functools import partial, reduce
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -44,7 +43,7 @@ from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
-from ..column_programs import ColumnProgram
+from ..column_programs import repeated
 from ..expressions import (
     AXES,
     Formulas,
@@ -63,7 +62,6 @@ from ..variational import Moving, compiled_flow, in_motion
 
 MOST_LANES = 8
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
-BRANCHES = 32
 PER_INTERVAL, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
 BRIEF_PHASE = 1e-4
@@ -186,8 +184,8 @@ class Motion(NamedTuple):
         count = len(self.pars)
         size = len(self.variables.names)
 
-        def function(_: Any, numbers: tuple) -> tuple:
-            """Return the rates, then the function and its time derivatives; and no second result.
+        def function(_: Any, numbers: list) -> list:
+            """Return the rates, then the function and its time derivatives.
 
             `numbers`: those of the body, then the variables.
             """
@@ -195,10 +193,10 @@ class Motion(NamedTuple):
             moving = in_motion(self.variables, numbers[count:], b, 2)
             q, _ = self.variables.split(moving)
             h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
-            return [*(one.first for one in moving), *parts_of(h, 2)], None
+            return [*(one.first for one in moving), *parts_of(h, 2)]
 
         numbers = np.concatenate([self.pars, state[:size]])
-        made, *_ = evaluated((self.formulas, self.variables, event), function, numbers)
+        made, _ = evaluated((self.formulas, self.variables, event), function, numbers)
         return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> tuple:
@@ -222,140 +220,79 @@ class Motion(NamedTuple):
         return moved, np.where(counts, least, np.inf)
 
 
-def least_of(changes: Sequence | np.ndarray, directions: int) -> np.ndarray:
-    """Return the least change along each direction, infinite without one."""
-    return np.fmin.reduce(np.reshape(changes, (-1, directions)), initial=np.inf)
+def nearest(function: Callable, *given: Any) -> tuple[Any, Any]:
+    """Call a function; return its result, and how near its comparisons are to turning out
+    otherwise: the inverse of the least change along the directions at which one does.
 
-
-def noted(function: Callable, *given: Any) -> tuple[Any, list]:
-    """Call a function; return its result, and the changes along the directions at which each of its
-    comparisons turns out otherwise.
-
-    Dual numbers report comparisons to `COMPARED`, which is set for this call alone.
+    Dual numbers append comparisons to `COMPARED`, which is set for this call alone.
     """
-    changes: list[Any] = []
-
-    def note(one: Dual) -> None:
-        """Add the change at which the comparison of a number with zero turns out otherwise."""
-        if type(one) is Dual and not isinstance(one.first, float):  # that is along another line
-            changes.append(abs(one.value) / abs(one.first))
-
+    compared = list[Any]()
     context = copy_context()
-    context.run(COMPARED.set, note)
-    return context.run(function, *given), changes
-
-
-class Tape:
-    """A recorded function of numbers with derivatives, on one branch of its comparisons.
-
-    The function takes milliseconds, and its program microseconds.
-
-    Parameters
-    ----------
-    function
-        As for `evaluated`: a function of its inputs alone, as the program repeats this branch.
-    numbers
-        Inputs, as rows of order 1.
-    follow
-        follow(place, columns (2 n, directions)) -> columns of the results of a motion.
-    """
-
-    def __init__(self, function: Callable, numbers: np.ndarray, follow: Callable):
-        """Call the function once, and record its operations."""
-
-        def recorded(_: Any, *inputs: Any) -> list:
-            """Return the results and their derivatives, then the changes of comparisons.
-
-            `__call__` splits them there.
-            """
-
-            def call(place: int, *given: Any) -> list:
-                """Record a motion with derivatives as one line."""
-
-                def moved(*values: float) -> np.ndarray:
-                    """Return the results of the motion, each before its derivative."""
-                    # `follow` takes columns of all directions; here all are the first one
-                    return follow(place, np.outer(values, np.ones(numbers.shape[2])))[:, 0]
-
-                made = inputs[0].program.call(place, moved, *_pairs(leaves(given)))
-                return [*map(Dual, made[::2], made[1::2])]
-
-            duals = [*map(Dual, inputs[::2], inputs[1::2])]
-            (results, self.about), changes = noted(function, call, duals)
-            self.parts = 2 * len(results)
-            return [*_pairs(results), *changes]
-
-        # recorded with the first direction, executed with a column for each
-        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel().tolist())
-
-    def __call__(self, numbers: np.ndarray, follow: Callable) -> tuple | None:
-        """Return what `evaluated` does; None if a comparison turns out otherwise."""
-        directions = numbers.shape[2]
-        # all inputs are columns, one for each direction: none is common
-        columns = self.program(np.zeros((0, 1)), numbers.reshape(-1, directions), follow)
-        if columns is None:
-            return None
-        results, changes = np.split(columns.astype(float), [self.parts])
-        return results.reshape(-1, 2, directions), least_of(changes, directions), self.about
-
-
-def _pairs(numbers: Iterable) -> Iterator:
-    """Return numbers, each before its derivative."""
-    return chain.from_iterable(parts_of(one, 1) for one in numbers)
-
-
-@lru_cache(maxsize=1024)
-def tapes_of(key: tuple) -> list[Tape]:
-    """Return the tapes of a function, one for each branch on which it was called so far.
-
-    It is the cache that keeps them: `evaluated` appends to the list for a key, which starts empty.
-    """
-    return []
+    context.run(COMPARED.set, compared)
+    result = context.run(function, *given)
+    # those of other types are along other lines
+    inverses = (np.divide(abs(d.first), abs(d.value)) for d in compared if type(d) is Dual)
+    return result, reduce(lambda near, one: np.fmax(one, near), inverses, 0.0)
 
 
 def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any = None) -> tuple:
-    """Call a function with derivatives, by a tape of it if possible.
+    """Call a function with derivatives, by a program of it if possible.
 
-    Return its numbers as rows, the least change along each direction at which a comparison turns
-    out otherwise, and its second result.
+    The function takes milliseconds, and its program microseconds. Return its numbers as rows, and
+    the least change along each direction at which a comparison turns out otherwise.
 
     Parameters
     ----------
     key
         Identifies the function, with all on which its operations depend but `numbers`.
     function
-        function(call, numbers) -> numbers, and a second result, which a tape repeats as it was on
-        its branch; call(place, *inputs) follows a motion.
+        function(call, numbers) -> numbers; call(place, *inputs) follows a motion.
     numbers
         The inputs, as rows of order 1.
     follow
         follow(place, rows) -> the results of a motion, as rows.
     """
-    directions = numbers.shape[2]
+    columns = numbers.reshape(-1, numbers.shape[2])
 
     def followed(place: int, columns: np.ndarray) -> np.ndarray:
-        """Follow a motion from and to columns (2 n, directions)."""
-        rows = columns.reshape(-1, 2, directions).astype(float)
-        return follow(place, rows).reshape(-1, directions)
+        """Follow a motion from and to columns, (2 n, directions)."""
+        rows = columns.reshape(-1, 2, columns.shape[1]).astype(float)
+        return follow(place, rows).reshape(-1, columns.shape[1])
 
-    tapes = tapes_of(key)
-    for tape in tapes:
-        if made := tape(numbers, followed):
-            return made
-    if len(tapes) < BRANCHES:
-        # whatever it does that is no line of a tape; the call below raises its own errors again
-        with suppress(Exception):
-            tape = Tape(function, numbers, followed)
-            if made := tape(numbers, followed):
-                tapes.append(tape)
-                return made
+    def of_column(_: Any, *column: Any) -> list:
+        """Return how near comparisons are, then the results, of the numbers of one direction.
 
-    def call(place: int, *given: Any) -> list:
-        """Follow a motion, without a tape."""
-        return duals_of(follow(place, as_rows(leaves(given), directions)))
+        Each number is before its derivative.
+        """
 
-    (results, about), changes = noted(function, call, duals_of(numbers))
-    return as_rows(results, directions), least_of(changes, directions), about
+        def call(place: int, *given: Any) -> list:
+            """Follow a motion; in a program it is one line."""
+
+            def moved(*values: float) -> np.ndarray:
+                """Return the results of the motion in one column."""
+                return followed(place, np.array(values)[:, None])[:, 0]
+
+            pairs = [*_pairs(leaves(given))]
+            program = getattr(column[0], "program", None)
+            made = program.call(place, moved, *pairs) if program else moved(*pairs)
+            return [*map(Dual, made[::2], made[1::2])]
+
+        results, near = nearest(function, call, [*map(Dual, column[::2], column[1::2])])
+        return [*_pairs([near, *results])]
+
+    made = None
+    # whatever it does that is no line of a program; the calls below raise its own errors again
+    with suppress(Exception):
+        made = repeated(key, of_column, (), columns, followed)
+    if made is None:
+        made = np.transpose([of_column((), *column) for column in columns.T])
+    rows = made.reshape(-1, 2, columns.shape[1]).astype(float)
+    return rows[1:], 1 / rows[0, 0]
+
+
+def _pairs(numbers: Iterable) -> Iterator:
+    """Return numbers, each before its derivative."""
+    return chain.from_iterable(parts_of(one, 1) for one in numbers)
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -441,8 +378,9 @@ class Pass:
         self.shifts = {0.0: np.zeros(self.directions)}
         body = driver.world.body if problem.system.is_hybrid else problem.internal_body
         # mu is compared with 0, because `opening.assembled` takes another law without friction
-        _, changes = noted(self._numbers_of, wrt, body, ways)
-        self.notes = [Note(0.0, "the law of friction", least_of(changes, self.directions))]
+        _, near = nearest(self._numbers_of, wrt, body, ways)
+        least = 1 / np.broadcast_to(near, self.directions)
+        self.notes = [Note(0.0, "the law of friction", least)]
         formulas = formulas_of(problem.system, problem.form.name, problem.law)
         # of hybrid runs too: `read` and `times_of` evaluate columns and events by it
         self.whole = Motion(formulas, problem.variables, self.first)
@@ -457,7 +395,7 @@ class Pass:
 
         Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
         `of_world` is the body of the plain run (`World.body`), whose values are kept bit by bit. It
-        is called by `noted`, because formulas of the start may compare numbers.
+        is called by `nearest`, because formulas of the start may compare numbers.
         """
         problem = self.problem
         keys = (name.partition(".")[::2] for name in wrt)
@@ -500,9 +438,9 @@ class Pass:
         state = self.start
         ended = -1.0  # before the start
         for number, interval in enumerate(self.driver.intervals):
-            name, zeros, lasts, state = self._jumped(jump, state)
+            follows, lasts, state = self._jumped(jump, state)
             solver = interval.solver
-            if name != solver.name:
+            if follows != solver.at:
                 self.notes.append(Note(interval.began, _what(jump), 0 * lasts))
                 break
             phase = solver.phase
@@ -511,7 +449,7 @@ class Pass:
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             # times in the jump before belong to this phase if the jump is brief: see BRIEF
             since = max(ended, interval.began - BRIEF)
-            state = self._ended(number, interval, since, state, lasts, zeros)
+            state = self._ended(number, interval, since, state, lasts)
             ended = interval.ended
             if jump := interval.jump:  # of phases that end at one time, the first decides
                 self.shifts.setdefault(ended, state[-1, 1])
@@ -542,19 +480,18 @@ class Pass:
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
-        Return the name of the next phase ("" if the run ends), the events whose functions are zero
-        where it begins, the derivatives of the longest time that it lasts, and the state there, as
-        rows, the time last.
+        Return the index of the next phase (-1 if the run ends), the derivatives of the longest time
+        that it lasts, and the state there, as rows, the time last.
         """
         driver = self.driver
         world = driver.world
 
-        def jumped(call: Callable, numbers: Sequence) -> tuple:
+        def jumped(call: Callable, numbers: list) -> list:
             """Make the jump with given numbers of the body, of the impact rules, and of the state.
 
             `evaluated` calls it; `call` makes pieces of an impact, by the index of their region, as
-            `_impact` does. Return numbers (the longest time of the next phase, then the state in
-            it) and the name of this phase with its zeros. If the run ends: the delay, and "".
+            `_impact` does. Return the index of the next phase, the longest time that it lasts, then
+            the state in it, without which the run ends.
             """
             # `rules` is (e_n,), or () without a contact, as `_numbers_of` has set `e_n`
             body, rules = refill(self.given, iter(numbers))
@@ -568,14 +505,14 @@ class Pass:
                 now = now._replace(rules=world.rules._replace(e_n=rules[0]), struck=struck)
             n, _, begun, _ = jump(driver, state, now)
             if n.ends:
-                return [n.delay], ("", ())
-            return [n.lasts, *begun, state[-1] + n.delay], (n.phase, (*n.zeros,))
+                return [-1, n.lasts]
+            return [[*driver.phases].index(n.phase), n.lasts, *begun, state[-1] + n.delay]
 
-        # a tape repeats one jump of one kind of impacts, for bodies of the same records
+        # a program repeats one jump of one kind of impacts, for bodies of the same records
         key = jump.phase, jump.exit.jump, jump.kind, kinds(world.body)
         numbers = np.concatenate([self.known, state])
         try:
-            (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
+            (follows, lasts, *begun), least = evaluated(key, jumped, numbers, self._impact)
         except InputError as error:
             raise InputError(
                 f"{jump.where} must take numbers with derivatives: use operators and NumPy's "
@@ -583,7 +520,7 @@ class Pass:
             ) from error
         if not jump.exit.smooth:
             self.notes.append(Note(numbers[-1, 0, 0], _what(jump), least))
-        return *about, lasts[1], np.array(begun)
+        return follows[0, 0], lasts[1], np.array(begun)
 
     def _ended(
         self,
@@ -592,13 +529,11 @@ class Pass:
         since: float,
         state: np.ndarray,
         lasts: np.ndarray,
-        zeros: Any,
     ) -> np.ndarray:
         """Return the state where a phase ends, of that where it begins.
 
-        Rows after `since` are of this phase. `lasts` and `zeros` are those of `_jumped`: the
-        derivatives of the longest time of the phase, by which an exit by the clock moves, and the
-        events whose functions are zero where it begins.
+        Rows after `since` are of this phase. `lasts` is that of `_jumped`: the derivatives of the
+        longest time of the phase, by which an exit by the clock moves.
         """
         solver, done, end, last, jump = interval
         phase = solver.phase
@@ -626,11 +561,12 @@ class Pass:
         if exit:
             # without an event the clock ends it, which `lasts` moves
             known = None if event else -lasts
-            if exit.event in zeros and end - interval.began < BRIEF_PHASE:
+            if event and end - interval.began < BRIEF_PHASE:
                 # so brief a phase has PER_INTERVAL states inside, the middle one at half its time
-                three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
-                known = (end - interval.began) * (SIMPSON @ paces)
+                states = start, inside[..., PER_INTERVAL // 2], state
+                three = np.array([motion.slopes(event, one)[1] for one in states])
+                if abs(three[0, 0, 0, 0]) < NOISE:  # the phase begins on the zero by which it ends
+                    known = (end - interval.began) * (SIMPSON @ three[:, 1, 1])
             state, least = motion.happens(event, state, known)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{exit.event}`", least))
@@ -655,7 +591,7 @@ class Pass:
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = as_rows(made, self.directions)
+        results = as_rows(made, numbers.shape[2])
         after = slice(3, 3 + size)  # the state follows status, steps and event
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)

@@ -468,7 +468,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
 
     # axis, L, integrals, w, beta: the order that `read` and `rates` have
     start = np.array([*x.u, *x.L, *x.carried, eighty_bits(w), eighty_bits(beta)])
-    slides = first_slip(wide.repeated((phase, type(x.carried)), rates, start), start, span, lasts)
+    slides = first_slip(wide.repeated((phase, type(x.carried)), rates), start, span, lasts)
     if slides is None:
         return None
     duration, at, is_slow = slides
@@ -483,7 +483,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
 
 
-MOVE = 1e-4
+MOVE = 3e-5
 """Of the nearer points of a difference, relative to the largest derivative: its error is the fourth
 power, and that of rounding small where derivatives by time cancel.
 """
@@ -492,8 +492,8 @@ power, and that of rounding small where derivatives by time cancel.
 def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any) -> Next | None:
     """Return a slow slide whose numbers have derivatives, as `slide`.
 
-    The slide is repeated for numbers moved along each derivative; differences give those of its end
-    and of its duration.
+    The slide is repeated for numbers moved along their derivatives; differences give those of its
+    end and of its duration.
     """
     given = x, world.body, (w,)
     wide = np.array([*map(eighty_bits, leaves(plain(given)))])
@@ -515,15 +515,12 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
             raise ArithmeticError("a slow slide has no derivative")
         return np.array([n.delay, *leaves(n.x)])
 
-    # one row for each number; [0.0] makes each an array, and is left out again
-    derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
-    by = []
-    for way in np.array(derivatives, np.longdouble).T:
-        size = MOVE / max(*abs(way), 1e-300)
-        near, far = (end(k * size * way) - end(-k * size * way) for k in (1, 2))
-        by.append((8 * near - far) / (12 * size))
+    way = np.array([parts_of(one, 1)[1] for one in leaves(given)], np.longdouble)
+    size = MOVE / max(*abs(way), 1e-300)
+    near, far = (end(k * size * way) - end(-k * size * way) for k in (1, 2))
+    by = (8 * near - far) / (12 * size)
     values = np.array([known.delay, *leaves(known.x)])
-    delay, *after = map(Dual, values.astype(float), np.array(by, float).T)
+    delay, *after = map(Dual, values.astype(float), by.astype(float))
     return replace(known, x=refill(known.x, iter(after)), delay=delay)
 
 
