@@ -143,6 +143,17 @@ class World(NamedTuple):
     phase: Any = None  # that which ends: `Jump` sets it
     left: Any = None  # the internal time to the end of the run, set for each jump
 
+    def with_numbers(self, body: Any, e_n: Any, left: Any, piece: Callable) -> "World":
+        """Return the context of a jump with numbers of a program, or with derivatives.
+
+        `piece` follows impacts, as `ImpactMotions.piece`.
+        """
+        world = self._replace(body=body, left=left)
+        if not self.rules:
+            return world
+        rules = self.rules._replace(e_n=e_n)
+        return world._replace(rules=rules, struck=partial(self.struck, piece=piece))
+
     def rates(self, phase: Phase, q: Any, carried: Any) -> list:
         """Return the rates of the integrals of the run, for the state q of a phase."""
         b = phase.parameters(self.body)

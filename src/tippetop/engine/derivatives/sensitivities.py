@@ -88,8 +88,7 @@ def differentiate(
         scale = passed.scales.of(source.unit)
         each = [(values[part] * scale).parts for part in source.parts]
         _, *derivatives = zip(*each, strict=True)
-        # of all directions but the last one, the time
-        first, *others = (np.array(parts)[:, :-1, rows] for parts in derivatives)
+        first, *others = (np.array(parts)[..., rows] for parts in derivatives)
         symbol = source.unit.symbol
         by = "time", PARAMETER
         trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)
@@ -108,9 +107,9 @@ def differentiate(
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
-    *by_number, pace = values["theta"].first[:, at]
     # at the event: theta changes at a fixed time, and moves with the time of the event
-    by_theta = np.array(by_number)[own] / sizes + pace / unit * by_time
+    pace = values["theta_dot"].value[at]
+    by_theta = values["theta"].first[own][:, at] / sizes + pace / unit * by_time
     by = "event", PARAMETER
     tables = {
         "trajectory": trajectory,

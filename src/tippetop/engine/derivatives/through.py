@@ -101,11 +101,6 @@ def duals_of(rows: np.ndarray) -> list[Dual]:
     return [Dual(row[0, 0], *row[1:]) for row in rows]
 
 
-def padded(rows: np.ndarray) -> np.ndarray:
-    """Return rows of constants with time as one more direction, as `Motion.in_time`."""
-    return np.pad(rows, [(0, 0), (0, 0), (0, 1)])
-
-
 class Motion(NamedTuple):
     """The equations of a phase or of an impact, and the numbers of the body in them."""
 
@@ -116,7 +111,8 @@ class Motion(NamedTuple):
     @property
     def body(self) -> Any:
         """Return the body with derivatives, for states `in_time`."""
-        return self.formulas.body(iter(duals_of(padded(self.pars)[..., None])))
+        pars = np.pad(self.pars, [(0, 0), (0, 0), (0, 1)])  # which are constant in time
+        return self.formulas.body(iter(duals_of(pars[..., None])))
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
@@ -184,7 +180,7 @@ class Motion(NamedTuple):
         count = len(self.pars)
         size = len(self.variables.names)
 
-        def function(_: Any, numbers: list) -> list:
+        def function(numbers: list) -> list:
             """Return the rates, then the function and its time derivatives.
 
             `numbers`: those of the body, then the variables.
@@ -246,48 +242,35 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
     key
         Identifies the function, with all on which its operations depend but `numbers`.
     function
-        function(call, numbers) -> numbers; call(place, *inputs) follows a motion.
+        function(duals) -> numbers.
     numbers
         The inputs, as rows of order 1.
     follow
-        follow(place, rows) -> the results of a motion, as rows.
+        follow(place, columns) -> the results of a motion, of columns (2 n, directions) to such.
     """
     columns = numbers.reshape(-1, numbers.shape[2])
-
-    def followed(place: int, columns: np.ndarray) -> np.ndarray:
-        """Follow a motion from and to columns, (2 n, directions)."""
-        rows = columns.reshape(-1, 2, columns.shape[1]).astype(float)
-        return follow(place, rows).reshape(-1, columns.shape[1])
 
     def of_column(_: Any, *column: Any) -> list:
         """Return how near comparisons are, then the results, of the numbers of one direction.
 
         Each number is before its derivative.
         """
-
-        def call(place: int, *given: Any) -> list:
-            """Follow a motion; in a program it is one line."""
-
-            def moved(*values: float) -> np.ndarray:
-                """Return the results of the motion in one column."""
-                return followed(place, np.array(values)[:, None])[:, 0]
-
-            pairs = [*_pairs(leaves(given))]
-            program = getattr(column[0], "program", None)
-            made = program.call(place, moved, *pairs) if program else moved(*pairs)
-            return [*map(Dual, made[::2], made[1::2])]
-
-        results, near = nearest(function, call, [*map(Dual, column[::2], column[1::2])])
+        results, near = nearest(function, _duals(column))
         return [*_pairs([near, *results])]
 
     made = None
     # whatever it does that is no line of a program; the calls below raise its own errors again
     with suppress(Exception):
-        made = repeated(key, of_column, (), columns, followed)
+        made = repeated(key, of_column, (), columns, follow)
     if made is None:
         made = np.transpose([of_column((), *column) for column in columns.T])
     rows = made.reshape(-1, 2, columns.shape[1]).astype(float)
     return rows[1:], 1 / rows[0, 0]
+
+
+def _duals(pairs: Sequence) -> list[Dual]:
+    """Return numbers each of which is before its derivative, as `_pairs` returns them."""
+    return [*map(Dual, pairs[::2], pairs[1::2])]
 
 
 def _pairs(numbers: Iterable) -> Iterator:
@@ -411,9 +394,9 @@ class Pass:
         }
         tops = DualProblems(problem, numbers, problem.orientation)
         scales = as_rows(tops.scales, self.directions, self.order)
-        self.scales = Scales(*duals_of(padded(scales)[..., None]))
+        self.scales = Scales(*duals_of(scales[..., None]))
         body, _ = assembled(problem.system, tops, lambda value: value)
-        self.e_n = (tops.contact.e_n,) if tops.contact else ()
+        self.e_n = tops.contact.e_n if tops.contact else 0.0
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
@@ -432,7 +415,7 @@ class Pass:
         It fills `samples`, `between`, `shifts` and `notes`. If a jump leads elsewhere than in the
         plain run, it ends there, with a Note of change 0: no derivatives exist from then on.
         """
-        self.given = self.body, self.e_n
+        self.given = self.body, (self.e_n,)
         self.known = as_rows(leaves(self.given), self.directions)
         jump = self.driver.first_jump
         state = self.start
@@ -486,23 +469,28 @@ class Pass:
         driver = self.driver
         world = driver.world
 
-        def jumped(call: Callable, numbers: list) -> list:
-            """Make the jump with given numbers of the body, of the impact rules, and of the state.
+        def jumped(numbers: list) -> list:
+            """Make the jump with given numbers of the body, of restitution, and of the state.
 
-            `evaluated` calls it; `call` makes pieces of an impact, by the index of their region, as
-            `_impact` does. Return the index of the next phase, the longest time that it lasts, then
-            the state in it, without which the run ends.
+            Return the index of the next phase, the longest time that it lasts, then the state in
+            it, without which the run ends.
             """
-            # `rules` is (e_n,), or () without a contact, as `_numbers_of` has set `e_n`
-            body, rules = refill(self.given, iter(numbers))
+
+            def piece(region: str, *given: Any) -> list:
+                """Follow a piece of an impact, which is one line of a program."""
+                place = [*driver.impacts.stages].index(region)
+
+                def moved(*values: float) -> np.ndarray:
+                    """Return the results in one column."""
+                    return self._impact(place, np.array(values)[:, None])[:, 0]
+
+                pairs = _pairs(leaves(given))
+                program = getattr(numbers[0].value, "program", None)
+                return _duals(program.call(place, moved, *pairs) if program else moved(*pairs))
+
+            body, (e_n,) = refill(self.given, iter(numbers))
             state = numbers[len(self.known) :]
-            now = world._replace(body=body, left=float(driver.end) - state[-1])
-            if rules:
-                regions = [*driver.impacts.stages]
-                struck = partial(
-                    world.struck, piece=lambda region, *given: call(regions.index(region), *given)
-                )
-                now = now._replace(rules=world.rules._replace(e_n=rules[0]), struck=struck)
+            now = world.with_numbers(body, e_n, float(driver.end) - state[-1], piece)
             n, _, begun, _ = jump(driver, state, now)
             if n.ends:
                 return [-1, n.lasts]
@@ -574,13 +562,15 @@ class Pass:
         self.between[phase].append((np.array([number]), state[..., None]))
         return state
 
-    def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
+    def _impact(self, place: int, columns: np.ndarray) -> np.ndarray:
         """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`.
 
         It has the arguments and results of that method, in its order: a change of one is a change
-        of both, and of `follow_motion` in loop.c. But `place` is the index of the region, `numbers`
-        has the arguments after the region, as rows, and the results are rows.
+        of both, and of `follow_motion` in loop.c. But `place` is the index of the region, `columns`
+        has the arguments after the region, each before its derivative, (2 n, directions), and so
+        have the results.
         """
+        numbers = columns.astype(float).reshape(-1, 2, columns.shape[1])
         impacts = self.driver.impacts
         region = [*impacts.stages][place]
         driver = impacts.driver(region)
@@ -591,7 +581,7 @@ class Pass:
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = as_rows(made, numbers.shape[2])
+        results = as_rows(made, columns.shape[1])
         after = slice(3, 3 + size)  # the state follows status, steps and event
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
@@ -600,7 +590,7 @@ class Pass:
         if made[2] >= 0:  # the number of the event that ended it; -1: its clock did
             state, _ = motion.happens(formulas.events[made[2]], state)
         results[after] = state
-        return results
+        return results.reshape(-1, columns.shape[1])
 
     # --- what was found ---------------------------------------------------------------------------
 
@@ -608,15 +598,16 @@ class Pass:
     def read(self) -> dict[str, Dual]:
         """Return the columns at all times, by name; their derivatives are (directions, times).
 
-        The last direction is the time. Values are in internal units; `sensitivities` scales them.
+        Values are in internal units; `sensitivities` scales them.
         """
         problem = self.problem
         variables = problem.variables
         key = problem.system, variables, problem.law, self.order
         wait = "the derivatives of columns are being compiled"
-        shape = self.rows.shape[1:]
-        pars = np.repeat(padded(self.whole.pars).reshape(-1, shape[1]), shape[2], axis=1)
-        inputs = self.rows.reshape(-1, pars.shape[1])
+        rows = np.ascontiguousarray(self.rows[:, :, :-1])
+        shape = rows.shape[1:]
+        pars = np.repeat(self.whole.pars.reshape(-1, shape[1]), shape[2], axis=1)
+        inputs = rows.reshape(-1, pars.shape[1])
         values = dict[str, Any]()
         for formulas in (observed, orientation_of):
             if formulas is observed or (variables.orientation and variables.form.orientation):

@@ -483,9 +483,12 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
 
 
+STEPS = -2, -1, 1, 2
+WEIGHTS = np.array([1, -8, 8, -1]) / np.longdouble(12)
 MOVE = 3e-5
-"""Of the nearer points of a difference, relative to the largest derivative: its error is the fourth
-power, and that of rounding small where derivatives by time cancel.
+"""Points of a difference, their weights, and their distance, relative to the largest derivative.
+
+Its error is the fourth power, and that of rounding small where derivatives by time cancel.
 """
 
 
@@ -497,30 +500,23 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     """
     given = x, world.body, (w,)
     wide = np.array([*map(eighty_bits, leaves(plain(given)))])
+    way = np.array([parts_of(one, 1)[1] for one in leaves(given)], np.longdouble)
+    size = MOVE / max(*abs(way), 1e-300)
 
-    def begun(numbers: np.ndarray) -> Next | None:
-        """Return the slide of other numbers, with a duration and an end of 80 bits."""
-        x, body, (w,) = refill(given, iter(numbers))
+    def begun(steps: int) -> Next | None:
+        """Return the slide of moved numbers, with a duration and an end of 80 bits."""
+        x, body, (w,) = refill(given, iter(wide + steps * size * way))
         there = world._replace(body=body, left=eighty_bits(plain(world.left)))
         return slide(x, there, ball, plain(beta), cause, w)
 
-    known = begun(wide)
+    known, *others = map(begun, (0, *STEPS))
     if known is None:
         return None
-
-    def end(change: np.ndarray) -> np.ndarray:
-        """Return the duration and the leaves of the end, (n,), if numbers change by this."""
-        n = begun(wide + change)
-        if n is None:
-            raise ArithmeticError("a slow slide has no derivative")
-        return np.array([n.delay, *leaves(n.x)])
-
-    way = np.array([parts_of(one, 1)[1] for one in leaves(given)], np.longdouble)
-    size = MOVE / max(*abs(way), 1e-300)
-    near, far = (end(k * size * way) - end(-k * size * way) for k in (1, 2))
-    by = (8 * near - far) / (12 * size)
-    values = np.array([known.delay, *leaves(known.x)])
-    delay, *after = map(Dual, values.astype(float), by.astype(float))
+    if None in others:
+        raise ArithmeticError("a slow slide has no derivative")
+    end, *ends = np.array([[n.delay, *leaves(n.x)] for n in (known, *others)])
+    by = np.dot(WEIGHTS, ends) / size
+    delay, *after = map(Dual, end.astype(float), by.astype(float))
     return replace(known, x=refill(known.x, iter(after)), delay=delay)
 
 
