@@ -81,12 +81,12 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def as_rows(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
-    """Return numbers as rows: values and derivatives, (n, 1 + order, directions).
+def as_rows(numbers: Sequence, order: int, *shape: int) -> np.ndarray:
+    """Return numbers as rows: values and derivatives up to an order, (n, 1 + order, *shape).
 
-    A number without derivatives gets zeros.
+    A number without derivatives gets zeros. The shape begins with the directions.
     """
-    rows = np.empty((len(numbers), 1 + order, directions))
+    rows = np.empty((len(numbers), 1 + order, *shape))
     for row, one in zip(rows, numbers, strict=True):
         for part, given in zip(row, parts_of(one, order), strict=True):
             part[:] = given
@@ -347,7 +347,7 @@ class Pass:
     ):
         """Follow the run with derivatives; `rows` then has the states.
 
-        `_numbers_of` comes first: it sets the start, the body and the scales that all else reads.
+        `_numbers_of` comes first: it sets the start, the bodies and scales that all else reads.
         """
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
@@ -359,9 +359,8 @@ class Pass:
         # by phase: numbers of the times at which it is, and its states there
         self.samples, self.between = defaultdict[Any, Any](list), defaultdict[Any, Any](list)
         self.shifts = {0.0: np.zeros(self.directions)}
-        body = driver.world.body if problem.system.is_hybrid else problem.internal_body
         # mu is compared with 0, because `opening.assembled` takes another law without friction
-        _, near = nearest(self._numbers_of, wrt, body, ways)
+        _, near = nearest(self._numbers_of, wrt, ways)
         least = 1 / np.broadcast_to(near, self.directions)
         self.notes = [Note(0.0, "the law of friction", least)]
         formulas = formulas_of(problem.system, problem.form.name, problem.law)
@@ -373,41 +372,42 @@ class Pass:
         else:
             self.rows = self.whole.in_time(self.whole.flow(times, self.start))[:-1]
 
-    def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
-        """Set start, body and scales of the run, in internal units, with derivatives.
+    def _numbers_of(self, wrt: Sequence[str], ways: np.ndarray) -> None:
+        """Set start, bodies and scales of the run, in internal units, with derivatives.
 
-        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
-        `of_world` is the body of the plain run (`World.body`), whose values are kept bit by bit. It
-        is called by `nearest`, because formulas of the start may compare numbers.
+        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes. The
+        values of the plain run are kept bit by bit. It is called by `nearest`, because formulas of
+        the start may compare numbers.
         """
         problem = self.problem
-        keys = (name.partition(".")[::2] for name in wrt)
-        given = [float(problem.tables[table].get(key, 0.0)) for table, key in keys]
-        units = [problem.rules[name].unit for name in wrt]
-        self.sizes = np.array(
-            [abs(v) or problem.unit(u) for v, u in zip(given, units, strict=True)]
-        )
-        rest = [np.zeros(self.directions)] * (self.order - 1)
-        changes = self.sizes[:, None] * ways
-        numbers: Any = {
-            name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
-        }
+        numbers = dict[str, Any]()
+        sizes = list[float]()
+        for name, way in zip(wrt, ways, strict=True):
+            table, _, key = name.partition(".")
+            value = float(problem.tables[table].get(key, 0.0))
+            size = abs(value) or float(problem.unit(problem.rules[name].unit))
+            numbers[name] = Dual(value, size * way, *[0 * way] * (self.order - 1))
+            sizes.append(size)
+        self.sizes = np.array(sizes)
         tops = DualProblems(problem, numbers, problem.orientation)
-        scales = as_rows(tops.scales, self.directions, self.order)
+        scales = as_rows(tops.scales, self.order, self.directions)
         self.scales = Scales(*duals_of(scales[..., None]))
-        body, _ = assembled(problem.system, tops, lambda value: value)
-        self.e_n = tops.contact.e_n if tops.contact else 0.0
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
-            made = as_rows(numbers, self.directions, self.order)
+            made = as_rows(numbers, self.order, self.directions)
             made[:, 0] = np.array(values)[:, None]
             return made
 
         # the last row is the time
         self.start = rows([*tops.start, 0.0], [*problem.start(), 0.0])
         self.first = rows(leaves(tops.internal_body), leaves(problem.internal_body))
-        self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
+        if problem.system.is_hybrid:
+            body, _ = assembled(problem.system, tops, lambda value: value)
+            e_n = tops.contact.e_n if tops.contact else 0.0
+            values = leaves(self.driver.world.body)
+            self.known = rows([*leaves(body), e_n], [*values, plain(e_n)])
+            self.given = refill((body, (e_n,)), iter(duals_of(self.known)))
 
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives.
@@ -415,8 +415,7 @@ class Pass:
         It fills `samples`, `between`, `shifts` and `notes`. If a jump leads elsewhere than in the
         plain run, it ends there, with a Note of change 0: no derivatives exist from then on.
         """
-        self.given = self.body, (self.e_n,)
-        self.known = as_rows(leaves(self.given), self.directions)
+        body, _ = self.given
         jump = self.driver.first_jump
         state = self.start
         ended = -1.0  # before the start
@@ -428,7 +427,7 @@ class Pass:
                 break
             phase = solver.phase
             if phase not in self.motions:
-                pars = as_rows(leaves(phase.parameters(self.body)), self.directions)
+                pars = as_rows(leaves(phase.parameters(body)), 1, self.directions)
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             # times in the jump before belong to this phase if the jump is brief: see BRIEF
             since = max(ended, interval.began - BRIEF)
@@ -456,8 +455,7 @@ class Pass:
             q, carried = motion.variables.split(duals_of(motion.in_time(state)))
             read, _ = self.problem.system.read(phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
-            for row, one in zip(rows, every, strict=True):
-                row[0][:, which], row[1][:, which] = parts_of(one, 1)
+            rows[..., which] = as_rows(every, 1, self.directions + 1, len(which))
         return rows
 
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
@@ -581,7 +579,7 @@ class Pass:
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = as_rows(made, columns.shape[1])
+        results = as_rows(made, 1, columns.shape[1])
         after = slice(3, 3 + size)  # the state follows status, steps and event
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
