@@ -330,7 +330,7 @@ class Pass:
         The variables of the run at the times, in internal units, as rows (variables, ..., times);
         their last direction is time.
     between
-        By phase: numbers of its intervals, and states in them.
+        By phase: the times at which it began, and states in it.
     notes
         What could turn out otherwise.
     """
@@ -419,7 +419,7 @@ class Pass:
         jump = self.driver.first_jump
         state = self.start
         ended = -1.0  # before the start
-        for number, interval in enumerate(self.driver.intervals):
+        for interval in self.driver.intervals:
             follows, lasts, state = self._jumped(jump, state)
             solver = interval.solver
             if follows != solver.at:
@@ -431,7 +431,7 @@ class Pass:
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             # times in the jump before belong to this phase if the jump is brief: see BRIEF
             since = max(ended, interval.began - BRIEF)
-            state = self._ended(number, interval, since, state, lasts)
+            state = self._ended(interval, since, state, lasts)
             ended = interval.ended
             if jump := interval.jump:  # of phases that end at one time, the first decides
                 self.shifts.setdefault(ended, state[-1, 1])
@@ -509,12 +509,7 @@ class Pass:
         return follows[0, 0], lasts[1], np.array(begun)
 
     def _ended(
-        self,
-        number: int,
-        interval: PhaseInterval,
-        since: float,
-        state: np.ndarray,
-        lasts: np.ndarray,
+        self, interval: PhaseInterval, since: float, state: np.ndarray, lasts: np.ndarray
     ) -> np.ndarray:
         """Return the state where a phase ends, of that where it begins.
 
@@ -538,7 +533,7 @@ class Pass:
             after = motion.flow(np.append(self.times[which], apart).clip(done) - done, state)
             inside = after[..., len(which) : -1]
             self.samples[phase].append((which, after[..., : len(which)]))
-            self.between[phase].append((np.full(count, number), inside))
+            self.between[phase].append((np.full(count, interval.began), inside))
             state = after[..., -1].copy()
             since = done = stop
             if stop < end:  # at a fixed speed: see PROJECTED_AT
@@ -556,8 +551,7 @@ class Pass:
             state, least = motion.happens(event, state, known)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{exit.event}`", least))
-        # the end is the last sample of each interval: `margins` takes it for that
-        self.between[phase].append((np.array([number]), state[..., None]))
+        self.between[phase].append((np.array([interval.began]), state[..., None]))
         return state
 
     def _impact(self, place: int, columns: np.ndarray) -> np.ndarray:
@@ -625,15 +619,16 @@ class Pass:
         of the start, of the end of a phase, or of the zero of an event function. It is NaN in a
         jump that takes time. The unit of time is a power of two, so times find their key exactly.
         """
-        shifts = np.full((self.directions, len(times)), np.nan)
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
-        for name, h in self.whole.functions(rows).items():
-            happens = np.broadcast_to(names, len(times)) == name
-            # the last derivative of `h` is its rate
-            shifts[:, happens] = -(h.first[:-1] / h.first[-1])[:, happens]
-        for k, time in enumerate(times):
-            shifts[:, k] = self.shifts.get(time, shifts[:, k])
-        return shifts
+        functions = self.whole.functions(rows).items()
+        # the last derivative of `h` is its rate
+        found = {name: -(h.first[:-1] / h.first[-1]) for name, h in functions}
+        none = np.full((self.directions, len(times)), np.nan)
+        shifts = [
+            self.shifts.get(time, found.get(name, none)[:, k])
+            for k, (name, time) in enumerate(np.broadcast(names, times))
+        ]
+        return np.reshape(shifts, (-1, self.directions)).T
 
     @QUIET
     def margins(self) -> list[Note]:
@@ -642,7 +637,7 @@ class Pass:
         These have the time at which their phase began: from there on it may end otherwise.
         """
         notes = list(self.notes)
-        for phase, (which, state) in self.between.items():
+        for phase, (began, state) in self.between.items():
             motion = self.motions[phase]
             exits = {one.event for one in phase.exits if not one.smooth}
             for name, h in motion.functions(motion.in_time(state)).items():
@@ -652,14 +647,10 @@ class Pass:
                 # `in_time` took the motion of the time of a sample out of the derivatives of `h`:
                 # its rate, the last one, times the derivatives of that time, puts it back
                 least = size / np.abs(h.first[:-1] + h.first[-1] * state[-1, 1])
-                for k in _lows(size, which):
-                    interval = self.driver.intervals[which[k]]
-                    # `_ended` appends the end as the last sample of an interval: the function of
-                    # the exit that happened is zero there, which is no near miss
-                    is_end = k + 1 == len(which) or which[k + 1] != which[k]
-                    is_exit = interval.jump and interval.jump.exit.event == name
-                    if size[k] > NOISE and not (is_end and is_exit):
-                        notes.append(Note(interval.began, f"`{name}`", least[:, k]))
+                for k in _lows(size, began):
+                    # the function of the exit that happened is zero, which is no near miss
+                    if size[k] > NOISE:
+                        notes.append(Note(began[k], f"`{name}`", least[:, k]))
         return sorted(notes, key=operator.attrgetter("time"))
 
 
@@ -687,12 +678,12 @@ def _quaternion(products: Sequence) -> list[Dual]:
     return [one / size for one in along]
 
 
-def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
+def _lows(size: np.ndarray, began: np.ndarray) -> np.ndarray:
     """Return the indices of local minima of `size`, (k,), without those at the starts of phases.
 
-    `which` has the number of the phase of each sample, (k,).
+    `began` has the time at which the phase of each sample began, (k,).
     """
-    joint = np.diff(which) != 0
+    joint = np.diff(began) != 0
     change = np.diff(size)
     # the first sample of a phase never counts; the last one does if the size falls to it
     falls = np.append(False, ~joint & (change <= 0))
