@@ -67,9 +67,8 @@ def differentiate(
         If the run has no derivatives, or a name is wrong.
     """
     n = len(wrt)
-    i = j = np.arange(n)
-    if order == 2:
-        i, j = np.tril_indices(n)  # second derivatives along means of two directions too
+    # second derivatives along means of two directions too
+    i, j = np.tril_indices(n) if order == 2 else np.diag_indices(n)
     own = i == j  # directions that change one number; the others serve mixed derivatives only
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     # means of two directions, as `_mixed` takes them: a change of one is a change of both

@@ -86,11 +86,8 @@ def as_rows(numbers: Sequence, order: int, *shape: int) -> np.ndarray:
 
     A number without derivatives gets zeros. The shape begins with the directions.
     """
-    rows = np.empty((len(numbers), 1 + order, *shape))
-    for row, one in zip(rows, numbers, strict=True):
-        for part, given in zip(row, parts_of(one, order), strict=True):
-            part[:] = given
-    return rows
+    parts = [np.broadcast_to(part, shape) for one in numbers for part in parts_of(one, order)]
+    return np.reshape(parts, (len(numbers), 1 + order, *shape)).astype(float)
 
 
 def duals_of(rows: np.ndarray) -> list[Dual]:
@@ -111,8 +108,10 @@ class Motion(NamedTuple):
     @property
     def body(self) -> Any:
         """Return the body with derivatives, for states `in_time`."""
-        pars = np.pad(self.pars, [(0, 0), (0, 0), (0, 1)])  # which are constant in time
-        return self.formulas.body(iter(duals_of(pars[..., None])))
+        # constant in time
+        return self.formulas.body(
+            Dual(value[0], np.append(first, 0.0)[:, None]) for value, first, *_ in self.pars
+        )
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
@@ -420,10 +419,14 @@ class Pass:
         state = self.start
         ended = -1.0  # before the start
         for interval in self.driver.intervals:
-            follows, lasts, state = self._jumped(jump, state)
+            now = state[-1, 0, 0]
+            follows, least, lasts, state = self._jumped(jump, state)
             solver = interval.solver
-            if follows != solver.at:
-                self.notes.append(Note(interval.began, _what(jump), 0 * lasts))
+            differs = follows != solver.at
+            if differs or not jump.exit.smooth:
+                what = f"what follows `{jump.exit.event}`"
+                self.notes.append(Note(now, what, 0 * lasts if differs else least))
+            if differs:
                 break
             phase = solver.phase
             if phase not in self.motions:
@@ -461,8 +464,9 @@ class Pass:
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
-        Return the index of the next phase (-1 if the run ends), the derivatives of the longest time
-        that it lasts, and the state there, as rows, the time last.
+        Return the index of the next phase (-1 if the run ends), the least change along each
+        direction at which another one follows, the derivatives of the longest time that it lasts,
+        and the state there, as rows, the time last.
         """
         driver = self.driver
         world = driver.world
@@ -494,8 +498,7 @@ class Pass:
                 return [-1, n.lasts]
             return [[*driver.phases].index(n.phase), n.lasts, *begun, state[-1] + n.delay]
 
-        # a program repeats one jump of one kind of impacts, for bodies of the same records
-        key = jump.phase, jump.exit.jump, jump.kind, kinds(world.body)
+        key = jump, kinds(world.body)  # a program repeats one jump, for bodies of the same records
         numbers = np.concatenate([self.known, state])
         try:
             (follows, lasts, *begun), least = evaluated(key, jumped, numbers, self._impact)
@@ -504,9 +507,7 @@ class Pass:
                 f"{jump.where} must take numbers with derivatives: use operators and NumPy's "
                 f"functions, not `math` or `float`, but {error}"
             ) from error
-        if not jump.exit.smooth:
-            self.notes.append(Note(numbers[-1, 0, 0], _what(jump), least))
-        return follows[0, 0], lasts[1], np.array(begun)
+        return follows[0, 0], least, lasts[1], np.array(begun)
 
     def _ended(
         self, interval: PhaseInterval, since: float, state: np.ndarray, lasts: np.ndarray
@@ -522,9 +523,8 @@ class Pass:
         start = state
         exit: Any = jump and jump.exit
         event = exit and next((one for one in phase.events if one.name == exit.event), None)
-        stops = [end]
-        if event and event.name == STICK.name:
-            stops = [stop for at in PROJECTED_AT if (stop := end - at) > (done + end) / 2] + stops
+        sticks = exit and exit.event == STICK.name
+        stops = [end - at for at in PROJECTED_AT if sticks and at < (end - done) / 2] + [end]
         for stop in stops if end > since else ():
             which = np.flatnonzero((self.times > since) & (self.times <= stop))
             count = PER_INTERVAL + int(PER_TIME * (stop - done))
@@ -620,15 +620,14 @@ class Pass:
         jump that takes time. The unit of time is a power of two, so times find their key exactly.
         """
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
-        functions = self.whole.functions(rows).items()
-        # the last derivative of `h` is its rate
-        found = {name: -(h.first[:-1] / h.first[-1]) for name, h in functions}
-        none = np.full((self.directions, len(times)), np.nan)
-        shifts = [
-            self.shifts.get(time, found.get(name, none)[:, k])
-            for k, (name, time) in enumerate(np.broadcast(names, times))
-        ]
-        return np.reshape(shifts, (-1, self.directions)).T
+        shifts = np.full((self.directions, len(times)), np.nan)
+        for name, h in self.whole.functions(rows).items():
+            happens = np.broadcast_to(names, len(times)) == name
+            # the last derivative of `h` is its rate
+            shifts[:, happens] = -(h.first[:-1] / h.first[-1])[:, happens]
+        for k, time in enumerate(times):
+            shifts[:, k] = self.shifts.get(time, shifts[:, k])
+        return shifts
 
     @QUIET
     def margins(self) -> list[Note]:
@@ -656,14 +655,8 @@ class Pass:
 
 def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: Any) -> Pass:
     """Return the `Pass` of a run to times [s], while signals are handled."""
-    internal = times / problem.unit(SECOND)
-    follow = partial(Pass, problem, wrt, internal, *options)
+    follow = partial(Pass, problem, wrt, times / problem.unit(SECOND), *options)
     return awaited(follow, "the variational equations are integrated")
-
-
-def _what(jump: Jump) -> str:
-    """Return what a jump decides, for notes."""
-    return f"what follows `{jump.exit.event}`"
 
 
 def _quaternion(products: Sequence) -> list[Dual]:
