@@ -32,7 +32,7 @@ class ColumnProgram:
         Numbers of a column.
     """
 
-    def __init__(self, function: Callable, common: Any, values: Sequence):
+    def __init__(self, function: Callable, common: Any, values: Sequence | np.ndarray):
         """Record the function; its results are the last lines.
 
         Raises TypeError or ValueError if an operation of the function has no line in a program.

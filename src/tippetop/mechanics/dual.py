@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from functools import reduce
 from itertools import zip_longest
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,6 @@ from . import operand
 from .operand import cos, leaves, log, refill, sin, sqrt
 
 
-PASCAL = ((1,), (1, 1), (1, 2, 1), (1, 3, 3, 1))
 CONSTANT = 0
 """The derivative of a constant."""
 
@@ -51,7 +51,7 @@ def _product(a: Sequence, b: Sequence) -> list:
         present = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
         terms = (a[n - k] * b[k] for k in present)
         if n > 1:
-            terms = (PASCAL[n][k] * term for k, term in zip(present, terms, strict=True))
+            terms = (comb(n, k) * term for k, term in zip(present, terms, strict=True))
         made.append(reduce(operator.add, terms))
     return made
 
@@ -65,7 +65,7 @@ def _solved(a: Sequence, made: list, b: Sequence, divisor: Any) -> list:
     for n in range(len(made), max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
         for k in range(1, min(n + 1, len(b))):
-            rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
+            rest = rest - comb(n, k) * (made[n - k] * b[k])
         made.append(rest / divisor)
     return made
 

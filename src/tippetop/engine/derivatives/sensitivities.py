@@ -169,12 +169,12 @@ def _limit(
         table["valid_within"] = Column(by, within, {"units": "1", "long_name": text})
     sentences = []
     for name, course in zip(wrt, least[1:].T, strict=True):
-        none = np.flatnonzero(course < NONE_BELOW)
-        if len(none):
-            note = notes[none[0]]
+        k = np.sum(course >= NONE_BELOW)  # notes before the first that leaves no derivative
+        if k < len(notes):
+            note = notes[k]
             sentences.append(
                 f"from t = {note.time * unit:.6g} s on there are no derivatives by {name}: "
-                f"{note.what} turns out otherwise at a relative change of {course[none[0]]:.1g}"
+                f"{note.what} turns out otherwise at a relative change of {course[k]:.1g}"
             )
     return sentences
 

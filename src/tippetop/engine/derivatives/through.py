@@ -107,8 +107,7 @@ class Motion(NamedTuple):
 
     @property
     def body(self) -> Any:
-        """Return the body with derivatives, for states `in_time`."""
-        # constant in time
+        """Return the body with derivatives, for states `in_time`: by time they are 0."""
         return self.formulas.body(
             Dual(value[0], np.append(first, 0.0)[:, None]) for value, first, *_ in self.pars
         )
@@ -267,7 +266,7 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
     return rows[1:], 1 / rows[0, 0]
 
 
-def _duals(pairs: Sequence) -> list[Dual]:
+def _duals(pairs: Any) -> list[Dual]:
     """Return numbers each of which is before its derivative, as `_pairs` returns them."""
     return [*map(Dual, pairs[::2], pairs[1::2])]
 
@@ -676,9 +675,8 @@ def _lows(size: np.ndarray, began: np.ndarray) -> np.ndarray:
 
     `began` has the time at which the phase of each sample began, (k,).
     """
-    joint = np.diff(began) != 0
-    change = np.diff(size)
     # the first sample of a phase never counts; the last one does if the size falls to it
-    falls = np.append(False, ~joint & (change <= 0))
-    rises = np.append(joint | (change > 0), True)
+    change = np.where(np.diff(began) == 0, np.diff(size), np.inf)
+    falls = np.append(False, change <= 0)
+    rises = np.append(change > 0, True)
     return np.flatnonzero(falls & rises)

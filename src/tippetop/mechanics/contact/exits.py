@@ -503,8 +503,8 @@ def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: A
     way = np.array([parts_of(one, 1)[1] for one in leaves(given)], np.longdouble)
     size = MOVE / max(*abs(way), 1e-300)
 
-    def begun(steps: int) -> Next | None:
-        """Return the slide of moved numbers, with a duration and an end of 80 bits."""
+    def begun(steps: int) -> Any:
+        """Return the slide of moved numbers, with a duration and an end of 80 bits, or None."""
         x, body, (w,) = refill(given, iter(wide + steps * size * way))
         there = world._replace(body=body, left=eighty_bits(plain(world.left)))
         return slide(x, there, ball, plain(beta), cause, w)
