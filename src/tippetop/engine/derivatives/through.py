@@ -572,7 +572,8 @@ class Pass:
         (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
         values = (rows[:, 0, 0] for rows in given)
         made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = as_rows(made, 1, columns.shape[1])
+        results = np.zeros((len(made), 2, columns.shape[1]))
+        results[:, 0] = np.array(made)[:, None]
         after = slice(3, 3 + size)  # the state follows status, steps and event
         *_, state, pars = given
         motion = Motion(formulas, variables, pars)
@@ -638,13 +639,13 @@ class Pass:
         for phase, (began, state) in self.between.items():
             motion = self.motions[phase]
             exits = {one.event for one in phase.exits if not one.smooth}
-            for name, h in motion.functions(motion.in_time(state)).items():
+            # the times of the samples move with the numbers, but not along a direction of time
+            still = np.concatenate([state, 0 * state[:, :, :1]], axis=2)
+            for name, h in motion.functions(still).items():
                 if name not in exits:
                     continue
                 size = np.abs(h.value)
-                # `in_time` took the motion of the time of a sample out of the derivatives of `h`:
-                # its rate, the last one, times the derivatives of that time, puts it back
-                least = size / np.abs(h.first[:-1] + h.first[-1] * state[-1, 1])
+                least = size / np.abs(h.first[:-1])
                 for k in _lows(size, began):
                     # the function of the exit that happened is zero, which is no near miss
                     if size[k] > NOISE:
