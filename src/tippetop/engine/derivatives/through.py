@@ -379,11 +379,11 @@ class Pass:
         """
         problem = self.problem
         numbers = dict[str, Any]()
-        sizes = list[float]()
+        sizes = list[Any]()
         for name, way in zip(wrt, ways, strict=True):
             table, _, key = name.partition(".")
             value = float(problem.tables[table].get(key, 0.0))
-            size = abs(value) or float(problem.unit(problem.rules[name].unit))
+            size = abs(value) or problem.unit(problem.rules[name].unit)
             numbers[name] = Dual(value, size * way, *[0 * way] * (self.order - 1))
             sizes.append(size)
         self.sizes = np.array(sizes)
@@ -569,13 +569,13 @@ class Pass:
         variables = variables_of(formulas.form, False)
         size = len(variables.names)
         count = len(formulas.events)
-        (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
-        values = (rows[:, 0, 0] for rows in given)
-        made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
+        cuts = np.cumsum([2, count, count, driver.width])
+        (end, most), *values = np.split(numbers[:, 0, 0], cuts)
+        made = impacts.piece(region, end, most, *values)
         results = np.zeros((len(made), 2, columns.shape[1]))
         results[:, 0] = np.array(made)[:, None]
         after = slice(3, 3 + size)  # the state follows status, steps and event
-        *_, state, pars = given
+        *_, state, pars = np.split(numbers, cuts)
         motion = Motion(formulas, variables, pars)
         state = motion.flow(np.array([float(driver.reached()[0])]), state[:size])[..., 0]
         state[:, 0] = results[after, 0]
