@@ -31,7 +31,10 @@ OPERATIONS = (
 are functions of NumPy."""
 
 TURNED = {"greater": "less", "greater_equal": "less_equal", "fmax": "maximum"}
-"""Functions of NumPy that are one of the operations on their operands in the other order."""
+"""Functions of NumPy that are one of the operations on their operands in the other order.
+
+`fmax` so ignores a NaN in its first operand only.
+"""
 
 
 @dataclass(eq=False)
