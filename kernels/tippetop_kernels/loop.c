@@ -881,6 +881,10 @@ typedef struct {
 
 #define NAME(operation, result) operation,
 #define WRITE(operation, result) case operation: *to = result; break;
+#define WRITE_COLUMNS(operation, result)                                         \
+    case operation:                                                              \
+        for (integer i = 0; i < n; i++) { a = x[i]; b = y[i]; to[i] = result; }  \
+        break;
 
 /* A program ends where a comparison is not as expected. MOTION follows that of loop b; its inputs
    begin at register a, and its results are this and the following lines. */
@@ -1001,20 +1005,19 @@ static bool execute(const Jumps *j, const Program *c) {
    line's result. Return the number of lines executed: those before a MOTION, or all. Return -1 if a
    comparison is not as expected. */
 integer loop_columns(integer length, integer first, integer n, const Line *lines, long double *r) {
-    long double *to = r + first * n;
-    for (const Line *line = lines; line < lines + length; line++) {
-        if (line->what == MOTION)
+    long double *to = r + first * n, a, b;
+    int exponent;
+    for (const Line *line = lines; line < lines + length; line++, to += n) {
+        const long double *x = r + line->a * n, *y = r + line->b * n;
+        switch (line->what) {
+        ARITHMETIC(WRITE_COLUMNS)
+        case MOTION:
             return line - lines;
-        for (integer i = 0; i < n; i++, to++) {
-            long double a = r[line->a * n + i], b = r[line->b * n + i];
-            int exponent;
-            switch (line->what) {
-            ARITHMETIC(WRITE)
-            case EXPECT:
-                if ((a != 0) != (b != 0))
+        case EXPECT:
+            for (integer i = 0; i < n; i++)
+                if ((x[i] != 0) != (y[i] != 0))
                     return -1;
-                break;
-            }
+            break;
         }
     }
     return length;

@@ -5,12 +5,18 @@ each of them. Series of slow slides are computed so, and jumps with derivatives.
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from ..mechanics.lines import Program
+from ..mechanics.operand import leaves
 from .loop import library
+
+
+BRANCHES = 32
+"""Most programs of a function."""
 
 
 class ColumnProgram:
@@ -26,7 +32,7 @@ class ColumnProgram:
         Numbers of a column.
     """
 
-    def __init__(self, function: Callable, common: Any, values: Sequence):
+    def __init__(self, function: Callable, common: Any, values: Sequence | np.ndarray):
         """Record the function; its results are the last lines.
 
         Raises TypeError or ValueError if an operation of the function has no line in a program.
@@ -68,3 +74,39 @@ class ColumnProgram:
             done += made + 1
             results = follow(int(registers[place, 0]), registers[a : first + done - 1])
             registers[first + done - 1 :][: len(results)] = results
+
+
+@lru_cache(maxsize=1024)
+def programs_of(key: tuple) -> list[ColumnProgram]:
+    """Return the programs of a function, one for each branch on which it was called so far.
+
+    It is the cache that keeps them: `repeated` appends to the list for a key, which starts empty.
+    """
+    return []
+
+
+def repeated(
+    key: tuple, function: Callable, common: Any, values: np.ndarray, follow: Any = None
+) -> np.ndarray | None:
+    """Return the results of a function for columns, by the program of a branch, as `ColumnProgram`.
+
+    Parameters
+    ----------
+    key
+        Identifies the function, with all on which its operations depend but the numbers.
+    function, common
+        As for `ColumnProgram`. The function is called if no program is known for the branch.
+    values, follow
+        As for its call. None is returned if the columns differ in their branch.
+    """
+    numbers = np.array(leaves(common), np.longdouble)[:, None]
+    programs = programs_of(key)
+    for program in programs:
+        made = program(numbers, values, follow)
+        if made is not None:
+            return made
+    if len(programs) == BRANCHES:
+        return None
+    program = ColumnProgram(function, common, values[:, 0])
+    programs.append(program)
+    return program(numbers, values, follow)

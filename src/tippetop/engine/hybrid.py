@@ -41,7 +41,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
-from .column_programs import ColumnProgram
+from .column_programs import repeated
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -129,10 +129,6 @@ def formulas_of_phase(system: System, phase: Phase, pattern: Any, types: tuple) 
     return Formulas(form, events, functions, body)
 
 
-COLUMN_PROGRAMS: dict[tuple, ColumnProgram] = {}
-"""By their keys: see `World.repeated`."""
-
-
 class World(NamedTuple):
     """The second argument of a jump, see `form.Exit`; a `HybridDriver` makes it.
 
@@ -147,24 +143,30 @@ class World(NamedTuple):
     phase: Any = None  # that which ends: `Jump` sets it
     left: Any = None  # the internal time to the end of the run, set for each jump
 
+    def with_numbers(self, body: Any, e_n: Any, left: Any, piece: Callable) -> "World":
+        """Return the context of a jump with numbers of a program, or with derivatives.
+
+        `piece` follows impacts, as `ImpactMotions.piece`.
+        """
+        world = self._replace(body=body, left=left)
+        if not self.rules:
+            return world
+        rules = self.rules._replace(e_n=e_n)
+        return world._replace(rules=rules, struck=partial(self.struck, piece=piece))
+
     def rates(self, phase: Phase, q: Any, carried: Any) -> list:
         """Return the rates of the integrals of the run, for the state q of a phase."""
         b = phase.parameters(self.body)
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
-    def repeated(self, key: tuple, function: Callable, values: Sequence) -> Callable:
+    def repeated(self, key: tuple, function: Callable) -> Callable:
         """Return function(world, *values), which returns a list, for columns with 80 bits.
 
-        It takes an array (values, n) and returns one (results, n), or None where a comparison turns
-        out otherwise than in the recorded call. The function is recorded once for each key, which
-        must have all that its operations depend on but the kind of the body.
+        It takes an array (values, n) and returns one (results, n), by `column_programs.repeated`.
+        The key must have all that the operations depend on but the kind of the body.
         """
-        key = *key, kinds(self.body)
-        if key not in COLUMN_PROGRAMS:
-            called = lambda body, *values: function(self._replace(body=body), *values)  # noqa: E731
-            COLUMN_PROGRAMS[key] = ColumnProgram(called, self.body, values)
-        common = np.array(leaves(self.body), np.longdouble)
-        return partial(COLUMN_PROGRAMS[key], common[:, None])
+        called = lambda body, *values: function(self._replace(body=body), *values)  # noqa: E731
+        return partial(repeated, (*key, kinds(self.body)), called, self.body)
 
 
 @dataclass(eq=False)

@@ -227,9 +227,7 @@ class JumpPrograms:
             return program.call(self.place_of(region), partial(run.impacts.piece, region), *given)
 
         body, (e_n,), (now, left), signs, state = program.inputs
-        struck = partial(world.struck, piece=followed)
-        rules = world.rules._replace(e_n=e_n)
-        world = world._replace(body=body, rules=rules, left=left, struck=struck)
+        world = world.with_numbers(body, e_n, left, followed)
         try:
             n, to, after, values = jump(run, state, world)
             numbers = leaves(tuple(n.rows.values()))

@@ -10,10 +10,12 @@ Symbols
 """
 
 import operator
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from functools import reduce
 from itertools import zip_longest
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -23,12 +25,12 @@ from . import operand
 from .operand import cos, leaves, log, refill, sin, sqrt
 
 
-PASCAL = ((1,), (1, 1), (1, 2, 1), (1, 3, 3, 1))
 CONSTANT = 0
 """The derivative of a constant."""
 
-COMPARED: ContextVar[Callable] = ContextVar("compared", default=lambda difference: None)
-"""Called with the difference of two numbers that are compared, a Dual."""
+COMPARED: ContextVar[Any] = ContextVar("compared", default=deque(maxlen=0))  # noqa: B039
+"""The differences of numbers that are compared, Duals, if a list is set; by default none are kept.
+"""
 
 
 def _sum(a: Sequence, b: Sequence) -> list:
@@ -44,14 +46,12 @@ def _product(a: Sequence, b: Sequence) -> list:
 
     A part that is missing at the end of a factor is 0.
     """
-    if len(a) == len(b) == 2:  # most products, in a third of the time
-        return [a[0] * b[0], a[1] * b[0] + a[0] * b[1]]
     made = []
     for n in range(max(len(a), len(b))):
         present = [k for k in range(n + 1) if n - k < len(a) and k < len(b)]
         terms = (a[n - k] * b[k] for k in present)
         if n > 1:
-            terms = (PASCAL[n][k] * term for k, term in zip(present, terms, strict=True))
+            terms = (comb(n, k) * term for k, term in zip(present, terms, strict=True))
         made.append(reduce(operator.add, terms))
     return made
 
@@ -65,7 +65,7 @@ def _solved(a: Sequence, made: list, b: Sequence, divisor: Any) -> list:
     for n in range(len(made), max(len(a), len(b))):
         rest = a[n] if n < len(a) else CONSTANT
         for k in range(1, min(n + 1, len(b))):
-            rest = rest - PASCAL[n][k] * (made[n - k] * b[k])
+            rest = rest - comb(n, k) * (made[n - k] * b[k])
         made.append(rest / divisor)
     return made
 
@@ -142,7 +142,7 @@ class Dual(NDArrayOperatorsMixin):
         return self.parts[1]
 
     def __bool__(self) -> bool:
-        COMPARED.get()(self)
+        COMPARED.get().append(self)
         return bool(self.value)
 
     def __pow__(self, power: Any) -> Any:
@@ -158,7 +158,7 @@ class Dual(NDArrayOperatorsMixin):
         """
         name = function.__name__
         if name in COMPARISONS:
-            COMPARED.get()(np.subtract(*inputs))
+            COMPARED.get().append(np.subtract(*inputs))
             return function(*map(plain, inputs))
         kind = type(self)
         for one in inputs:
@@ -205,10 +205,16 @@ def parts_of(value: Any, order: int) -> tuple:
     return (*known, *(0.0,) * order)[: order + 1]
 
 
+class Line(Dual):
+    """A number along a line of its own, such as an unknown."""
+
+    __slots__ = ()
+
+
 def implicit(root: Any, residual: Callable, given: Any) -> Any:
     """Return a root with its derivatives, by the implicit function theorem.
 
     `root` solves residual(root, given) = 0 for the values of `given`, which has derivatives. It is
     one step of Newton, so only first derivatives are right.
     """
-    return root - residual(root, given) / residual(Dual(root, 1.0), plain(given)).first
+    return root - residual(root, given) / residual(Line(root, 1.0), plain(given)).first

@@ -30,8 +30,11 @@ OPERATIONS = (
 """In the order of the loop: a line contains the place of its operation here. All but the last four
 are functions of NumPy."""
 
-TURNED = {"greater": "less", "greater_equal": "less_equal"}
-"""Functions of NumPy that are one of the operations on their operands in the other order."""
+TURNED = {"greater": "less", "greater_equal": "less_equal", "fmax": "maximum"}
+"""Functions of NumPy that are one of the operations on their operands in the other order.
+
+`fmax` so ignores a NaN in its first operand only.
+"""
 
 
 @dataclass(eq=False)

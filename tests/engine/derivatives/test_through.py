@@ -65,16 +65,16 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
     wrt = list(case["derivatives"])
     problem = problem_of(name, until=case["until"])
     _, driver = with_phases(problem)
-    made = Pass(problem, wrt, np.array([problem.until / problem.unit(SECOND)]), driver)
-    intervals = driver.intervals
-    assert len(intervals) >= case["phases"]
+    second = problem.unit(SECOND)
+    made = Pass(problem, wrt, np.array([problem.until / second]), driver)
+    assert len(driver.intervals) >= case["phases"]
     units = [*problem.variables.units.values()]
     state = [
         (Dual(*row) * made.scales.of(unit)).first[:, 0]
-        for row, unit in zip(made.rows[:9, ..., -1:], units, strict=False)
+        for row, unit in zip(made.rows[:9, :, :-1, -1:], units, strict=False)
     ]
-    ends = np.array([intervals[k].ended for k in case["legs"]])
-    times = made.times_of("", ends).T * problem.unit(SECOND)
+    ends = np.array([driver.intervals[k].ended for k in case["legs"]])
+    times = made.times_of("", ends).T * second
     for k, (key, expected) in enumerate(case["derivatives"].items()):
         found = [one[k] / made.sizes[k] for one in state]
         for part in (slice(0, 3), slice(3, 6), slice(6, 9)):

@@ -4,5 +4,6 @@
 - `sensitivities.differentiate` returns derivatives of all columns, and of times of events.
 
 A `Problem` and names of its numbers go in. Within a phase the variational equations are integrated;
-between phases formulas and jumps are called with dual numbers, recorded once as a `through.Tape`.
+between phases formulas and jumps are called with dual numbers, and recorded once as programs of
+columns.
 """

@@ -67,9 +67,8 @@ def differentiate(
         If the run has no derivatives, or a name is wrong.
     """
     n = len(wrt)
-    i = j = np.arange(n)
-    if order == 2:
-        i, j = np.tril_indices(n)  # second derivatives along means of two directions too
+    # second derivatives along means of two directions too
+    i, j = np.tril_indices(n) if order == 2 else np.diag_indices(n)
     own = i == j  # directions that change one number; the others serve mixed derivatives only
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     # means of two directions, as `_mixed` takes them: a change of one is a change of both
@@ -88,8 +87,7 @@ def differentiate(
         scale = passed.scales.of(source.unit)
         each = [(values[part] * scale).parts for part in source.parts]
         _, *derivatives = zip(*each, strict=True)
-        # of all directions but the last one, the time
-        first, *others = (np.array(parts)[:, :-1, rows] for parts in derivatives)
+        first, *others = (np.array(parts)[..., rows] for parts in derivatives)
         symbol = source.unit.symbol
         by = "time", PARAMETER
         trajectory[name] = _column(first[:, own] / sizes, symbol, name, by, source.dims)
@@ -108,9 +106,9 @@ def differentiate(
         return passed.times_of(names, when / unit)[own] * unit / sizes
 
     by_time = moved([events.kinds[kind] for kind in events.kind], events.time)
-    *by_number, pace = values["theta"].first[:, at]
     # at the event: theta changes at a fixed time, and moves with the time of the event
-    by_theta = np.array(by_number)[own] / sizes + pace / unit * by_time
+    pace = values["theta_dot"].value[at]
+    by_theta = values["theta"].first[own][:, at] / sizes + pace / unit * by_time
     by = "event", PARAMETER
     tables = {
         "trajectory": trajectory,
@@ -171,12 +169,12 @@ def _limit(
         table["valid_within"] = Column(by, within, {"units": "1", "long_name": text})
     sentences = []
     for name, course in zip(wrt, least[1:].T, strict=True):
-        none = np.flatnonzero(course < NONE_BELOW)
-        if len(none):
-            note = notes[none[0]]
+        k = np.sum(course >= NONE_BELOW)  # notes before the first that leaves no derivative
+        if k < len(notes):
+            note = notes[k]
             sentences.append(
                 f"from t = {note.time * unit:.6g} s on there are no derivatives by {name}: "
-                f"{note.what} turns out otherwise at a relative change of {course[none[0]]:.1g}"
+                f"{note.what} turns out otherwise at a relative change of {course[k]:.1g}"
             )
     return sentences
 

@@ -17,9 +17,8 @@ Symbols
     pace      the rate of an event function; by: its derivatives along the directions
     motion    a `Motion`: the equations of a phase or of an impact
     jump, n   a `hybrid.Jump`, and its result, a `form.Next`
-    tape      a recorded function of numbers with derivatives, a `Tape`
     q, b      state and parameters of a phase, records of its form and of `Phase.parameters`
-    place     the index of a region of an impact, by which a tape refers to its motion
+    place     the index of a region of an impact, by which a program refers to its motion
     h         the value of an event function, a `Dual`
 """
 
@@ -29,7 +28,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import lru_cache, partial
+from functools import partial, reduce
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -44,7 +43,7 @@ from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
 from ...problem import Problem, Problems
-from ..column_programs import ColumnProgram
+from ..column_programs import repeated
 from ..expressions import (
     AXES,
     Formulas,
@@ -63,7 +62,6 @@ from ..variational import Moving, compiled_flow, in_motion
 
 MOST_LANES = 8
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
-BRANCHES = 32
 PER_INTERVAL, PER_TIME = 3, 6
 """States in a phase, and in a unit of time, by which it is seen what nearly happens."""
 BRIEF_PHASE = 1e-4
@@ -83,16 +81,13 @@ huge numbers there, and six digits would be lost.
 """
 
 
-def as_rows(numbers: Sequence | np.ndarray, directions: int, order: int = 1) -> np.ndarray:
-    """Return numbers as rows: values and derivatives, (n, 1 + order, directions).
+def as_rows(numbers: Sequence, order: int, *shape: int) -> np.ndarray:
+    """Return numbers as rows: values and derivatives up to an order, (n, 1 + order, *shape).
 
-    A number without derivatives gets zeros.
+    A number without derivatives gets zeros. The shape begins with the directions.
     """
-    rows = np.empty((len(numbers), 1 + order, directions))
-    for row, one in zip(rows, numbers, strict=True):
-        for part, given in zip(row, parts_of(one, order), strict=True):
-            part[:] = given
-    return rows
+    parts = [np.broadcast_to(part, shape) for one in numbers for part in parts_of(one, order)]
+    return np.reshape(parts, (len(numbers), 1 + order, *shape)).astype(float)
 
 
 def duals_of(rows: np.ndarray) -> list[Dual]:
@@ -101,11 +96,6 @@ def duals_of(rows: np.ndarray) -> list[Dual]:
     The value is that of the first direction, as all are equal.
     """
     return [Dual(row[0, 0], *row[1:]) for row in rows]
-
-
-def padded(rows: np.ndarray) -> np.ndarray:
-    """Return rows of constants with time as one more direction, as `Motion.in_time`."""
-    return np.pad(rows, [(0, 0), (0, 0), (0, 1)])
 
 
 class Motion(NamedTuple):
@@ -117,8 +107,10 @@ class Motion(NamedTuple):
 
     @property
     def body(self) -> Any:
-        """Return the body with derivatives, for states `in_time`."""
-        return self.formulas.body(iter(duals_of(padded(self.pars)[..., None])))
+        """Return the body with derivatives, for states `in_time`: by time they are 0."""
+        return self.formulas.body(
+            Dual(value[0], np.append(first, 0.0)[:, None]) for value, first, *_ in self.pars
+        )
 
     def flow(self, times: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Return the state, as rows (n, ..., times), after each of these internal times.
@@ -186,8 +178,8 @@ class Motion(NamedTuple):
         count = len(self.pars)
         size = len(self.variables.names)
 
-        def function(_: Any, numbers: tuple) -> tuple:
-            """Return the rates, then the function and its time derivatives; and no second result.
+        def function(numbers: list) -> list:
+            """Return the rates, then the function and its time derivatives.
 
             `numbers`: those of the body, then the variables.
             """
@@ -195,10 +187,10 @@ class Motion(NamedTuple):
             moving = in_motion(self.variables, numbers[count:], b, 2)
             q, _ = self.variables.split(moving)
             h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
-            return [*(one.first for one in moving), *parts_of(h, 2)], None
+            return [*(one.first for one in moving), *parts_of(h, 2)]
 
         numbers = np.concatenate([self.pars, state[:size]])
-        made, *_ = evaluated((self.formulas, self.variables, event), function, numbers)
+        made, _ = evaluated((self.formulas, self.variables, event), function, numbers)
         return np.append(made[:size, 0, 0], 1.0)[: len(state)], made[size:]
 
     def happens(self, event: Any, state: np.ndarray, known: Any = None) -> tuple:
@@ -222,140 +214,66 @@ class Motion(NamedTuple):
         return moved, np.where(counts, least, np.inf)
 
 
-def least_of(changes: Sequence | np.ndarray, directions: int) -> np.ndarray:
-    """Return the least change along each direction, infinite without one."""
-    return np.fmin.reduce(np.reshape(changes, (-1, directions)), initial=np.inf)
+def nearest(function: Callable, *given: Any) -> tuple[Any, Any]:
+    """Call a function; return its result, and how near its comparisons are to turning out
+    otherwise: the inverse of the least change along the directions at which one does.
 
-
-def noted(function: Callable, *given: Any) -> tuple[Any, list]:
-    """Call a function; return its result, and the changes along the directions at which each of its
-    comparisons turns out otherwise.
-
-    Dual numbers report comparisons to `COMPARED`, which is set for this call alone.
+    Dual numbers append comparisons to `COMPARED`, which is set for this call alone.
     """
-    changes: list[Any] = []
-
-    def note(one: Dual) -> None:
-        """Add the change at which the comparison of a number with zero turns out otherwise."""
-        if type(one) is Dual and not isinstance(one.first, float):  # that is along another line
-            changes.append(abs(one.value) / abs(one.first))
-
+    compared = list[Any]()
     context = copy_context()
-    context.run(COMPARED.set, note)
-    return context.run(function, *given), changes
-
-
-class Tape:
-    """A recorded function of numbers with derivatives, on one branch of its comparisons.
-
-    The function takes milliseconds, and its program microseconds.
-
-    Parameters
-    ----------
-    function
-        As for `evaluated`: a function of its inputs alone, as the program repeats this branch.
-    numbers
-        Inputs, as rows of order 1.
-    follow
-        follow(place, columns (2 n, directions)) -> columns of the results of a motion.
-    """
-
-    def __init__(self, function: Callable, numbers: np.ndarray, follow: Callable):
-        """Call the function once, and record its operations."""
-
-        def recorded(_: Any, *inputs: Any) -> list:
-            """Return the results and their derivatives, then the changes of comparisons.
-
-            `__call__` splits them there.
-            """
-
-            def call(place: int, *given: Any) -> list:
-                """Record a motion with derivatives as one line."""
-
-                def moved(*values: float) -> np.ndarray:
-                    """Return the results of the motion, each before its derivative."""
-                    # `follow` takes columns of all directions; here all are the first one
-                    return follow(place, np.outer(values, np.ones(numbers.shape[2])))[:, 0]
-
-                made = inputs[0].program.call(place, moved, *_pairs(leaves(given)))
-                return [*map(Dual, made[::2], made[1::2])]
-
-            duals = [*map(Dual, inputs[::2], inputs[1::2])]
-            (results, self.about), changes = noted(function, call, duals)
-            self.parts = 2 * len(results)
-            return [*_pairs(results), *changes]
-
-        # recorded with the first direction, executed with a column for each
-        self.program = ColumnProgram(recorded, (), numbers[..., 0].ravel().tolist())
-
-    def __call__(self, numbers: np.ndarray, follow: Callable) -> tuple | None:
-        """Return what `evaluated` does; None if a comparison turns out otherwise."""
-        directions = numbers.shape[2]
-        # all inputs are columns, one for each direction: none is common
-        columns = self.program(np.zeros((0, 1)), numbers.reshape(-1, directions), follow)
-        if columns is None:
-            return None
-        results, changes = np.split(columns.astype(float), [self.parts])
-        return results.reshape(-1, 2, directions), least_of(changes, directions), self.about
-
-
-def _pairs(numbers: Iterable) -> Iterator:
-    """Return numbers, each before its derivative."""
-    return chain.from_iterable(parts_of(one, 1) for one in numbers)
-
-
-@lru_cache(maxsize=1024)
-def tapes_of(key: tuple) -> list[Tape]:
-    """Return the tapes of a function, one for each branch on which it was called so far.
-
-    It is the cache that keeps them: `evaluated` appends to the list for a key, which starts empty.
-    """
-    return []
+    context.run(COMPARED.set, compared)
+    result = context.run(function, *given)
+    # those of other types are along other lines
+    inverses = (np.divide(abs(d.first), abs(d.value)) for d in compared if type(d) is Dual)
+    return result, reduce(lambda near, one: np.fmax(one, near), inverses, 0.0)
 
 
 def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any = None) -> tuple:
-    """Call a function with derivatives, by a tape of it if possible.
+    """Call a function with derivatives, by a program of it if possible.
 
-    Return its numbers as rows, the least change along each direction at which a comparison turns
-    out otherwise, and its second result.
+    The function takes milliseconds, and its program microseconds. Return its numbers as rows, and
+    the least change along each direction at which a comparison turns out otherwise.
 
     Parameters
     ----------
     key
         Identifies the function, with all on which its operations depend but `numbers`.
     function
-        function(call, numbers) -> numbers, and a second result, which a tape repeats as it was on
-        its branch; call(place, *inputs) follows a motion.
+        function(duals) -> numbers.
     numbers
         The inputs, as rows of order 1.
     follow
-        follow(place, rows) -> the results of a motion, as rows.
+        follow(place, columns) -> the results of a motion, of columns (2 n, directions) to such.
     """
-    directions = numbers.shape[2]
+    columns = numbers.reshape(-1, numbers.shape[2])
 
-    def followed(place: int, columns: np.ndarray) -> np.ndarray:
-        """Follow a motion from and to columns (2 n, directions)."""
-        rows = columns.reshape(-1, 2, directions).astype(float)
-        return follow(place, rows).reshape(-1, directions)
+    def of_column(_: Any, *column: Any) -> list:
+        """Return how near comparisons are, then the results, of the numbers of one direction.
 
-    tapes = tapes_of(key)
-    for tape in tapes:
-        if made := tape(numbers, followed):
-            return made
-    if len(tapes) < BRANCHES:
-        # whatever it does that is no line of a tape; the call below raises its own errors again
-        with suppress(Exception):
-            tape = Tape(function, numbers, followed)
-            if made := tape(numbers, followed):
-                tapes.append(tape)
-                return made
+        Each number is before its derivative.
+        """
+        results, near = nearest(function, _duals(column))
+        return [*_pairs([near, *results])]
 
-    def call(place: int, *given: Any) -> list:
-        """Follow a motion, without a tape."""
-        return duals_of(follow(place, as_rows(leaves(given), directions)))
+    made = None
+    # whatever it does that is no line of a program; the calls below raise its own errors again
+    with suppress(Exception):
+        made = repeated(key, of_column, (), columns, follow)
+    if made is None:
+        made = np.transpose([of_column((), *column) for column in columns.T])
+    rows = made.reshape(-1, 2, columns.shape[1]).astype(float)
+    return rows[1:], 1 / rows[0, 0]
 
-    (results, about), changes = noted(function, call, duals_of(numbers))
-    return as_rows(results, directions), least_of(changes, directions), about
+
+def _duals(pairs: Any) -> list[Dual]:
+    """Return numbers each of which is before its derivative, as `_pairs` returns them."""
+    return [*map(Dual, pairs[::2], pairs[1::2])]
+
+
+def _pairs(numbers: Iterable) -> Iterator:
+    """Return numbers, each before its derivative."""
+    return chain.from_iterable(parts_of(one, 1) for one in numbers)
 
 
 # --- the pass -------------------------------------------------------------------------------------
@@ -410,7 +328,7 @@ class Pass:
         The variables of the run at the times, in internal units, as rows (variables, ..., times);
         their last direction is time.
     between
-        By phase: numbers of its intervals, and states in them.
+        By phase: the times at which it began, and states in it.
     notes
         What could turn out otherwise.
     """
@@ -427,7 +345,7 @@ class Pass:
     ):
         """Follow the run with derivatives; `rows` then has the states.
 
-        `_numbers_of` comes first: it sets the start, the body and the scales that all else reads.
+        `_numbers_of` comes first: it sets the start, the bodies and scales that all else reads.
         """
         ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
@@ -439,10 +357,10 @@ class Pass:
         # by phase: numbers of the times at which it is, and its states there
         self.samples, self.between = defaultdict[Any, Any](list), defaultdict[Any, Any](list)
         self.shifts = {0.0: np.zeros(self.directions)}
-        body = driver.world.body if problem.system.is_hybrid else problem.internal_body
         # mu is compared with 0, because `opening.assembled` takes another law without friction
-        _, changes = noted(self._numbers_of, wrt, body, ways)
-        self.notes = [Note(0.0, "the law of friction", least_of(changes, self.directions))]
+        _, near = nearest(self._numbers_of, wrt, ways)
+        least = 1 / np.broadcast_to(near, self.directions)
+        self.notes = [Note(0.0, "the law of friction", least)]
         formulas = formulas_of(problem.system, problem.form.name, problem.law)
         # of hybrid runs too: `read` and `times_of` evaluate columns and events by it
         self.whole = Motion(formulas, problem.variables, self.first)
@@ -452,41 +370,42 @@ class Pass:
         else:
             self.rows = self.whole.in_time(self.whole.flow(times, self.start))[:-1]
 
-    def _numbers_of(self, wrt: Sequence[str], of_world: Any, ways: np.ndarray) -> None:
-        """Set start, body and scales of the run, in internal units, with derivatives.
+    def _numbers_of(self, wrt: Sequence[str], ways: np.ndarray) -> None:
+        """Set start, bodies and scales of the run, in internal units, with derivatives.
 
-        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes;
-        `of_world` is the body of the plain run (`World.body`), whose values are kept bit by bit. It
-        is called by `noted`, because formulas of the start may compare numbers.
+        Each direction, a column of `ways`, changes the numbers `wrt` relative to their sizes. The
+        values of the plain run are kept bit by bit. It is called by `nearest`, because formulas of
+        the start may compare numbers.
         """
         problem = self.problem
-        keys = (name.partition(".")[::2] for name in wrt)
-        given = [float(problem.tables[table].get(key, 0.0)) for table, key in keys]
-        units = [problem.rules[name].unit for name in wrt]
-        self.sizes = np.array(
-            [abs(v) or problem.unit(u) for v, u in zip(given, units, strict=True)]
-        )
-        rest = [np.zeros(self.directions)] * (self.order - 1)
-        changes = self.sizes[:, None] * ways
-        numbers: Any = {
-            name: Dual(v, way, *rest) for name, v, way in zip(wrt, given, changes, strict=True)
-        }
+        numbers = dict[str, Any]()
+        sizes = list[Any]()
+        for name, way in zip(wrt, ways, strict=True):
+            table, _, key = name.partition(".")
+            value = float(problem.tables[table].get(key, 0.0))
+            size = abs(value) or problem.unit(problem.rules[name].unit)
+            numbers[name] = Dual(value, size * way, *[0 * way] * (self.order - 1))
+            sizes.append(size)
+        self.sizes = np.array(sizes)
         tops = DualProblems(problem, numbers, problem.orientation)
-        scales = as_rows(tops.scales, self.directions, self.order)
-        self.scales = Scales(*duals_of(padded(scales)[..., None]))
-        body, _ = assembled(problem.system, tops, lambda value: value)
-        self.e_n = (tops.contact.e_n,) if tops.contact else ()
+        scales = as_rows(tops.scales, self.order, self.directions)
+        self.scales = Scales(*duals_of(scales[..., None]))
 
         def rows(numbers: Sequence, values: Sequence) -> np.ndarray:
             """Return numbers as rows, with the values that they have in the run."""
-            made = as_rows(numbers, self.directions, self.order)
+            made = as_rows(numbers, self.order, self.directions)
             made[:, 0] = np.array(values)[:, None]
             return made
 
         # the last row is the time
         self.start = rows([*tops.start, 0.0], [*problem.start(), 0.0])
         self.first = rows(leaves(tops.internal_body), leaves(problem.internal_body))
-        self.body = refill(body, iter(duals_of(rows(leaves(body), leaves(of_world)))))
+        if problem.system.is_hybrid:
+            body, _ = assembled(problem.system, tops, lambda value: value)
+            e_n = tops.contact.e_n if tops.contact else 0.0
+            values = leaves(self.driver.world.body)
+            self.known = rows([*leaves(body), e_n], [*values, plain(e_n)])
+            self.given = refill((body, (e_n,)), iter(duals_of(self.known)))
 
     def _follow(self) -> None:
         """Repeat all phases and jumps of the plain run with derivatives.
@@ -494,24 +413,27 @@ class Pass:
         It fills `samples`, `between`, `shifts` and `notes`. If a jump leads elsewhere than in the
         plain run, it ends there, with a Note of change 0: no derivatives exist from then on.
         """
-        self.given = self.body, self.e_n
-        self.known = as_rows(leaves(self.given), self.directions)
+        body, _ = self.given
         jump = self.driver.first_jump
         state = self.start
         ended = -1.0  # before the start
-        for number, interval in enumerate(self.driver.intervals):
-            name, zeros, lasts, state = self._jumped(jump, state)
+        for interval in self.driver.intervals:
+            now = state[-1, 0, 0]
+            follows, least, lasts, state = self._jumped(jump, state)
             solver = interval.solver
-            if name != solver.name:
-                self.notes.append(Note(interval.began, _what(jump), 0 * lasts))
+            differs = follows != solver.at
+            if differs or not jump.exit.smooth:
+                what = f"what follows `{jump.exit.event}`"
+                self.notes.append(Note(now, what, 0 * lasts if differs else least))
+            if differs:
                 break
             phase = solver.phase
             if phase not in self.motions:
-                pars = as_rows(leaves(phase.parameters(self.body)), self.directions)
+                pars = as_rows(leaves(phase.parameters(body)), 1, self.directions)
                 self.motions[phase] = Motion(solver.formulas, solver.variables, pars)
             # times in the jump before belong to this phase if the jump is brief: see BRIEF
             since = max(ended, interval.began - BRIEF)
-            state = self._ended(number, interval, since, state, lasts, zeros)
+            state = self._ended(interval, since, state, lasts)
             ended = interval.ended
             if jump := interval.jump:  # of phases that end at one time, the first decides
                 self.shifts.setdefault(ended, state[-1, 1])
@@ -535,70 +457,64 @@ class Pass:
             q, carried = motion.variables.split(duals_of(motion.in_time(state)))
             read, _ = self.problem.system.read(phase, q, carried, motion.body)
             every = variables.join(read[: variables.moving], carried)
-            for row, one in zip(rows, every, strict=True):
-                row[0][:, which], row[1][:, which] = parts_of(one, 1)
+            rows[..., which] = as_rows(every, 1, self.directions + 1, len(which))
         return rows
 
     def _jumped(self, jump: Jump, state: np.ndarray) -> tuple:
         """Make a jump with derivatives.
 
-        Return the name of the next phase ("" if the run ends), the events whose functions are zero
-        where it begins, the derivatives of the longest time that it lasts, and the state there, as
-        rows, the time last.
+        Return the index of the next phase (-1 if the run ends), the least change along each
+        direction at which another one follows, the derivatives of the longest time that it lasts,
+        and the state there, as rows, the time last.
         """
         driver = self.driver
         world = driver.world
 
-        def jumped(call: Callable, numbers: Sequence) -> tuple:
-            """Make the jump with given numbers of the body, of the impact rules, and of the state.
+        def jumped(numbers: list) -> list:
+            """Make the jump with given numbers of the body, of restitution, and of the state.
 
-            `evaluated` calls it; `call` makes pieces of an impact, by the index of their region, as
-            `_impact` does. Return numbers (the longest time of the next phase, then the state in
-            it) and the name of this phase with its zeros. If the run ends: the delay, and "".
+            Return the index of the next phase, the longest time that it lasts, then the state in
+            it, without which the run ends.
             """
-            # `rules` is (e_n,), or () without a contact, as `_numbers_of` has set `e_n`
-            body, rules = refill(self.given, iter(numbers))
+
+            def piece(region: str, *given: Any) -> list:
+                """Follow a piece of an impact, which is one line of a program."""
+                place = [*driver.impacts.stages].index(region)
+
+                def moved(*values: float) -> np.ndarray:
+                    """Return the results in one column."""
+                    return self._impact(place, np.array(values)[:, None])[:, 0]
+
+                pairs = _pairs(leaves(given))
+                program = getattr(numbers[0].value, "program", None)
+                return _duals(program.call(place, moved, *pairs) if program else moved(*pairs))
+
+            body, (e_n,) = refill(self.given, iter(numbers))
             state = numbers[len(self.known) :]
-            now = world._replace(body=body, left=float(driver.end) - state[-1])
-            if rules:
-                regions = [*driver.impacts.stages]
-                struck = partial(
-                    world.struck, piece=lambda region, *given: call(regions.index(region), *given)
-                )
-                now = now._replace(rules=world.rules._replace(e_n=rules[0]), struck=struck)
+            now = world.with_numbers(body, e_n, float(driver.end) - state[-1], piece)
             n, _, begun, _ = jump(driver, state, now)
             if n.ends:
-                return [n.delay], ("", ())
-            return [n.lasts, *begun, state[-1] + n.delay], (n.phase, (*n.zeros,))
+                return [-1, n.lasts]
+            return [[*driver.phases].index(n.phase), n.lasts, *begun, state[-1] + n.delay]
 
-        # a tape repeats one jump of one kind of impacts, for bodies of the same records
-        key = jump.phase, jump.exit.jump, jump.kind, kinds(world.body)
+        key = jump, kinds(world.body)  # a program repeats one jump, for bodies of the same records
         numbers = np.concatenate([self.known, state])
         try:
-            (lasts, *begun), least, about = evaluated(key, jumped, numbers, self._impact)
+            (follows, lasts, *begun), least = evaluated(key, jumped, numbers, self._impact)
         except InputError as error:
             raise InputError(
                 f"{jump.where} must take numbers with derivatives: use operators and NumPy's "
                 f"functions, not `math` or `float`, but {error}"
             ) from error
-        if not jump.exit.smooth:
-            self.notes.append(Note(numbers[-1, 0, 0], _what(jump), least))
-        return *about, lasts[1], np.array(begun)
+        return follows[0, 0], least, lasts[1], np.array(begun)
 
     def _ended(
-        self,
-        number: int,
-        interval: PhaseInterval,
-        since: float,
-        state: np.ndarray,
-        lasts: np.ndarray,
-        zeros: Any,
+        self, interval: PhaseInterval, since: float, state: np.ndarray, lasts: np.ndarray
     ) -> np.ndarray:
         """Return the state where a phase ends, of that where it begins.
 
-        Rows after `since` are of this phase. `lasts` and `zeros` are those of `_jumped`: the
-        derivatives of the longest time of the phase, by which an exit by the clock moves, and the
-        events whose functions are zero where it begins.
+        Rows after `since` are of this phase. `lasts` is that of `_jumped`: the derivatives of the
+        longest time of the phase, by which an exit by the clock moves.
         """
         solver, done, end, last, jump = interval
         phase = solver.phase
@@ -606,9 +522,8 @@ class Pass:
         start = state
         exit: Any = jump and jump.exit
         event = exit and next((one for one in phase.events if one.name == exit.event), None)
-        stops = [end]
-        if event and event.name == STICK.name:
-            stops = [stop for at in PROJECTED_AT if (stop := end - at) > (done + end) / 2] + stops
+        sticks = exit and exit.event == STICK.name
+        stops = [end - at for at in PROJECTED_AT if sticks and at < (end - done) / 2] + [end]
         for stop in stops if end > since else ():
             which = np.flatnonzero((self.times > since) & (self.times <= stop))
             count = PER_INTERVAL + int(PER_TIME * (stop - done))
@@ -617,7 +532,7 @@ class Pass:
             after = motion.flow(np.append(self.times[which], apart).clip(done) - done, state)
             inside = after[..., len(which) : -1]
             self.samples[phase].append((which, after[..., : len(which)]))
-            self.between[phase].append((np.full(count, number), inside))
+            self.between[phase].append((np.full(count, interval.began), inside))
             state = after[..., -1].copy()
             since = done = stop
             if stop < end:  # at a fixed speed: see PROJECTED_AT
@@ -626,25 +541,27 @@ class Pass:
         if exit:
             # without an event the clock ends it, which `lasts` moves
             known = None if event else -lasts
-            if exit.event in zeros and end - interval.began < BRIEF_PHASE:
+            if event and end - interval.began < BRIEF_PHASE:
                 # so brief a phase has PER_INTERVAL states inside, the middle one at half its time
-                three = start, inside[..., PER_INTERVAL // 2], state
-                paces = [motion.slopes(event, one)[1][1, 1] for one in three]
-                known = (end - interval.began) * (SIMPSON @ paces)
+                states = start, inside[..., PER_INTERVAL // 2], state
+                three = np.array([motion.slopes(event, one)[1] for one in states])
+                if abs(three[0, 0, 0, 0]) < NOISE:  # the phase begins on the zero by which it ends
+                    known = (end - interval.began) * (SIMPSON @ three[:, 1, 1])
             state, least = motion.happens(event, state, known)
             if not exit.smooth:
                 self.notes.append(Note(end, f"`{exit.event}`", least))
-        # the end is the last sample of each interval: `margins` takes it for that
-        self.between[phase].append((np.array([number]), state[..., None]))
+        self.between[phase].append((np.array([interval.began]), state[..., None]))
         return state
 
-    def _impact(self, place: int, numbers: np.ndarray) -> np.ndarray:
+    def _impact(self, place: int, columns: np.ndarray) -> np.ndarray:
         """Integrate a piece of an impact with derivatives; see `ImpactMotions.piece`.
 
         It has the arguments and results of that method, in its order: a change of one is a change
-        of both, and of `follow_motion` in loop.c. But `place` is the index of the region, `numbers`
-        has the arguments after the region, as rows, and the results are rows.
+        of both, and of `follow_motion` in loop.c. But `place` is the index of the region, `columns`
+        has the arguments after the region, each before its derivative, (2 n, directions), and so
+        have the results.
         """
+        numbers = columns.astype(float).reshape(-1, 2, columns.shape[1])
         impacts = self.driver.impacts
         region = [*impacts.stages][place]
         driver = impacts.driver(region)
@@ -652,19 +569,20 @@ class Pass:
         variables = variables_of(formulas.form, False)
         size = len(variables.names)
         count = len(formulas.events)
-        (end, most), *given = np.split(numbers, np.cumsum([2, count, count, driver.width]))
-        values = (rows[:, 0, 0] for rows in given)
-        made = impacts.piece(region, end[0, 0], int(most[0, 0]), *values)
-        results = as_rows(made, self.directions)
+        cuts = np.cumsum([2, count, count, driver.width])
+        (end, most), *values = np.split(numbers[:, 0, 0], cuts)
+        made = impacts.piece(region, end, most, *values)
+        results = np.zeros((len(made), 2, columns.shape[1]))
+        results[:, 0] = np.array(made)[:, None]
         after = slice(3, 3 + size)  # the state follows status, steps and event
-        *_, state, pars = given
+        *_, state, pars = np.split(numbers, cuts)
         motion = Motion(formulas, variables, pars)
         state = motion.flow(np.array([float(driver.reached()[0])]), state[:size])[..., 0]
         state[:, 0] = results[after, 0]
         if made[2] >= 0:  # the number of the event that ended it; -1: its clock did
             state, _ = motion.happens(formulas.events[made[2]], state)
         results[after] = state
-        return results
+        return results.reshape(-1, columns.shape[1])
 
     # --- what was found ---------------------------------------------------------------------------
 
@@ -672,15 +590,16 @@ class Pass:
     def read(self) -> dict[str, Dual]:
         """Return the columns at all times, by name; their derivatives are (directions, times).
 
-        The last direction is the time. Values are in internal units; `sensitivities` scales them.
+        Values are in internal units; `sensitivities` scales them.
         """
         problem = self.problem
         variables = problem.variables
         key = problem.system, variables, problem.law, self.order
         wait = "the derivatives of columns are being compiled"
-        shape = self.rows.shape[1:]
-        pars = np.repeat(padded(self.whole.pars).reshape(-1, shape[1]), shape[2], axis=1)
-        inputs = self.rows.reshape(-1, pars.shape[1])
+        rows = np.ascontiguousarray(self.rows[:, :, :-1])
+        shape = rows.shape[1:]
+        pars = np.repeat(self.whole.pars.reshape(-1, shape[1]), shape[2], axis=1)
+        inputs = rows.reshape(-1, pars.shape[1])
         values = dict[str, Any]()
         for formulas in (observed, orientation_of):
             if formulas is observed or (variables.orientation and variables.form.orientation):
@@ -700,8 +619,8 @@ class Pass:
         of the start, of the end of a phase, or of the zero of an event function. It is NaN in a
         jump that takes time. The unit of time is a power of two, so times find their key exactly.
         """
-        shifts = np.full((self.directions, len(times)), np.nan)
         rows = self.rows[:, :2, :, np.searchsorted(self.times, times)]
+        shifts = np.full((self.directions, len(times)), np.nan)
         for name, h in self.whole.functions(rows).items():
             happens = np.broadcast_to(names, len(times)) == name
             # the last derivative of `h` is its rate
@@ -717,37 +636,27 @@ class Pass:
         These have the time at which their phase began: from there on it may end otherwise.
         """
         notes = list(self.notes)
-        for phase, (which, state) in self.between.items():
+        for phase, (began, state) in self.between.items():
             motion = self.motions[phase]
             exits = {one.event for one in phase.exits if not one.smooth}
-            for name, h in motion.functions(motion.in_time(state)).items():
+            # the times of the samples move with the numbers, but not along a direction of time
+            still = np.concatenate([state, 0 * state[:, :, :1]], axis=2)
+            for name, h in motion.functions(still).items():
                 if name not in exits:
                     continue
                 size = np.abs(h.value)
-                # `in_time` took the motion of the time of a sample out of the derivatives of `h`:
-                # its rate, the last one, times the derivatives of that time, puts it back
-                least = size / np.abs(h.first[:-1] + h.first[-1] * state[-1, 1])
-                for k in _lows(size, which):
-                    interval = self.driver.intervals[which[k]]
-                    # `_ended` appends the end as the last sample of an interval: the function of
-                    # the exit that happened is zero there, which is no near miss
-                    is_end = k + 1 == len(which) or which[k + 1] != which[k]
-                    is_exit = interval.jump and interval.jump.exit.event == name
-                    if size[k] > NOISE and not (is_end and is_exit):
-                        notes.append(Note(interval.began, f"`{name}`", least[:, k]))
+                least = size / np.abs(h.first[:-1])
+                for k in _lows(size, began):
+                    # the function of the exit that happened is zero, which is no near miss
+                    if size[k] > NOISE:
+                        notes.append(Note(began[k], f"`{name}`", least[:, k]))
         return sorted(notes, key=operator.attrgetter("time"))
 
 
 def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: Any) -> Pass:
     """Return the `Pass` of a run to times [s], while signals are handled."""
-    internal = times / problem.unit(SECOND)
-    follow = partial(Pass, problem, wrt, internal, *options)
+    follow = partial(Pass, problem, wrt, times / problem.unit(SECOND), *options)
     return awaited(follow, "the variational equations are integrated")
-
-
-def _what(jump: Jump) -> str:
-    """Return what a jump decides, for notes."""
-    return f"what follows `{jump.exit.event}`"
 
 
 def _quaternion(products: Sequence) -> list[Dual]:
@@ -762,14 +671,13 @@ def _quaternion(products: Sequence) -> list[Dual]:
     return [one / size for one in along]
 
 
-def _lows(size: np.ndarray, which: np.ndarray) -> np.ndarray:
+def _lows(size: np.ndarray, began: np.ndarray) -> np.ndarray:
     """Return the indices of local minima of `size`, (k,), without those at the starts of phases.
 
-    `which` has the number of the phase of each sample, (k,).
+    `began` has the time at which the phase of each sample began, (k,).
     """
-    joint = np.diff(which) != 0
-    change = np.diff(size)
     # the first sample of a phase never counts; the last one does if the size falls to it
-    falls = np.append(False, ~joint & (change <= 0))
-    rises = np.append(joint | (change > 0), True)
+    change = np.where(np.diff(began) == 0, np.diff(size), np.inf)
+    falls = np.append(False, change <= 0)
+    rises = np.append(change > 0, True)
     return np.flatnonzero(falls & rises)

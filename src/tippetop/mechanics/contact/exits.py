@@ -466,7 +466,7 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
 
     # axis, L, integrals, w, beta: the order that `read` and `rates` have
     start = np.array([*x.u, *x.L, *x.carried, eighty_bits(w), eighty_bits(beta)])
-    slides = first_slip(wide.repeated((phase, type(x.carried)), rates, start), start, span, lasts)
+    slides = first_slip(wide.repeated((phase, type(x.carried)), rates), start, span, lasts)
     if slides is None:
         return None
     duration, at, is_slow = slides
@@ -481,60 +481,41 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
 
 
-MOVE = 1e-6
-"""Of the points of a difference, relative: the error of the difference is its square."""
+STEPS = -2, -1, 1, 2
+WEIGHTS = np.array([1, -8, 8, -1]) / np.longdouble(12)
+MOVE = 3e-5
+"""Points of a difference, their weights, and their distance, relative to the largest derivative.
+
+Its error is the fourth power, and that of rounding small where derivatives by time cancel.
+"""
 
 
 def slide_of_duals(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any) -> Next | None:
     """Return a slow slide whose numbers have derivatives, as `slide`.
 
-    The slide is repeated for numbers moved along each derivative; differences give those of its
-    end.
+    The slide is repeated for numbers moved along their derivatives; differences give those of its
+    end and of its duration.
     """
     given = x, world.body, (w,)
-    values = leaves(plain(given))
+    wide = np.array([*map(eighty_bits, leaves(plain(given)))])
+    way = np.array([parts_of(one, 1)[1] for one in leaves(given)], np.longdouble)
+    size = MOVE / max(*abs(way), 1e-300)
 
-    def begun(numbers: Any) -> Next | None:
-        """Return the plain slide of other numbers."""
-        x, body, (w,) = refill(given, iter(numbers))
-        there = world._replace(body=body, left=plain(world.left))
+    def begun(steps: int) -> Any:
+        """Return the slide of moved numbers, with a duration and an end of 80 bits, or None."""
+        x, body, (w,) = refill(given, iter(wide + steps * size * way))
+        there = world._replace(body=body, left=eighty_bits(plain(world.left)))
         return slide(x, there, ball, plain(beta), cause, w)
 
-    known = begun(values)
+    known, *others = map(begun, (0, *STEPS))
     if known is None:
         return None
-    delay: Any = known.delay
-
-    def slope(way: np.ndarray, size: Any, pace: Any) -> np.ndarray:
-        """Return the rate of the end's leaves, (n,), if numbers change by `way`, time by `pace`.
-
-        `way` has the order of `leaves(given)`; `size` is the step of the difference.
-        """
-        ends = []
-        for step in (size, -size):
-            n = begun(wide + step * way)
-            if n is None:
-                raise ArithmeticError("a slow slide has no derivative")
-            ends.append(np.array(leaves(n.series([known.delay + step * pace]))))
-        return np.array((ends[0] - ends[1])[:, 0] / (2 * size), float)
-
-    wide = np.array([*map(eighty_bits, values)])
-    # one row for each number; [0.0] makes each an array, and is left out again
-    derivatives = np.broadcast_arrays(*(parts_of(one, 1)[1] for one in leaves(given)), [0.0])[:-1]
-    ways = np.array(derivatives, np.longdouble).T
-    by = np.array([slope(way, MOVE / max(*abs(way), 1e-300), 0.0) for way in ways])
-    pattern = known.series([delay])  # records of state and integrals, as at the end
-    end = np.array(leaves(pattern), float)[:, 0]
-    speed = pattern[0]._fields.index("w")
-    if end[speed] < STOPS_AT:  # the slide ends by its stop, whose time depends on the numbers
-        rates = slope(0 * wide, MOVE, delay) / delay
-        shift = -by[:, speed] / rates[speed]
-        by = by + np.outer(shift, rates)
-        delay = Dual(delay, shift)
-    phase = world.phases[known.phase]
-    q, carried = refill(pattern, map(Dual, end, by.T))
-    x = phase.leave(q, world.body[ball])._replace(carried=carried)
-    return replace(known, x=x, delay=delay)
+    if None in others:
+        raise ArithmeticError("a slow slide has no derivative")
+    end, *ends = np.array([[n.delay, *leaves(n.x)] for n in (known, *others)])
+    by = np.dot(WEIGHTS, ends) / size
+    delay, *after = map(Dual, end.astype(float), by.astype(float))
+    return replace(known, x=refill(known.x, iter(after)), delay=delay)
 
 
 # --- exits of the phases ------------------------------------------------------------------------
