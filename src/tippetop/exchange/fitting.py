@@ -25,7 +25,7 @@ from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
 from .scales import Space
-from .search import Minimum, local_minima, merge, search, starts_of, widen, windows
+from .search import WORSE, Minimum, local_minima, merge, search, starts_of, widen, windows
 
 
 # Searches at most
@@ -132,15 +132,20 @@ def fit(
             costs += [end.cost for end in minima[:1] if end.searches]
         # searches that were given up, and those that ended as far from the data as the best
         failed = n - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
-        lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
-        # the excess is NaN, and the comparison false, without a rival
-        if ends[0].searches >= MET or lost or misfit.excess(ends[0].cost) < RIVAL / 2:
+        left = misfit.left(ends[0].point)
+        is_noise = not _not_noise(misfit, *left)
+        lost = failed >= hopeless and not is_noise
+        explained = rival is not None and misfit.excess(ends[0].cost) < RIVAL / 2
+        if ends[0].searches >= MET or lost or explained:
             break
+        if is_noise and not rival:  # further searches are given up where they fit much worse
+            misfit.rival = left[0]
+    # others cannot fit nearly as well as the best one
+    most = ends[0].cost + (0 if lost else WORSE * ends[0].variance)
+    ends = [end for end in ends if end.cost <= most]
     misfit.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
-    if lost:
-        ends = ends[:1]
     if ends[0].searches:  # was not given up; a search along a long valley may have ended early
         again = local_minima(misfit, [end.point for end in ends], misfit.rows)
         ends = merge(
