@@ -27,7 +27,8 @@ class Lockstep:
         self.function = function
         self.lock = threading.RLock()
         self.busy = 1  # threads that wait neither for the function nor for their tasks
-        self.asked: list[tuple[np.ndarray, int, Future]] = []
+        # by number of rows: the points and the answer of each call
+        self.asked: dict[int, list[tuple[np.ndarray, Future]]] = {}
         self.stopped = False
 
     def __call__(self, points: np.ndarray, rows: int) -> np.ndarray:
@@ -36,7 +37,7 @@ class Lockstep:
             raise CancelledError
         answer: Future = Future()
         with self.lock:
-            self.asked.append((points, rows, answer))
+            self.asked.setdefault(rows, []).append((points, answer))
             self._leave()
         return np.asarray(answer.result())
 
@@ -76,16 +77,16 @@ class Lockstep:
         self.busy -= 1
         if self.busy:
             return
-        asked, self.asked = self.asked, []
-        self.busy = len(asked)
-        try:
-            for rows in {rows for _, rows, _ in asked}:
-                some = [(points, answer) for points, of, answer in asked if of == rows]
-                found = self.function(np.concatenate([points for points, _ in some]), rows)
-                ends = np.cumsum([len(points) for points, _ in some])
-                for (_, answer), part in zip(some, np.split(found, ends[:-1]), strict=True):
-                    answer.set_result(part)
-        except BaseException as error:
-            for *_, answer in asked:
-                if not answer.done():
+        asked, self.asked = self.asked, {}
+        self.busy = sum(map(len, asked.values()))
+        for rows, some in asked.items():
+            points, answers = zip(*some, strict=True)
+            try:
+                found = self.function(np.concatenate(points), rows)
+            except Exception as error:
+                for answer in answers:
                     answer.set_exception(error)
+            else:
+                parts = np.split(found, np.cumsum([*map(len, points)])[:-1])
+                for answer, part in zip(answers, parts, strict=True):
+                    answer.set_result(part)
