@@ -11,6 +11,7 @@ Symbols
     sigma     standard errors of the free numbers; changes: of residuals, by influence
 """
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -24,7 +25,7 @@ from .misfit import IDLE, WORST, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
 from .scales import Space
-from .search import Minimum, local_minimum, merge, search, starts_of, widen, windows
+from .search import WORSE, Minimum, local_minima, merge, search, starts_of, widen, windows
 
 
 # Searches at most
@@ -101,41 +102,56 @@ def fit(
     ends: list[Minimum] = []
     costs: list[float] = []
     lost = False
-    for n, points in enumerate(starts_of(misfit, starts)):
-        expected = min(starts, n + MET - (ends[0].searches if ends else 0))
+    points = starts_of(misfit, starts)
+    done = np.zeros(starts, int)  # windows of each search
+    n = 0
 
-        def report(done: int, before: int = n * count, total: int = expected * count) -> None:
-            """Report the progress of one search, of which `done` windows are done, as part of all.
+    def searched(k: int) -> list[Minimum]:
+        """Return the minima of a search by its number, best first."""
 
-            `before` and `total` are bound when the search begins.
-            """
-            progress(before + done, total)
+        def report(windows: int) -> None:
+            """Report the progress of this search as part of those that have begun."""
+            with misfit.lockstep.lock:
+                done[k] = windows
+                progress(int(done.sum()), n * count)
 
-        report(0)
+        part = copy.copy(misfit)
         # the seed is that of this search, so that fits are reproducible
-        minima = search(misfit, points, np.random.default_rng((0, n)), report)
+        minima = search(part, points[k], np.random.default_rng((0, k)), report)
         if OFFSET in space.names and minima[0].searches:
-            minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
-        ends = merge([*ends, *minima])
-        costs += [end.cost for end in minima[:1] if end.searches]
+            return [*walk(part, minima[0], space.names.index(OFFSET)), *minima[1:]]
+        return minima
+
+    while n < starts:
+        first = n
+        # as many as must still meet, or be hopeless
+        n = min(starts, n + max(1, hopeless - (ends[0].searches if ends else 0)))
+        progress(int(done.sum()), n * count)
+        for minima in misfit.lockstep.map(searched, range(first, n)):
+            ends = merge([*ends, *minima])
+            costs += [end.cost for end in minima[:1] if end.searches]
         # searches that were given up, and those that ended as far from the data as the best
-        failed = n + 1 - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
-        lost = failed >= hopeless and bool(_not_noise(misfit, *misfit.left(ends[0].point)))
-        # the excess is NaN, and the comparison false, without a rival
-        if ends[0].searches >= MET or lost or misfit.excess(ends[0].cost) < RIVAL / 2:
+        failed = n - len(costs) + sum(cost < ALIKE * min(costs) for cost in costs)
+        left = misfit.left(ends[0].point)
+        is_noise = not _not_noise(misfit, *left)
+        lost = failed >= hopeless and not is_noise
+        explained = rival is not None and misfit.excess(ends[0].cost) < RIVAL / 2
+        if ends[0].searches >= MET or lost or explained:
             break
+        if is_noise and not rival:  # further searches are given up where they fit much worse
+            misfit.rival = left[0]
+    # others cannot fit nearly as well as the best one
+    most = ends[0].cost + (0 if lost else WORSE * ends[0].variance)
+    ends = [end for end in ends if end.cost <= most]
     misfit.refine()
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
-    if lost:
-        ends = ends[:1]
     if ends[0].searches:  # was not given up; a search along a long valley may have ended early
-        again = [
-            local_minimum(misfit, end.point, misfit.rows)._replace(searches=end.searches)
-            for end in ends
-        ]
-        ends = merge(again)
-    return judged(misfit, ends, n + 1, systematic=systematic, hopeless=lost)
+        again = local_minima(misfit, [end.point for end in ends], misfit.rows)
+        ends = merge(
+            [new._replace(searches=end.searches) for new, end in zip(again, ends, strict=True)]
+        )
+    return judged(misfit, ends, n, systematic=systematic, hopeless=lost)
 
 
 def _refuse(misfit: Misfit) -> None:

@@ -95,7 +95,7 @@ def changes(misfit: Misfit, values: dict[str, float]) -> Arrays:
             other = observation.under(changed(tables, changes))
         except InputError:
             return np.full(observation.count, np.nan)
-        return misfit.read(other, values, misfit.rows)[0][0]
+        return misfit.read(other, values, misfit.rows)[0]
 
     found = {}
     for name, (some, part) in cases.items():

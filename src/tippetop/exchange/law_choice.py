@@ -89,7 +89,12 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
         name: (scores[best] - score) / fits[best].rows_correlated for name, score in scores.items()
     }
     equal = [name for name, less in behind.items() if less < RIVAL / 2]
-    worse = ", ".join(f"{name} by {less:.3g}" for name, less in behind.items() if name != best)
+    # other numbers may fit better where too few searches met
+    worse = ", ".join(
+        f"{name} by {'' if fits[name].converged else 'at most '}{less:.3g}"
+        for name, less in behind.items()
+        if name != best
+    )
     best = next((name for name in equal if fits[name].converged), best)
     if len(equal) > 1:
         names = f"{', '.join(equal[:-1])} and {equal[-1]}"
@@ -97,6 +102,4 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
     else:
         sentence = f"of these laws the film decides for {best}"
     sentence += f" (logarithms of the likelihood are less: {worse})."
-    if early := [name for name in fits if name not in equal and not fits[name].converged]:
-        sentence += f" Too few searches under {', '.join(early)} met: other numbers may fit better."
     return best, sentence

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..arguments import choice
 from ..columns import Arrays
+from .lockstep import Lockstep
 from .observation import Observation
 from .scales import FAR, Space
 
@@ -80,9 +81,13 @@ class Misfit:
         self.rows = len(observation.t)
         # Residuals, SI, of another scenario that explains the measurements
         self.rival: Arrays = {}
-        # points and rows as a key, then the result of `read` for them: reset where predictions or
-        # weights change
+        # points and rows as a key, then the residuals there, NaN where there is no motion: reset
+        # where predictions or weights change
         self.last: Any = (None,)
+        # residuals of searches that run together, each with its own copy of the misfit
+        self.lockstep = Lockstep(
+            lambda points, rows: self.read(self.observation, self.space.values(points), rows)
+        )
 
     def residuals(self, points: np.ndarray, rows: int) -> np.ndarray:
         """Return residuals (points, numbers) of the first rows.
@@ -92,10 +97,9 @@ class Misfit:
         """
         key = points.tobytes(), rows
         if self.last[0] != key:  # a minimiser wants values first, then slopes
-            found = self.read(self.observation, self.space.values(points), rows)
-            self.last = key, *found
-        _, middle, worst = self.last
-        return np.where(np.isfinite(middle), middle, worst)
+            self.last = key, self.lockstep(points, rows)
+        _, middle = self.last
+        return np.where(np.isfinite(middle), middle, self._worst(rows))
 
     def at(self, points: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals (points, numbers) of the first rows, and their Jacobians.
@@ -104,7 +108,8 @@ class Misfit:
         NaN on one.
         """
         residuals = self.residuals(points, rows)
-        _, middle, worst = self.last
+        _, middle = self.last
+        worst = self._worst(rows)
         free = points.shape[1]
         jacobians = np.zeros((*middle.shape, free))
         bends = np.full(points.shape, np.inf)
@@ -117,8 +122,7 @@ class Misfit:
             move = step * np.eye(free)[i]
             sides = np.concatenate([points[p] + move, points[p] - move])
             sides = np.clip(sides, low + step / 2, high - step / 2)  # inside the bounds
-            moved, _ = self.read(self.observation, self.space.values(sides), rows)
-            after, before = np.split(moved, 2)
+            after, before = np.split(self.lockstep(sides, rows), 2)
             change = after - before
             second = after + before - 2 * middle[p]
             smooth = np.isfinite(second) & (np.abs(change) < JUMP * worst)
@@ -132,20 +136,23 @@ class Misfit:
             bends[p, i] = bend[better]
         return residuals, jacobians
 
-    def read(
-        self, observation: Observation, points: Mapping[str, Any], rows: int
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals of the first rows, (points, numbers), and their substitutes, (numbers,).
+    def read(self, observation: Observation, points: Mapping[str, Any], rows: int) -> np.ndarray:
+        """Return residuals of the first rows, (points, numbers), NaN where there is no motion.
 
-        `points` are values of the free numbers, SI, by name. Gaps are left out. A substitute
-        replaces the residual of a motion that cannot be computed, which is NaN. `observation` has
+        `points` are values of the free numbers, SI, by name. Gaps are left out. `observation` has
         the same measurements, perhaps with another scenario (`Observation.under`).
         """
         parts = observation.predictions(points, slice(0, rows))
-        given = {group: every[:rows] for group, every in self.observation.given.items()}
-        found = [off[:, given[group]] * self.weights[group] for group, off in parts.items()]
-        worst = [np.full(given[group].sum(), WORST * self.weights[group]) for group in parts]
-        return np.concatenate(found, axis=1), np.concatenate(worst)
+        given = self.observation.given
+        found = [off[:, given[g][:rows]] * self.weights[g] for g, off in parts.items()]
+        return np.concatenate(found, axis=1)
+
+    def _worst(self, rows: int) -> np.ndarray:
+        """Return the substitutes (numbers,) for residuals of a motion that cannot be computed."""
+        given = self.observation.given.items()
+        return np.concatenate(
+            [np.full(every[:rows].sum(), WORST * self.weights[group]) for group, every in given]
+        )
 
     def refine(self) -> None:
         """Let predictions have the tolerance of the scenario, rather than a coarser one."""

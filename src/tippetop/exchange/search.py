@@ -8,7 +8,8 @@ points about the best one are tried, as far as slow changes leave it open: they 
 periods. Searches with other starts and other points are independent of each other.
 """
 
-from collections.abc import Callable
+import copy
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -157,6 +158,15 @@ def local_minimum(
     return Minimum(result.x, residual, result.jac[:count], cost, variance)
 
 
+def local_minima(
+    misfit: Misfit, points: Iterable[np.ndarray], rows: int, size: float | None = None
+) -> list[Minimum]:
+    """Return the `local_minimum` next to each of several points; their motions run together."""
+    return misfit.lockstep.map(
+        lambda point: local_minimum(copy.copy(misfit), point, rows, size), points
+    )
+
+
 def search(
     misfit: Misfit, points: np.ndarray, random: np.random.Generator, progress: Callable[[int], None]
 ) -> list[Minimum]:
@@ -180,13 +190,11 @@ def search(
         last = window == rows[-1]
         residuals = misfit.residuals(points, window)
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
-        minima = merge([local_minimum(misfit, p, window, size) for p in points], last=last)
+        minima = merge(local_minima(misfit, points, window, size), last=last)
         best = minima[0]
         for _ in range(ROUNDS if looking else 0):
-            more = [
-                local_minimum(misfit, p, window, size) for p in _cloud(misfit, best, window, random)
-            ]
-            minima = merge([*minima, *more], last=last)
+            more = _cloud(misfit, best, window, random)
+            minima = merge([*minima, *local_minima(misfit, more, window, size)], last=last)
             before = best
             best = minima[0]
             if before.cost - best.cost < best.variance:

@@ -258,8 +258,15 @@ def fit(
     until = float(read(path_of("data", data), wrapped=False, track=film.get("track")).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
-    # the law of the scenario first: if it explains the film, searches under others begin there
-    for law in sorted(every, key=lambda law: law != problem.law.key):
+
+    def order(law: str | Mapping[str, Any]) -> tuple[bool, bool]:
+        """Return whether a top may stick or drill under a law, and whether it is another law."""
+        other = law_choice.under(problem, law, until).law
+        return other.set_valued or bool(other.regions), law != problem.law.key
+
+    # laws with fast motions first, then that of the scenario: if one explains the film, searches
+    # under others begin there, and end soon
+    for law in sorted(every, key=order):
         rival = next((other for other in fits.values() if other.is_noise), None)
         one = law_choice.under(rival.problem if rival else problem, law, until)
         known = [n for n in names if n in one.rules or not n.startswith("friction.")]
