@@ -96,7 +96,9 @@ def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:
         if name != best
     )
     best = next((name for name in equal if fits[name].converged), best)
-    if len(equal) > 1:
+    if not any(fit.is_noise for fit in fits.values()):
+        sentence = f"none of these laws explains the film; {best} comes nearest"
+    elif len(equal) > 1:
         names = f"{', '.join(equal[:-1])} and {equal[-1]}"
         sentence = f"the film cannot decide between {names}, which explain it equally well"
     else:
