@@ -162,11 +162,13 @@ def _refuse(misfit: Misfit) -> None:
     """
     observation = misfit.observation
     space = misfit.space
-    if observation.count <= len(space.names):
-        raise InputError(
-            f"more measurements than free numbers must be there, but are {observation.count} for "
-            f"{len(space.names)}."
-        )
+    for group, given in observation.given.items():
+        # the noise of each kind is estimated: a fit may follow as many as are free
+        if given.sum() <= len(space.names):
+            raise InputError(
+                f"more measurements of {group} than free numbers must be there, but are "
+                f"{given.sum()} for {len(space.names)}."
+            )
     start = np.zeros(len(space.names))
     values = space.values(start)
     left, jacobian = misfit.at(start[None], misfit.rows)
@@ -190,13 +192,13 @@ def _refuse(misfit: Misfit) -> None:
 def _autocorrelations(parts: Arrays) -> list[np.ndarray]:
     """Return the autocorrelations of each part of the residuals, by lag, (rows,) each.
 
-    Rows with gaps are left out, so that a lag counts given rows; a part of zeros is left out too.
+    Rows with gaps are left out, so that a lag counts given rows; so are parts of zeros or gaps.
     """
     found = []
     for part in (part for off in parts.values() for part in off.T):
         r = part[np.isfinite(part)]
-        products = np.fft.irfft(np.abs(np.fft.rfft(r, 2 * len(r))) ** 2)[: len(r)]
         if (r != 0).any():
+            products = np.fft.irfft(np.abs(np.fft.rfft(r, 2 * len(r))) ** 2)[: len(r)]
             found.append(products / products[0])
     return found
 

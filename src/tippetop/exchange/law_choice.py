@@ -66,8 +66,8 @@ def _friction(problem: Problem, name: str, until: float) -> dict[str, Any]:
     pressed = np.nansum(force * speed**order)
     mu = abs(float(np.nansum(power))) / pressed if pressed > 0 else USUAL_MU
     # as the disc in `influences.changes`
-    disc = {"patch": PATCH, "mu_r": 0.0} if name == "contensou" else {}
-    return {"law": name, "mu": mu, **disc}
+    numbers = {"mu": mu, "patch": PATCH, "mu_r": 0.0} if name == "contensou" else {"mu": mu}
+    return {"law": name, **(numbers if name != "none" else {})}
 
 
 def verdict(fits: Mapping[str, Fit]) -> tuple[str, str]:

@@ -69,7 +69,7 @@ class Misfit:
         self.space = space
         self.loss = loss
         # in units of the first group, which has the weight 1
-        spreads = [float(np.nanstd(seen, axis=0).max()) for seen in observation.groups.values()]
+        spreads = [float(np.nanstd(seen)) for seen in observation.groups.values()]
         self.weights = {
             group: spreads[0] / spread if spreads[0] * spread else 1.0
             for group, spread in zip(observation.groups, spreads, strict=True)

@@ -30,7 +30,7 @@ BATCH = 8
 BEAM = 4
 # Points that are tried about the best one
 CLOUD = 128
-# Those of them that are improved
+# Those of them in other periods that are improved
 CHILDREN = 2
 # Their distance in standard errors
 WIDER = 1.5
@@ -192,7 +192,7 @@ def search(
         size = misfit.size(residuals[np.argmin((residuals**2).sum(axis=1))])
         minima = merge(local_minima(misfit, points, window, size), last=last)
         best = minima[0]
-        for _ in range(ROUNDS if looking else 0):
+        for _ in range(ROUNDS if looking or last else 0):
             more = _cloud(misfit, best, window, random)
             minima = merge([*minima, *local_minima(misfit, more, window, size)], last=last)
             before = best
@@ -266,8 +266,10 @@ def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
 
 
 def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator) -> np.ndarray:
-    """Return the best CHILDREN of many points (k, free) about one, where slow changes allow them.
+    """Return the best of many points about one, and the best CHILDREN in other periods, (k, free).
 
+    The points are where slow changes allow them; from another period the Jacobian expects residuals
+    that are much larger than those there.
     Differences over a coarse step ignore fast oscillations: their derivatives are large, and
     mean nothing far from the point.
     """
@@ -283,8 +285,10 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
             best.point, WIDER**2 * spread, _share(CLOUD, space, CHILDREN), method="eigh"
         )
     )
-    costs = misfit.costs(points, rows, best.residual)
-    return points[np.argsort(costs, kind="stable")[:CHILDREN]]
+    order = np.argsort(misfit.costs(points, rows, best.residual), kind="stable")
+    seen = (points[order] - best.point) @ best.jacobian.T
+    others = order[(seen**2).sum(axis=1) > WORSE * best.variance]
+    return points[np.unique([order[0], *others[:CHILDREN]])]
 
 
 def starts_of(misfit: Misfit, searches: int) -> np.ndarray:

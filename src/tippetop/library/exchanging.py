@@ -259,14 +259,16 @@ def fit(
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
 
-    def order(law: str | Mapping[str, Any]) -> tuple[bool, bool]:
-        """Return whether a top may stick or drill under a law, and whether it is another law."""
-        other = law_choice.under(problem, law, until).law
-        return other.set_valued or bool(other.regions), law != problem.law.key
-
-    # laws with fast motions first, then that of the scenario: if one explains the film, searches
-    # under others begin there, and end soon
-    for law in sorted(every, key=order):
+    kinds = [law_choice.under(problem, law, until).law for law in every]
+    if len({kind.key for kind in kinds}) < max(len(kinds), 2):
+        raise InputError(
+            "`laws` must be two different laws or more, but are "
+            f"{', '.join(kind.key for kind in kinds)}."
+        )
+    # laws with fast motions first, under which a top neither sticks nor drills, then that of the
+    # scenario: if one explains the film, searches under others begin there, and end soon
+    order = [(k.set_valued or bool(k.regions), k.key != problem.law.key) for k in kinds]
+    for _, law in sorted(zip(order, every, strict=True), key=lambda pair: pair[0]):
         rival = next((other for other in fits.values() if other.is_noise), None)
         one = law_choice.under(rival.problem if rival else problem, law, until)
         known = [n for n in names if n in one.rules or not n.startswith("friction.")]

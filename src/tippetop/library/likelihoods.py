@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import dotted_keys, instance, names_of, positive_integer, takes
-from ..errors import InputError, refuse_without
+from ..errors import InputError, refuse_without, warn
 from ..exchange.likelihood import LogLikelihood, drawn
 from ..exchange.observation import observed
 from .exchanging import Fitted, _reference, fit
@@ -179,5 +179,10 @@ def posterior(
         raise InputError(
             f"`fitted` must be a fit of {', '.join(names)}, but is one of "
             f"{', '.join(fitted.estimates)}."
+        )
+    if not fitted.is_noise:
+        warn(
+            ["the residuals of the fit are not noise: a posterior of a wrong model is too narrow."],
+            3,
         )
     return Posterior(fitted, *drawn(function, fitted, positive_integer("draws", draws), seed))
