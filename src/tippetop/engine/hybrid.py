@@ -165,8 +165,18 @@ class World(NamedTuple):
         It takes an array (values, n) and returns one (results, n), by `column_programs.repeated`.
         The key must have all that the operations depend on but the kind of the body.
         """
-        called = lambda body, *values: function(self._replace(body=body), *values)  # noqa: E731
-        return partial(repeated, (*key, kinds(self.body)), called, self.body)
+
+        def called(*numbers: Any) -> list:
+            """Call the function with a body of the first numbers, and the values after them."""
+            rest = iter(numbers)
+            return function(self._replace(body=refill(self.body, rest)), *rest)
+
+        key = *key, kinds(self.body)
+        body = np.array(leaves(self.body))[:, None]
+        # a column of the body for each one of the values
+        return lambda values: repeated(
+            key, called, np.vstack([np.repeat(body, values.shape[1], 1), values])
+        )
 
 
 @dataclass(eq=False)
