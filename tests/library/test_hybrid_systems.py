@@ -218,7 +218,7 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"rows": {"tab": (1, 2)}}), "have nothing in `rows`, but has 'tab'"),
         (("fall", {}, {"ends": "running"}), "or stalled in `ends`, but has 'running'"),
         (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
-        (("fall", {}, {"series": lambda t: (t, ())}), "return arrays of h, v at the given times"),
+        (("fall", {}, {"series": lambda t: ((t,), ())}), "return numbers h, v at the given time"),
         (("fall", {}, {"logged": ("rests",) * 1025}), "log at most 1024 events, but logs 1025"),
         (("fall", {}, {"lasts": -1}), "have a time of at least 0 in `lasts`, but has -1"),
         (lambda x, world: {}["fall"], "fails: KeyError: 'fall'"),
@@ -267,7 +267,7 @@ def test_a_phase_may_last_no_time_after_a_jump_that_takes_some() -> None:
     rest, phases = 0.1, SYSTEMS["bouncing-point"].phases
 
     def lands(x: Any, world: Any) -> Next:
-        still = lambda t: (type(x)(0 * t, x.v + 0 * t), ())  # noqa: E731
+        still = lambda t: (type(x)(0, x.v), ())  # noqa: E731
         return Next("rest", x, delay=rest, series=still, lasts=0)
 
     def leaves(x: Any, world: Any) -> Next:

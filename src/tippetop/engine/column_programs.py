@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.lines import Program
-from ..mechanics.operand import leaves
 from .loop import library
 
 
@@ -20,46 +19,40 @@ BRANCHES = 32
 
 
 class ColumnProgram:
-    """A function of numbers, some of which are common to all columns.
+    """A function of the numbers of a column.
 
     Parameters
     ----------
     function
-        function(common, *values) -> a list of numbers.
-    common
-        A record of numbers, like those of the calls.
+        function(*values) -> a list of numbers.
     values
         Numbers of a column.
     """
 
-    def __init__(self, function: Callable, common: Any, values: Sequence | np.ndarray):
+    def __init__(self, function: Callable, values: Sequence | np.ndarray):
         """Record the function; its results are the last lines.
 
         Raises TypeError or ValueError if an operation of the function has no line in a program.
         """
-        program = Program(common, tuple(values))
-        same, others = program.inputs
-        results = function(same, *others)
+        program = Program(tuple(values))
+        (inputs,) = program.inputs
+        results = function(*inputs)
         program.joined(results)
         self.code = np.ascontiguousarray(program.code())
         self.constants = np.array([*program.constants.values()])[:, None]
         self.results = len(results)
 
-    def __call__(
-        self, common: np.ndarray, values: np.ndarray, follow: Any = None
-    ) -> np.ndarray | None:
-        """Return the results, (results, n), of common numbers (k, 1) and columns (values, n).
+    def __call__(self, values: np.ndarray, follow: Any = None) -> np.ndarray | None:
+        """Return the results, (results, n), of columns (values, n).
 
         Return None if a comparison turns out otherwise than in the recorded call. The results of a
         motion, see `Program.call`, are follow(place, its inputs), an array (results, n): its inputs
         are all registers from `a` up to that of the motion. The results are the last registers.
         """
-        inputs = len(common) + len(values)
+        inputs, n = values.shape
         first = inputs + len(self.constants)
-        n = values.shape[1]
         registers = np.empty((first + len(self.code), n), np.longdouble)
-        registers[: len(common)] = common
-        registers[len(common) : inputs] = values
+        registers[:inputs] = values
         registers[inputs:first] = self.constants
         address = registers.ctypes.data
         done = 0
@@ -86,7 +79,7 @@ def programs_of(key: tuple) -> list[ColumnProgram]:
 
 
 def repeated(
-    key: tuple, function: Callable, common: Any, values: np.ndarray, follow: Any = None
+    key: tuple, function: Callable, values: np.ndarray, follow: Any = None
 ) -> np.ndarray | None:
     """Return the results of a function for columns, by the program of a branch, as `ColumnProgram`.
 
@@ -94,19 +87,18 @@ def repeated(
     ----------
     key
         Identifies the function, with all on which its operations depend but the numbers.
-    function, common
-        As for `ColumnProgram`. The function is called if no program is known for the branch.
+    function
+        As for `ColumnProgram`. It is called if no program is known for the branch.
     values, follow
         As for its call. None is returned if the columns differ in their branch.
     """
-    numbers = np.array(leaves(common), np.longdouble)[:, None]
     programs = programs_of(key)
     for program in programs:
-        made = program(numbers, values, follow)
+        made = program(values, follow)
         if made is not None:
             return made
     if len(programs) == BRANCHES:
         return None
-    program = ColumnProgram(function, common, values[:, 0])
+    program = ColumnProgram(function, values[:, 0])
     programs.append(program)
-    return program(numbers, values, follow)
+    return program(values, follow)

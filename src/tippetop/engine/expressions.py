@@ -22,7 +22,7 @@ import heyoka as hy
 from ..mechanics.dual import Dual, parts_of
 from ..mechanics.event import Event
 from ..mechanics.moment import moment
-from ..mechanics.operand import cos, refill, sin
+from ..mechanics.operand import Vector, cos, refill, sin
 from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
 from ..problem.row_columns import component
@@ -138,6 +138,12 @@ SINE2, SPEED2 = "pole_sine2", "pole_speed2"
 """Names of sin(theta)^2 and |3hat'|^2, which theta'^2 is at a pole, among the values of a row."""
 AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 """Names of the components of axes 1 and 3 of the body."""
+
+
+def axes_in(values: dict[str, Any]) -> Iterator[Vector]:
+    """Yield the axes 1 and 3 of the body, which are taken out of values by name."""
+    for axis in AXES[:3], AXES[3:]:
+        yield Vector(*map(values.pop, axis))
 
 
 def integrated(variable: str) -> str:

@@ -165,8 +165,18 @@ class World(NamedTuple):
         It takes an array (values, n) and returns one (results, n), by `column_programs.repeated`.
         The key must have all that the operations depend on but the kind of the body.
         """
-        called = lambda body, *values: function(self._replace(body=body), *values)  # noqa: E731
-        return partial(repeated, (*key, kinds(self.body)), called, self.body)
+
+        def called(*numbers: Any) -> list:
+            """Call the function with a body of the first numbers, and the values after them."""
+            rest = iter(numbers)
+            return function(self._replace(body=refill(self.body, rest)), *rest)
+
+        key = *key, kinds(self.body)
+        body = np.array(leaves(self.body))[:, None]
+        # a column of the body for each one of the values
+        return lambda values: repeated(
+            key, called, np.vstack([np.repeat(body, values.shape[1], 1), values])
+        )
 
 
 @dataclass(eq=False)
@@ -290,10 +300,10 @@ def wrong_time(n: Next, to: "PhaseSolver") -> str:
     if not callable(n.series or len):  # `len` is a function in place of None
         return f"have a function in `series`, but has {n.series!r:.60}"
     if n.series:
-        values = to.variables.join(*n.series(np.zeros(2)))
+        values = to.variables.join(*n.series(0.0))
         names = to.variables.names
-        if [np.shape(value) for value in values] != [(2,)] * len(names):
-            must = f"return arrays of {', '.join(names)} at the given times from `series`"
+        if len(values) != len(names) or not all(map(is_one_number, values)):
+            must = f"return numbers {', '.join(names)} at the given time from `series`"
             return f"{must}, but returns {values!r:.60}"
     if n.lasts < math.inf and all(exit.event != CLOCK for exit in to.phase.exits):
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
@@ -881,9 +891,11 @@ class HybridDriver(Driver):
 
         `series` is that of the Next, whose time 0 is the internal time `began`.
         """
-        values = self.solver.variables.join(*series(np.array(times, self.number) - began))
+        number, join = self.number, self.solver.variables.join
+        # one time at a time, as in `rows_of`
+        states = [join(*series(number(time) - began)) for time in times]
         # a series may compute in 80 bits (`World.repeated`): back to the precision of the run
-        return np.array([[self.number(one) for one in value] for value in values]).T
+        return np.array([[number(one) for one in state] for state in states])
 
     def _ranged(self, began: Any, end: Any) -> list:
         """Update the extremes of event functions in a jump from time `began` to `end`.

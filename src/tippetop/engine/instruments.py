@@ -10,7 +10,7 @@ from ..mechanics.contact.body import height, touching
 from ..mechanics.operand import Vector, cross, dot, minus, plus, times
 from ..mechanics.units import METRE, METRE_PER_SECOND2, PER_SECOND2, RADIAN_PER_SECOND
 from ..problem import Problems
-from .expressions import AXES, orientation_of
+from .expressions import axes_in, orientation_of
 from .observables import Source
 from .variational import in_motion
 
@@ -46,7 +46,7 @@ def instruments_of(tops: Problems, states: np.ndarray, which: np.ndarray) -> Arr
     q, carried = variables.split(in_motion(variables, [*states], body, 2))
     scalars = form.scalars(q, body)
     found = orientation_of(tops.base.system, form, q, carried, body)
-    first, third = (Vector(*(found[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
+    first, third = axes_in(found)
     axes = first, cross(third, first), third
     moves = [_rates(axis) for axis in axes]
     # omega_1 = 2hat' . 3hat, and cyclically

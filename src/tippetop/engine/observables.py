@@ -16,15 +16,15 @@ import numpy as np
 
 from ..columns import Arrays, Column, column, flag_attributes
 from ..mechanics.moment import Moment, moment
-from ..mechanics.operand import Vector, refill
+from ..mechanics.operand import refill
 from ..mechanics.rotation import outer
 from ..mechanics.units import SECOND
 from ..problem import TURN, Problem, Problems
 from ..problem.row_columns import QUATERNION, Source, every_source
 from .expressions import (
-    AXES,
     SINE2,
     SPEED2,
+    axes_in,
     compile_observables,
     observed,
     orientation_of,
@@ -174,7 +174,7 @@ def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -
         (k,) each, by name.
     """
     values = _computed(orientation_of, problems, states, which)
-    first, third = (Vector(*(values.pop(name) for name in axis)) for axis in (AXES[:3], AXES[3:]))
+    first, third = axes_in(values)
     if "psi" in values:
         values["psi"][(third.x == 0) & (third.y == 0)] = np.nan
     return values | dict(zip(QUATERNION, quaternion(outer(first, third)), strict=True))

@@ -209,12 +209,3 @@ class Line(Dual):
     """A number along a line of its own, such as an unknown."""
 
     __slots__ = ()
-
-
-def implicit(root: Any, residual: Callable, given: Any) -> Any:
-    """Return a root with its derivatives, by the implicit function theorem.
-
-    `root` solves residual(root, given) = 0 for the values of `given`, which has derivatives. It is
-    one step of Newton, so only first derivatives are right.
-    """
-    return root - residual(root, given) / residual(Line(root, 1.0), plain(given)).first

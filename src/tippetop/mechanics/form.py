@@ -197,9 +197,9 @@ class Next(metaclass=Described):
     delay
         Time that passes during the jump, finite. Times and `x` are in internal units.
     series
-        The motion during `delay`: series(t) -> the states of the next phase and the integrals at
-        times t, (n,). None: the jump is too short to contain events; rows in it have the
-        state at its end.
+        The motion during `delay`: series(t) -> the state of the next phase and the integrals at
+        a time t since its start. None: the jump is too short to contain events; rows in it have
+        the state at its end.
     logged
         Names of events that the jump adds to the event log, because no step finds their zeros; at
         most 1024.

@@ -107,7 +107,7 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     form = system.forms.get("vector", problem.form)
     given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
     _, driver = with_phases(given)
-    states = followed(given, wrt, times, driver).rows
+    states = followed(given, wrt, times, driver, np.eye(len(wrt))).rows
     without = {"L3", *NUMBERS}  # L3 is L.3hat
     counted = [i for i, name in enumerate(form.units._fields) if name not in without]
     # 1: first derivatives (0: values); the last direction is that of time

@@ -66,7 +66,7 @@ def test_states_and_times_are_those_of_differences_of_wide_runs(name: str) -> No
     problem = problem_of(name, until=case["until"])
     _, driver = with_phases(problem)
     second = problem.unit(SECOND)
-    made = Pass(problem, wrt, np.array([problem.until / second]), driver)
+    made = Pass(problem, wrt, np.array([problem.until / second]), driver, np.eye(len(wrt)))
     assert len(driver.intervals) >= case["phases"]
     units = [*problem.variables.units.values()]
     state = [

@@ -28,7 +28,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from contextvars import copy_context
-from functools import partial, reduce
+from functools import partial
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -38,7 +38,7 @@ from ...awaiting import awaited
 from ...errors import InputError
 from ...mechanics.contact.contact_phases import STICK
 from ...mechanics.dual import COMPARED, Dual, parts_of, plain
-from ...mechanics.operand import Vector, kinds, leaves, refill, sqrt
+from ...mechanics.operand import kinds, leaves, refill, sqrt
 from ...mechanics.rotation import outer
 from ...mechanics.units import SECOND, Scales
 from ...mechanics.variables import Variables, variables_of
@@ -47,6 +47,7 @@ from ..column_programs import repeated
 from ..expressions import (
     AXES,
     Formulas,
+    axes_in,
     compile_observables,
     formulas_of,
     observed,
@@ -175,7 +176,6 @@ class Motion(NamedTuple):
 
         `state` are rows at one time. The rates end with that of the time, 1, if the state has it.
         """
-        count = len(self.pars)
         size = len(self.variables.names)
 
         def function(numbers: list) -> list:
@@ -183,8 +183,9 @@ class Motion(NamedTuple):
 
             `numbers`: those of the body, then the variables.
             """
-            b = self.formulas.body(iter(numbers))
-            moving = in_motion(self.variables, numbers[count:], b, 2)
+            rest = iter(numbers)
+            b = self.formulas.body(rest)
+            moving = in_motion(self.variables, [*rest], b, 2)
             q, _ = self.variables.split(moving)
             h = event.formula(self.formulas.form.scalars(q, b), b) if event else Moving(0.0, 1.0)
             return [*(one.first for one in moving), *parts_of(h, 2)]
@@ -224,9 +225,11 @@ def nearest(function: Callable, *given: Any) -> tuple[Any, Any]:
     context = copy_context()
     context.run(COMPARED.set, compared)
     result = context.run(function, *given)
-    # those of other types are along other lines
-    inverses = (np.divide(abs(d.first), abs(d.value)) for d in compared if type(d) is Dual)
-    return result, reduce(lambda near, one: np.fmax(one, near), inverses, 0.0)
+    near: Any = 0.0
+    for one in compared:
+        if type(one) is Dual:  # those of other types are along other lines
+            near = np.fmax(np.divide(abs(one.first), abs(one.value)), near)
+    return result, near
 
 
 def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any = None) -> tuple:
@@ -248,7 +251,7 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
     """
     columns = numbers.reshape(-1, numbers.shape[2])
 
-    def of_column(_: Any, *column: Any) -> list:
+    def of_column(*column: Any) -> list:
         """Return how near comparisons are, then the results, of the numbers of one direction.
 
         Each number is before its derivative.
@@ -259,9 +262,9 @@ def evaluated(key: tuple, function: Callable, numbers: np.ndarray, follow: Any =
     made = None
     # whatever it does that is no line of a program; the calls below raise its own errors again
     with suppress(Exception):
-        made = repeated(key, of_column, (), columns, follow)
+        made = repeated(key, of_column, columns, follow)
     if made is None:
-        made = np.transpose([of_column((), *column) for column in columns.T])
+        made = np.transpose([of_column(*column) for column in columns.T])
     rows = made.reshape(-1, 2, columns.shape[1]).astype(float)
     return rows[1:], 1 / rows[0, 0]
 
@@ -316,7 +319,7 @@ class Pass:
     driver
         The `HybridDriver` of the run, at its end, with its `intervals`; None if it is smooth.
     ways
-        Directions, (numbers, directions); by default one number each.
+        Directions, (numbers, directions).
     order
         1, or 2 for second derivatives of a smooth run.
 
@@ -339,15 +342,14 @@ class Pass:
         problem: Problem,
         wrt: Sequence[str],
         times: np.ndarray,
-        driver: Any = None,
-        ways: np.ndarray | None = None,
+        driver: Any,
+        ways: np.ndarray,
         order: int = 1,
     ):
         """Follow the run with derivatives; `rows` then has the states.
 
         `_numbers_of` comes first: it sets the start, the bodies and scales that all else reads.
         """
-        ways = np.eye(len(wrt)) if ways is None else ways
         self.problem = problem
         self.times = times
         self.driver = driver
@@ -489,8 +491,9 @@ class Pass:
                 program = getattr(numbers[0].value, "program", None)
                 return _duals(program.call(place, moved, *pairs) if program else moved(*pairs))
 
-            body, (e_n,) = refill(self.given, iter(numbers))
-            state = numbers[len(self.known) :]
+            rest = iter(numbers)
+            body, (e_n,) = refill(self.given, rest)
+            state = [*rest]
             now = world.with_numbers(body, e_n, float(driver.end) - state[-1], piece)
             n, _, begun, _ = jump(driver, state, now)
             if n.ends:
@@ -572,8 +575,7 @@ class Pass:
         cuts = np.cumsum([2, count, count, driver.width])
         (end, most), *values = np.split(numbers[:, 0, 0], cuts)
         made = impacts.piece(region, end, most, *values)
-        results = np.zeros((len(made), 2, columns.shape[1]))
-        results[:, 0] = np.array(made)[:, None]
+        results = as_rows(made, 1, columns.shape[1])
         after = slice(3, 3 + size)  # the state follows status, steps and event
         *_, state, pars = np.split(numbers, cuts)
         motion = Motion(formulas, variables, pars)
@@ -607,8 +609,7 @@ class Pass:
                 columns = function(inputs, pars=pars[: function.nparams])
                 values |= zip(names, duals_of(columns.reshape(-1, *shape)), strict=True)
         if AXES[0] in values:
-            axes = (Vector(*(values[name] for name in axis)) for axis in (AXES[:3], AXES[3:]))
-            values |= zip(QUATERNION, _quaternion(outer(*axes)), strict=True)
+            values |= zip(QUATERNION, _quaternion(outer(*axes_in(values))), strict=True)
         return values
 
     @QUIET
@@ -659,13 +660,13 @@ def followed(problem: Problem, wrt: Sequence[str], times: np.ndarray, *options: 
     return awaited(follow, "the variational equations are integrated")
 
 
-def _quaternion(products: Sequence) -> list[Dual]:
+def _quaternion(products: tuple) -> list[Dual]:
     """Return unit quaternions with their derivatives, of P = 4 q q^t.
 
     With a constant q0 near q, P q0 = 4 q (q . q0) is along q: divided by its length it is q, with
     the derivatives of q.
     """
-    near = quaternion([[plain(one) for one in row] for row in products])
+    near = quaternion(plain(products))
     along = [sum(map(operator.mul, row, near)) for row in products]
     size = sqrt(sum(one * one for one in along))
     return [one / size for one in along]

@@ -152,10 +152,10 @@ def first_touch(n: Next, world: Any) -> Next:
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
-    if series := n.series:  # rows during the jump have the reference too: 0 * t, as t is an array
+    if series := n.series:  # rows during the jump have the reference too
         n.series = lambda t: (
             (after := series(t))[0],
-            after[1]._replace(jellett_reference=now + lost + 0 * t),
+            after[1]._replace(jellett_reference=now + lost),
         )
     return n
 
@@ -472,11 +472,11 @@ def slide(x: Moving, world: Any, ball: int, beta: Any, cause: str, w: Any = 0) -
     duration, at, is_slow = slides
     delay = number(min(duration, eighty_bits(world.left)))
 
-    def series(times: Any) -> tuple[Any, Any]:
-        """Return the records of states and integrals, (n,), at times since the slide's start."""
-        return read(at([eighty_bits(one) for one in times]))
+    def series(time: Any) -> tuple[Any, Any]:
+        """Return the records of the state and the integrals at a time since the slide's start."""
+        return read(at(eighty_bits(time)))
 
-    q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
+    q, carried = (record._make(map(number, record)) for record in series(delay))
     end = phase.leave(q, world.body[ball])._replace(carried=carried)
     return Next(name, end, cause, delay, series, lasts=0 if is_slow else math.inf)
 

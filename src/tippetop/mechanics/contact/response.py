@@ -26,7 +26,7 @@ import math
 from typing import Any
 
 from ..disc_friction import drag, rolling
-from ..dual import implicit, plain
+from ..dual import Line, plain
 from ..friction import load
 from ..operand import (
     Vector,
@@ -331,7 +331,10 @@ def sliding_at(force: Any) -> Any:
         share = (low + high) / 2
         low, high = (share, high) if beyond(share / (1 - share), known) < 0 else (low, share)
     x = low / (1 - low)
-    return x if force is known else implicit(x, beyond, force)
+    if force is known:
+        return x
+    # a step of Newton: first derivatives are those of the zero, by the implicit function theorem
+    return x - beyond(x, force) / beyond(Line(x, 1.0), known).first
 
 
 INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
