@@ -44,8 +44,6 @@ def film(folder: Path, *rows: str) -> Path:
             "friction.mu",
             r"must be at most .* but is 9000 s \(2\.5 hours\): is `t` in ms\?",
         ),
-        (["0,5", "0.1,5"], "friction.nu", "friction.mu"),
-        (["0,5", "0.1,5"], ",", "must be names such as"),
     ],
 )
 def test_what_cannot_be_fitted_is_a_sentence(

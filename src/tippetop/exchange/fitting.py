@@ -21,7 +21,7 @@ from ..errors import InputError, refuse_without
 from ..progress import Report
 from . import influences
 from .fit_result import Estimate, Fit
-from .misfit import IDLE, WORST, Misfit
+from .misfit import IDLE, Misfit
 from .observation import CLOCK, OFFSET, Observation
 from .periods import RIVAL, walk
 from .scales import Space
@@ -171,11 +171,11 @@ def _refuse(misfit: Misfit) -> None:
             )
     start = np.zeros(len(space.names))
     values = space.values(start)
-    left, jacobian = misfit.at(start[None], misfit.rows)
+    _, jacobian = misfit.at(start[None], misfit.rows)
     if values.get(CLOCK, 1.0) * observation.t[0] + values.get(OFFSET, 0.0) < 0:
         first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
         raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
-    if (left == WORST).all():
+    if np.isnan(misfit.read(observation, values, misfit.rows)).all():
         raise InputError("the scenario must move over the time of the table, but cannot.")
     # of the groups, in the order in which `Misfit.read` joins their residuals
     ends = np.cumsum([given.sum() for given in observation.given.values()])[:-1]

@@ -16,12 +16,13 @@ import numpy as np
 
 from ..arguments import choice
 from ..columns import Arrays
+from .headers import UNITS
 from .lockstep import Lockstep
 from .observation import Observation
 from .scales import FAR, Space
 
 
-# Residual of a motion that cannot be computed
+# Residual of a motion that cannot be computed: radians, or multiples of the spread of others
 WORST = 10.0
 # Error of data and predictions by rounding, of their root mean square: attitudes after 1500 rad of
 # spin have 1e-12, and after 9000 rad 2e-11
@@ -68,12 +69,10 @@ class Misfit:
         self.observation = observation
         self.space = space
         self.loss = loss
-        # in units of the first group, which has the weight 1
-        spreads = [float(np.nanstd(seen)) for seen in observation.groups.values()]
-        self.weights = {
-            group: spreads[0] / spread if spreads[0] * spread else 1.0
-            for group, spread in zip(observation.groups, spreads, strict=True)
-        }
+        spreads = {g: float(np.nanstd(seen)) or 1.0 for g, seen in observation.groups.items()}
+        first = next(iter(spreads.values()))
+        self.weights = {group: first / spread for group, spread in spreads.items()}
+        self.worst = {g: WORST * (spreads[g] if g in UNITS else 1.0) for g in spreads}
         self.rounding = {
             group: ROUNDING * float(np.sqrt(np.nanmean(seen**2))) or ROUNDING
             for group, seen in observation.groups.items()
@@ -151,7 +150,7 @@ class Misfit:
         """Return the substitutes (numbers,) for residuals of a motion that cannot be computed."""
         given = self.observation.given.items()
         return np.concatenate(
-            [np.full(every[:rows].sum(), WORST * self.weights[group]) for group, every in given]
+            [np.full(every[:rows].sum(), self.worst[g] * self.weights[g]) for g, every in given]
         )
 
     def refine(self) -> None:
