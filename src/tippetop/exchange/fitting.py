@@ -95,6 +95,10 @@ def fit(
     space = observation.space(within)
     misfit = Misfit(observation, space, loss)
     _refuse(misfit)
+    # until the noise is known; of the first kind, and of one alone, the weight stays 1
+    first = next(iter(misfit.sizes.values()))
+    misfit.weights = {group: first / size for group, size in misfit.sizes.items()}
+    misfit.last = (None,)
     widen(misfit)
     misfit.rival = rival.residuals if rival else {}
     hopeless = HOPELESS if rival else MET

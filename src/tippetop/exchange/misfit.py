@@ -22,7 +22,7 @@ from .observation import Observation
 from .scales import FAR, Space
 
 
-# Residual of a motion that cannot be computed: radians, or multiples of the spread of others
+# Residual of a motion that cannot be computed: radians, or multiples of the size of others
 WORST = 10.0
 # Error of data and predictions by rounding, of their root mean square: attitudes after 1500 rad of
 # spin have 1e-12, and after 9000 rad 2e-11
@@ -64,19 +64,18 @@ class Misfit:
     """
 
     def __init__(self, observation: Observation, space: Space, loss: str):
-        """Give each group a weight by its spread, and a floor of rounding error."""
+        """Give each group the weight 1, and a floor of rounding error by its root mean square."""
         choice("loss", loss, WEIGHTS)
         self.observation = observation
         self.space = space
         self.loss = loss
-        spreads = {g: float(np.nanstd(seen)) or 1.0 for g, seen in observation.groups.items()}
-        first = next(iter(spreads.values()))
-        self.weights = {group: first / spread for group, spread in spreads.items()}
-        self.worst = {g: WORST * (spreads[g] if g in UNITS else 1.0) for g in spreads}
-        self.rounding = {
-            group: ROUNDING * float(np.sqrt(np.nanmean(seen**2))) or ROUNDING
+        self.weights = dict.fromkeys(observation.groups, 1.0)
+        self.sizes = {
+            group: float(np.sqrt(np.nanmean(seen**2))) or 1.0
             for group, seen in observation.groups.items()
         }
+        self.rounding = {group: ROUNDING * size for group, size in self.sizes.items()}
+        self.worst = {g: WORST * (size if g in UNITS else 1.0) for g, size in self.sizes.items()}
         self.rows = len(observation.t)
         # Residuals, SI, of another scenario that explains the measurements
         self.rival: Arrays = {}
