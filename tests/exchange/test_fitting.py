@@ -120,7 +120,7 @@ def test_three_rows_of_noise_do_not_end_a_search(tmp_path: Path) -> None:
     """Two of the first three residuals are larger than twice the stated noise."""
     t = np.arange(0, 0.4, 1 / 60)
     seen = tt.run("inverting", start={"theta": 0.5}, until=t[-1], output_times=t).trajectory
-    noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal(rows.axis.shape)
+    noise = np.deg2rad(0.3) * np.random.default_rng(3).standard_normal(seen.axis.shape)
     noise[:3] = np.deg2rad(1.0)
     axis = seen.axis.values + np.cross(noise, seen.axis.values)
     axis /= np.linalg.norm(axis, axis=1)[:, None]
