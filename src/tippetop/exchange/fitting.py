@@ -167,11 +167,11 @@ def _refuse(misfit: Misfit) -> None:
     observation = misfit.observation
     space = misfit.space
     for group, given in observation.given.items():
-        # the noise of each kind is estimated: a fit may follow as many as are free
+        # its noise is estimated, and a fit can follow as many numbers as are free
         if given.sum() <= len(space.names):
             raise InputError(
-                f"more measurements of {group} than free numbers must be there, but are "
-                f"{given.sum()} for {len(space.names)}."
+                f"{group} must have more measured numbers than are free ({len(space.names)}), but "
+                f"has {given.sum()}: measure more, or leave it out."
             )
     start = np.zeros(len(space.names))
     values = space.values(start)

@@ -202,10 +202,10 @@ def fit(
         degrees, by the air on a sphere of its size, and for a contact disc of 0.1 mm, unless the
         scenario has `plane.tilt`, a table [air], or a law with a disc. False: of a computed motion.
     laws : list of str or mappings, optional
-        Friction laws under which the film is fitted, by name, or as tables `friction`: the one that
-        explains it best is returned, and `laws` has all of them. Where one explains the film,
-        searches under the others begin there, and end soon. Free numbers that a law lacks are left
-        out.
+        Different friction laws, two at least, under which the film is fitted, by name, or as tables
+        `friction`: the one that explains it best is returned, and `laws` has all of them. Where one
+        explains the film, searches under the others begin there, and end soon. Free numbers that a
+        law lacks are left out.
     marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
         axes [m].
@@ -258,7 +258,6 @@ def fit(
     until = float(read(path_of("data", data), wrapped=False, track=film.get("track")).t[-1])
     fits: dict[str, Fitted] = {}
     every = laws.split(",") if isinstance(laws, str) else laws
-
     kinds = [law_choice.under(problem, law, until).law for law in every]
     if len({kind.key for kind in kinds}) < max(len(kinds), 2):
         raise InputError(

@@ -160,6 +160,11 @@ def posterior(
     InputError
         If the table, a name or the scenario is wrong, or the fit leaves a number undecided.
 
+    Warns
+    -----
+    TippetopWarning
+        If the residuals of the fit are not noise.
+
     Examples
     --------
     >>> import tippetop as tt
